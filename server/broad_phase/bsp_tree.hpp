@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "server/geometry/aabb.hpp"
+#include "server/geometry/mesh.hpp"
+#include "server/geometry/ray.hpp"
+
+namespace collided {
+
+/// What a walk touched; added to, never reset.
+struct WalkCost {
+  std::uint32_t nodes = 0;
+  std::uint32_t candidates = 0;
+};
+
+struct BspReport {
+  std::uint32_t depth = 0;
+  std::uint32_t nodes = 0;
+  std::uint32_t leaves = 0;
+  std::uint64_t references = 0;  // triangle references in leaves; more than triangles where splits clipped
+  std::uint64_t bytes = 0;
+  double build_s = 0;
+};
+
+struct BspOptions {
+  unsigned threads = 0;                          // 0: one a core
+  std::function<void(double)> progress;          // fraction done in [0, 1], from a building thread
+  std::function<bool()> cancelled;               // asked now and then; true ends the build with an empty tree
+};
+
+/// Axis-aligned space partition of static triangles: says which triangles a question may meet. Generous, never
+/// misses: for every triangle that meets the asked set the walk calls back, or has been told to stop before.
+/// A triangle may be called twice (a clipped split holds it in two leaves).
+/// Immutable after build; any number of threads may walk it.
+class BspTree {
+ public:
+  BspTree();
+  ~BspTree();
+  BspTree(BspTree&&) noexcept;
+  BspTree& operator=(BspTree&&) noexcept;
+
+  static BspTree build(const TriangleMesh& mesh, const BspOptions& options = {});
+
+  const BspReport& report() const;
+  /// Contains every vertex exactly.
+  const Aabb& bounds() const;
+
+  /// Called with a candidate; returns the limit from then on (s along the ray, see walk_ray).
+  using RayCandidate = double (*)(void* context, std::uint32_t triangle, double limit);
+  /// Near to far along the ray. limit: only s in [0, limit] matters, in units of the direction's length; a negative
+  /// returned limit ends the walk. slack_m widens every bound (0 for static meshes; the pose's rounding otherwise).
+  void walk_ray(const Ray& ray, double limit, double slack_m, RayCandidate candidate, void* context,
+                WalkCost& cost) const;
+
+  /// Called with a candidate; false ends the walk.
+  using BoxCandidate = bool (*)(void* context, std::uint32_t triangle);
+  /// Triangles whose bounds overlap the asked box, touching included.
+  void walk_box(const Aabb& asked, BoxCandidate candidate, void* context, WalkCost& cost) const;
+
+  /// Called with a candidate; returns the limit from then on, the square of a distance.
+  using NearCandidate = double (*)(void* context, std::uint32_t triangle, double limit_m2);
+  /// Triangles that may lie within sqrt(limit_m2) of the point, roughly near to far.
+  void walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate, void* context,
+                 WalkCost& cost) const;
+
+ private:
+  struct Storage;
+  std::unique_ptr<Storage> storage_;
+};
+
+}  // namespace collided

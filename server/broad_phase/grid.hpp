@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "server/broad_phase/bsp_tree.hpp"
+#include "server/geometry/aabb.hpp"
+#include "server/geometry/ray.hpp"
+
+namespace collided {
+
+/// Multi-level hashed grid over bounding boxes: a box goes to the level of its size, so one giant among dust costs
+/// nothing. Unbounded coordinates. Generous, never misses; each box is called at most once a walk.
+/// One thread rebuilds; while nobody rebuilds, any number may walk.
+class Grid {
+ public:
+  Grid();
+  ~Grid();
+  Grid(Grid&&) noexcept;
+  Grid& operator=(Grid&&) noexcept;
+
+  /// Boxes are numbered by their place in the span; empty ones are left out. Keeps its memory between calls.
+  void rebuild(std::span<const Aabb> boxes);
+
+  std::size_t size() const;
+  std::size_t bytes() const;
+
+  /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order.
+  using PairFound = void (*)(void* context, std::uint32_t first, std::uint32_t second);
+  void pairs(PairFound found, void* context, WalkCost& cost) const;
+
+  /// False ends the walk.
+  using BoxFound = bool (*)(void* context, std::uint32_t box);
+  void walk_box(const Aabb& asked, BoxFound found, void* context, WalkCost& cost) const;
+
+  /// As BspTree::walk_ray: s along the ray in units of its direction's length; returns the limit from then on.
+  using RayFound = double (*)(void* context, std::uint32_t box, double limit);
+  void walk_ray(const Ray& ray, double limit, RayFound found, void* context, WalkCost& cost) const;
+
+  /// As BspTree::walk_near, squares of distances.
+  using NearFound = double (*)(void* context, std::uint32_t box, double limit_m2);
+  void walk_near(const Vec3& point, double limit_m2, NearFound found, void* context, WalkCost& cost) const;
+
+ private:
+  struct Storage;
+  std::unique_ptr<Storage> storage_;
+};
+
+}  // namespace collided

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "server/geometry/shapes.hpp"
+
+namespace collided {
+
+/// Nearest point of a closed set. |true distance - distance_m| <= distance_error_m; 0 inside a solid.
+struct Closest {
+  double distance_m = 0;
+  double distance_error_m = 0;
+  Vec3 point = Vec3::Zero();   // on the set
+  Vec3 normal = Vec3::Zero();  // unit, from the set towards the asked point; of the nearest face when inside
+};
+
+Closest closest(const Vec3& point, const Sphere& sphere);
+Closest closest(const Vec3& point, const Box& box);
+Closest closest(const Vec3& point, const Capsule& capsule);
+Closest closest(const Vec3& point, const Triangle& triangle);
+Closest closest(const Vec3& point, const Primitive& primitive);
+
+}  // namespace collided

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "server/exact_phase/verdict.hpp"
+#include "server/geometry/ray.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided {
+
+/// Where a ray first meets a shape. |true distance - distance_m| <= distance_error_m.
+struct RayHit {
+  double distance_m = 0;
+  double distance_error_m = 0;
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();   // unit, against the ray; for a start inside a solid: of the exit
+  Vec3 weights = Vec3::Zero();  // barycentric, triangles only; their sum is 1 to one rounding
+  double exit_m = 0;            // where the ray leaves a solid (may exceed the length); the distance for a triangle
+  bool inside = false;          // the ray starts inside a solid: distance 0
+};
+
+/// Whether the ray meets the shape, exact for the given doubles; touching counts, so do both ends of the ray and
+/// both sides of a triangle. A zero-area triangle is the segment or point that it is. `hit` is filled on yes only.
+///
+/// threads  pure; allocates only on Level::rational
+Verdict cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Sphere& sphere, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Box& box, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit);
+
+/// Which of two triangles, both met by the ray, is met first: -1 a, 0 both at once, +1 b. Exact.
+int compare_hits(const Ray& ray, const Triangle& a, const Triangle& b);
+
+}  // namespace collided

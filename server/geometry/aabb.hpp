@@ -1,0 +1,41 @@
+#pragma once
+
+#include <limits>
+
+#include "server/geometry/shapes.hpp"
+#include "server/geometry/vector.hpp"
+
+namespace collided {
+
+/// Axis-aligned box {x : low <= x <= high}, closed. Empty while low > high.
+struct Aabb {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+  bool empty() const { return !(low.array() <= high.array()).all(); }
+  void extend(const Vec3& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  void extend(const Aabb& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+};
+
+/// Touching counts.
+inline bool overlaps(const Aabb& a, const Aabb& b) {
+  return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
+}
+
+/// Contain every point of the shape: each bound is rounded outward.
+Aabb bounds(const Sphere& sphere);
+Aabb bounds(const Box& box);
+Aabb bounds(const Capsule& capsule);
+Aabb bounds(const Triangle& triangle);
+Aabb bounds(const Primitive& primitive);
+
+/// Grown by margin_m on each side, rounded outward.
+Aabb grown(const Aabb& box, double margin_m);
+
+}  // namespace collided

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "server/geometry/shapes.hpp"
+#include "server/geometry/vector.hpp"
+
+namespace collided {
+
+/// Position and unit quaternion of a body in the world (X_WB).
+struct Pose {
+  Vec3 position = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+};
+
+/// A pose made ready for placing points: the rotation matrix in double, by one documented sequence of operations.
+struct Frame {
+  Mat3 rotation = Mat3::Identity();
+  Vec3 position = Vec3::Zero();
+};
+
+/// The quaternion is used as given (the border accepts | |q| - 1 | <= 1e-6 and divides by its norm once).
+Frame frame_of(const Pose& pose);
+
+/// R p + t, each row as ((r0 p0 + r1 p1) + r2 p2) + t in double. This rounding is part of the exact input: the
+/// world point *is* the result, and later decisions are exact about it.
+Vec3 place(const Frame& frame, const Vec3& point);
+
+Sphere place(const Frame& frame, const Sphere& sphere);
+/// Axes are rotated without being normalised again.
+Box place(const Frame& frame, const Box& box);
+Capsule place(const Frame& frame, const Capsule& capsule);
+Triangle place(const Frame& frame, const Triangle& triangle);
+Primitive place(const Frame& frame, const Primitive& primitive);
+
+}  // namespace collided

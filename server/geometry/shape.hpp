@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "server/geometry/mesh.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided {
+
+/// What an object is made of, in its own frame: solid primitives and at most one mesh. One primitive is a plain
+/// sphere, box or capsule; more make a compound.
+struct Shape {
+  std::vector<Primitive> primitives;
+  std::shared_ptr<const TriangleMesh> mesh;  // may be null
+
+  bool empty() const { return primitives.empty() && !mesh; }
+};
+
+/// Who may meet whom: two objects are a pair when each one's layers meet the other's mask, unless they share a
+/// group other than 0 (the links of one robot, the bones of one body).
+struct Filter {
+  std::uint32_t layers = 1;
+  std::uint32_t mask = 0xffffffff;
+  std::uint32_t group = 0;
+};
+
+inline bool may_meet(const Filter& a, const Filter& b) {
+  return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0 && (a.group == 0 || a.group != b.group);
+}
+
+}  // namespace collided
