@@ -1,0 +1,359 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+/// The client of a collision server: ask, watch, and move objects. Metres, seconds, right-handed; quaternions w first.
+/// Threads: every class here may be used from any thread, one call at a time per object unless said otherwise.
+namespace collided {
+
+using Vec3 = Eigen::Vector3d;
+using Quat = Eigen::Quaterniond;
+
+// ---- results -------------------------------------------------------------------------------------------------------
+
+enum class ErrorCode { bad_input, no_server, timeout, refused, disconnected, internal };
+
+/// What went wrong and what to do next, ready to print.
+struct Error {
+  ErrorCode code = ErrorCode::internal;
+  std::string message;
+  std::string hint;  // may be empty
+};
+
+/// A value or the error that stands in its place.
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : state_(std::move(value)) {}
+  Result(Error error) : state_(std::move(error)) {}
+  explicit operator bool() const { return state_.index() == 0; }
+  T& operator*() { return std::get<0>(state_); }
+  const T& operator*() const { return std::get<0>(state_); }
+  T* operator->() { return &std::get<0>(state_); }
+  const T* operator->() const { return &std::get<0>(state_); }
+  const Error& error() const { return std::get<1>(state_); }
+
+ private:
+  std::variant<T, Error> state_;
+};
+
+struct Done {};
+
+// ---- questions -----------------------------------------------------------------------------------------------------
+
+enum class Pick { closest, any, all };
+
+/// direction  finite, non-zero, any length; length_m in [0, inf]
+struct RayQuestion {
+  Vec3 origin;
+  Vec3 direction;
+  double length_m = std::numeric_limits<double>::infinity();
+};
+struct SphereQuestion {
+  Vec3 center;
+  double radius_m = 0;
+};
+struct BoxQuestion {
+  Vec3 center;
+  Vec3 half_m;
+  Quat rotation = Quat::Identity();
+};
+struct NearQuestion {
+  Vec3 point;
+  double within_m = std::numeric_limits<double>::infinity();
+};
+
+/// What may answer, and how well.
+struct AskOptions {
+  Pick pick = Pick::closest;          // rays only
+  std::uint32_t mask = 0xffffffff;    // layers that may answer
+  std::string only;                   // name glob (* ? [...]), empty: everything
+  std::string skip;                   // name glob, empty: nothing
+  std::uint32_t max_hits = 1000;      // per question; more are cut and the answer is undecided (truncated)
+  double error_m = 0;                 // error asked; 0: exact on doubt
+  std::chrono::nanoseconds deadline{0};             // 0: none; later answers are undecided (deadline)
+  std::chrono::nanoseconds timeout{2'000'000'000};  // how long the caller waits
+  bool fresh = false;                 // answer after this connection's own last write
+};
+
+enum class Verdict { miss, hit, undecided, invalid };
+enum class Undecided { none, numeric, stale_object, recovering, truncated, deadline };
+
+inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
+
+/// Ray: distance along the ray. Sphere and box: depth_m is how deep (>= 0). Near: distance from the point.
+/// |truth - distance_m| <= error_m.
+struct Hit {
+  std::string object;
+  std::uint64_t object_id = 0;
+  std::uint32_t triangle = kNoTriangle;
+  double distance_m = 0;
+  double error_m = 0;
+  double exit_m = 0;
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();
+  Vec3 weights = Vec3::Zero();
+  bool inside = false;
+  bool stale = false;
+};
+
+struct Cost {
+  std::uint32_t nodes = 0;
+  std::uint32_t exact_tests = 0;
+  int level = 0;  // 0 double filter, 1 expansions or intervals, 2 rationals
+};
+
+struct Answer {
+  Verdict verdict = Verdict::miss;
+  Undecided reason = Undecided::none;
+  std::vector<Hit> hits;  // ordered by (distance, object id, triangle)
+  Cost cost;
+};
+
+/// One request's answers, all on one state of the world.
+struct Answers {
+  std::uint64_t epoch = 0;
+  std::uint64_t version = 0;
+  std::chrono::nanoseconds world_time{0};
+  std::optional<std::chrono::nanoseconds> oldest_pose_age;  // none: only static geometry decided
+  std::chrono::nanoseconds compute{0};
+  std::vector<Answer> answers;  // one a question, in order
+};
+
+// ---- events --------------------------------------------------------------------------------------------------------
+
+enum class What { open, began, persisted, ended };
+enum class Why { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted };
+
+struct Event {
+  What what = What::began;
+  Why why = Why::none;
+  bool resync = false;  // learnt from the contact state after a gap, a late start or a new server
+  std::string a;
+  std::string b;
+  std::uint64_t a_id = 0;
+  std::uint64_t b_id = 0;
+  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t b_triangle = kNoTriangle;
+  std::uint64_t epoch = 0;
+  std::uint64_t sequence = 0;
+  std::uint64_t episode = 0;  // sequence of the pair's `began`
+  std::chrono::nanoseconds world_time{0};
+  std::chrono::nanoseconds began{0};     // world time at which the episode began
+  double bracket_low_s = 0;              // the change happened between these, seconds before world_time
+  double bracket_high_s = 0;
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();            // from a to b
+  double depth_m = 0;
+  double depth_error_m = 0;
+};
+
+struct WatchOptions {
+  std::string only;            // either name must match; empty: everything
+  std::string skip;            // neither name may match
+  bool persisted = false;
+  std::size_t capacity = 65'536;  // of the poll queue; beyond it the oldest are dropped and counted
+};
+
+/// Events of every pair, each once and in order; on a gap or a new server only the differences come, marked `resync`.
+/// The first events are `open`: what already holds. Destroying it ends the watching.
+class Watch {
+ public:
+  ~Watch();
+  Watch(Watch&&) noexcept;
+  Watch& operator=(Watch&&) noexcept;
+
+  /// The next event; nothing after `wait`.
+  std::optional<Event> next(std::chrono::nanoseconds wait);
+  std::uint64_t lost() const;      // events dropped because nobody called next()
+  std::uint64_t resyncs() const;
+  /// False while no status has come for 300 ms.
+  bool connected() const;
+  /// Contacts that hold now by this watch's own account.
+  std::size_t open_contacts() const;
+
+ private:
+  friend class Client;
+  struct State;
+  explicit Watch(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+// ---- objects -------------------------------------------------------------------------------------------------------
+
+struct SphereShape {
+  double radius_m = 0;
+  Vec3 center = Vec3::Zero();
+};
+struct BoxShape {
+  Vec3 half_m = Vec3::Zero();
+  Vec3 center = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+};
+struct CapsuleShape {
+  Vec3 a = Vec3::Zero();
+  Vec3 b = Vec3::Zero();
+  double radius_m = 0;
+};
+struct MeshShape {
+  std::vector<Vec3> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// One part, or several that move as one. At most one of them a mesh.
+using ShapePart = std::variant<SphereShape, BoxShape, CapsuleShape, MeshShape>;
+using Shape = std::vector<ShapePart>;
+
+struct Pose {
+  Vec3 position = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+};
+
+/// What becomes of an object whose publisher is lost.
+enum class WhenLost { remove, freeze, hold };
+
+struct ObjectOptions {
+  std::string name;  // unique in the world, at most 255 bytes
+  Shape shape;
+  Pose pose;
+  std::uint32_t layers = 1;
+  std::uint32_t mask = 0xffffffff;
+  std::uint32_t group = 0;  // members of one group other than 0 never meet
+  bool moving = true;
+  WhenLost when_lost = WhenLost::remove;
+};
+
+/// A source of objects and their poses. Objects live as long as the publisher unless removed earlier.
+/// Poses are collected by move() and sent by flush() as batches of at most 4,096.
+class Publisher {
+ public:
+  ~Publisher();
+  Publisher(Publisher&&) noexcept;
+  Publisher& operator=(Publisher&&) noexcept;
+
+  using Object = std::uint32_t;
+  Result<Object> add(const ObjectOptions& options);
+  Result<Done> remove(Object object);
+  /// Non-finite or non-unit (beyond 1e-6) poses are refused.
+  Result<Done> move(Object object, const Pose& pose, bool teleport = false);
+  /// Sends what move() collected; returns the sequence of the last batch (for AskOptions.fresh).
+  Result<std::uint64_t> flush(std::chrono::nanoseconds source_time = {});
+  /// Says "still there" without moving anything; move/flush say so as well.
+  Result<Done> keep_alive();
+  /// Waits until the server has applied everything sent so far.
+  Result<Done> wait_applied(std::chrono::nanoseconds timeout);
+
+ private:
+  friend class Client;
+  struct State;
+  explicit Publisher(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+// ---- connection ----------------------------------------------------------------------------------------------------
+
+struct PublisherInfo {
+  std::string name;
+  std::uint64_t applied_sequence = 0;
+  std::chrono::nanoseconds silent{0};
+  bool lost = false;
+};
+
+struct ServerStatus {
+  std::string name_space;
+  std::string version_text;
+  std::uint32_t pid = 0;
+  std::string state;  // starting, recovering, ready, stopping
+  std::uint64_t epoch = 0;
+  std::uint64_t version = 0;
+  std::chrono::nanoseconds world_time{0};
+  std::uint64_t last_event_sequence = 0;
+  std::uint32_t contacts = 0;
+  std::vector<std::string> scenes;
+  std::uint64_t static_triangles = 0;
+  std::uint32_t objects = 0;
+  std::uint32_t moving = 0;
+  std::uint64_t poses_applied = 0;
+  std::uint64_t poses_dropped = 0;
+  std::uint64_t questions_answered = 0;
+  std::uint64_t questions_refused = 0;
+  std::uint64_t undecided_answers = 0;
+  std::vector<PublisherInfo> publishers;
+  std::chrono::nanoseconds age{0};  // of this status
+};
+
+struct ConnectOptions {
+  int domain = 0;
+  std::string name_space = "collided";
+  std::string interface = "lo";  // "auto" opens it to the network
+  std::vector<std::string> peers;
+  std::chrono::nanoseconds wait{2'000'000'000};  // for a server to answer
+};
+
+/// A connection to one server. Calls may come from several threads at once.
+class Client {
+ public:
+  /// Waits until a server answers hello; Error no_server otherwise, with what was seen on the domain.
+  static Result<Client> connect(const ConnectOptions& options = {});
+  ~Client();
+  Client(Client&&) noexcept;
+  Client& operator=(Client&&) noexcept;
+
+  Result<Answer> ask(const RayQuestion& question, const AskOptions& options = {});
+  Result<Answer> ask(const SphereQuestion& question, const AskOptions& options = {});
+  Result<Answer> ask(const BoxQuestion& question, const AskOptions& options = {});
+  Result<Answer> ask(const NearQuestion& question, const AskOptions& options = {});
+
+  /// Up to 100,000 questions on one state of the world.
+  Result<Answers> ask(std::span<const RayQuestion> questions, const AskOptions& options = {});
+  Result<Answers> ask(std::span<const SphereQuestion> questions, const AskOptions& options = {});
+  Result<Answers> ask(std::span<const BoxQuestion> questions, const AskOptions& options = {});
+  Result<Answers> ask(std::span<const NearQuestion> questions, const AskOptions& options = {});
+
+  std::future<Result<Answers>> ask_async(std::vector<RayQuestion> questions, AskOptions options = {});
+  std::future<Result<Answers>> ask_async(std::vector<SphereQuestion> questions, AskOptions options = {});
+  std::future<Result<Answers>> ask_async(std::vector<BoxQuestion> questions, AskOptions options = {});
+  std::future<Result<Answers>> ask_async(std::vector<NearQuestion> questions, AskOptions options = {});
+
+  /// Poll with Watch::next.
+  Result<Watch> watch(const WatchOptions& options = {});
+  /// Calls back from a thread of the library until the Watch is destroyed.
+  Result<Watch> watch(const WatchOptions& options, std::function<void(const Event&)> callback);
+
+  Result<Publisher> publish(const std::string& publisher_name);
+
+  /// Commands (load, add, move, remove, clear, list, get, plan, ...): JSON in, JSON out.
+  /// progress is called with a fraction in [0, 1] from a thread of the library.
+  Result<std::string> command(std::string_view name, std::string_view json_arguments,
+                              const Shape& shape = {}, std::chrono::nanoseconds timeout = std::chrono::seconds(10),
+                              std::function<void(double)> progress = {});
+
+  /// The newest status heard.
+  Result<ServerStatus> status();
+
+ private:
+  struct State;
+  explicit Client(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// "0.1.0"
+std::string_view library_version();
+
+}  // namespace collided

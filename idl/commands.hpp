@@ -1,0 +1,36 @@
+#pragma once
+
+/// Commands travel as queries of kind `command`: text = {"command": NAME, ...arguments}; the reply's text is the answer
+/// as one JSON object. A refusal has ReplyStatus::refused and {"error": MESSAGE, "hint": NEXT_STEP} as its text.
+/// Poses are [x, y, z, qw, qx, qy, qz]; names may be globs (* ? [..]) where it says so.
+namespace collided::wire_contract::command {
+
+/// path, name ("" = stem), unit_m, up ("y" or "z"), strict, replace (a scene of that name)
+/// -> scene, triangles, parts, objects, seconds, mended [], refused [], warnings [], left_out [], version.
+/// Replies of status `progress` with {"fraction": f} may come before.
+inline constexpr const char* kLoad = "load";
+
+/// scene ("" = all), moving (true: also or, without scene, only moving objects)
+/// -> removed, ended, version
+inline constexpr const char* kClear = "clear";
+
+/// name, pose, layers, mask, group, moving; the shape is the query's blob -> name, id, version
+inline constexpr const char* kAdd = "add";
+
+/// name, pose, teleport -> name, moved_m, began [names], ended [names], version. Refused for an object of a live publisher.
+inline constexpr const char* kMove = "move";
+
+/// name (glob) -> removed [names], ended, version. Refused for objects of a live publisher.
+inline constexpr const char* kRemove = "remove";
+
+/// name (glob, "" = all), moving (true / false / absent: both), limit
+/// -> objects [{name, id, kind, moving, scene, publisher, position, triangles, layers, stale}], count, version
+inline constexpr const char* kList = "list";
+
+/// name -> as in list, and pose, velocity, shape [{sphere|box|capsule|mesh ...}], bounds [low, high], age_ns, contacts [names]
+inline constexpr const char* kGet = "get";
+
+/// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], bytes
+inline constexpr const char* kPlan = "plan";
+
+}  // namespace collided::wire_contract::command

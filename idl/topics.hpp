@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Names, codes and limits that both sides of the wire share. QoS beside each topic; dds.hpp turns it into entities.
+namespace collided::wire_contract {
+
+inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
+
+enum class QueryKind : std::uint8_t { hello, ray, sphere, box, near, command };
+enum class RayMode : std::uint8_t { closest, any, all };
+enum class Answer : std::uint8_t { miss, hit, undecided, invalid };
+enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline };
+enum class ReplyStatus : std::uint8_t { ok, refused, progress };
+enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUndecidedHit = 4 };
+enum class EventKind : std::uint8_t { began, persisted, ended };
+enum class EndReason : std::uint8_t { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted };
+enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
+enum class PublisherState : std::uint8_t { alive, silent, lost };
+/// What becomes of a lost publisher's objects.
+enum class LostPolicy : std::uint8_t { remove, freeze, hold };
+enum PoseFlags : std::uint8_t { kTeleported = 1 };
+
+inline constexpr std::uint32_t kRayNumbers = 7;
+inline constexpr std::uint32_t kSphereNumbers = 4;
+inline constexpr std::uint32_t kBoxNumbers = 10;
+inline constexpr std::uint32_t kNearNumbers = 4;
+inline constexpr std::uint32_t kPoseNumbers = 7;
+inline constexpr std::uint32_t kVelocityNumbers = 6;
+inline constexpr std::uint32_t kHitNumbers = 12;
+inline constexpr std::uint32_t kEventNumbers = 10;
+inline constexpr std::uint32_t kContactNumbers = 8;
+
+/// Limits that the border checks; beyond them a sample is refused with the number, never cut in silence.
+inline constexpr std::uint32_t kMaxQuestionsPerChunk = 1'000;
+inline constexpr std::uint32_t kMaxQuestionsPerRequest = 100'000;
+inline constexpr std::uint32_t kChunksInFlight = 4;
+inline constexpr std::uint32_t kMaxHitsPerChunk = 8'192;       // 96 B a hit and more: a reply stays under 1 MiB
+inline constexpr std::uint32_t kMaxPosesPerBatch = 4'096;
+inline constexpr std::uint32_t kMaxEventsPerFrame = 1'024;
+inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;
+inline constexpr std::uint32_t kMaxNameBytes = 255;
+inline constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
+inline constexpr std::uint32_t kContactShards = 64;
+inline constexpr int kMaxParticipantIndex = 120;
+
+enum class Reliability : std::uint8_t { best_effort, reliable };
+enum class Durability : std::uint8_t { volatile_data, transient_local };
+
+/// One row of the topic table. keep_last 0: keep all (bounded by max_samples on the reader).
+struct TopicQos {
+  const char* suffix;  // the topic is "<namespace>/<suffix>"
+  Reliability reliability;
+  Durability durability;
+  int keep_last;
+  int reader_max_samples;  // 0: no limit; else admission: the reader refuses more until it is taken
+  bool autodispose;        // false: a crash reads "unknown", not "gone"
+};
+
+inline constexpr TopicQos kObjectTopic{"object", Reliability::reliable, Durability::transient_local, 1, 0, false};
+inline constexpr TopicQos kPoseTopic{"pose", Reliability::reliable, Durability::volatile_data, 64, 0, false};
+inline constexpr TopicQos kQueryTopic{"query", Reliability::reliable, Durability::volatile_data, 0, 4'096, false};
+inline constexpr TopicQos kReplyTopic{"reply", Reliability::reliable, Durability::volatile_data, 256, 0, false};
+inline constexpr TopicQos kEventTopic{"event", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
+inline constexpr TopicQos kContactTopic{"contact", Reliability::reliable, Durability::transient_local, 1, 0, false};
+inline constexpr TopicQos kStatusTopic{"status", Reliability::reliable, Durability::transient_local, 1, 0, false};
+
+/// A publisher that says nothing for this long is lost (liveliness, MANUAL_BY_TOPIC on object and pose).
+inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;
+inline constexpr std::int64_t kStatusPeriodNs = 100'000'000;
+/// No status for this long: the client library says "disconnected".
+inline constexpr std::int64_t kStatusLostNs = 300'000'000;
+
+/// "client_<16 hex digits>": the partition that a client's replies travel in.
+std::string reply_partition(std::uint64_t client);
+
+/// "<name_space>/<suffix>". Throws std::invalid_argument unless name_space is [A-Za-z_/][A-Za-z0-9_/]*, which is all
+/// that DDS accepts in a topic's name.
+std::string topic_name(std::string_view name_space, const TopicQos& topic);
+
+/// Names as they travel beside their ids: zero-terminated, one after the other.
+std::vector<std::uint8_t> pack_names(std::span<const std::string> names);
+
+/// Views into `packed`. A last name without its zero is left out, so that a cut message yields whole names only.
+std::vector<std::string_view> unpack_names(std::span<const std::uint8_t> packed);
+
+/// The shard of the contact topic that holds a pair (a < b).
+std::uint8_t contact_shard(std::uint64_t a, std::uint64_t b);
+
+/// Order-free hash of the pairs that hold: the sum of this over all (a, b, episode).
+std::uint64_t contact_hash(std::uint64_t a, std::uint64_t b, std::uint64_t episode);
+
+}  // namespace collided::wire_contract
