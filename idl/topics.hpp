@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 /// Names, codes and limits that both sides of the wire share. QoS beside each topic; dds.hpp turns it into entities.
 namespace collided::wire_contract {
@@ -76,6 +78,16 @@ inline constexpr std::int64_t kStatusLostNs = 300'000'000;
 
 /// "client_<16 hex digits>": the partition that a client's replies travel in.
 std::string reply_partition(std::uint64_t client);
+
+/// "<name_space>/<suffix>". Throws std::invalid_argument unless name_space is [A-Za-z_/][A-Za-z0-9_/]*, which is all
+/// that DDS accepts in a topic's name.
+std::string topic_name(std::string_view name_space, const TopicQos& topic);
+
+/// Names as they travel beside their ids: zero-terminated, one after the other.
+std::vector<std::uint8_t> pack_names(std::span<const std::string> names);
+
+/// Views into `packed`. A last name without its zero is left out, so that a cut message yields whole names only.
+std::vector<std::string_view> unpack_names(std::span<const std::uint8_t> packed);
 
 /// The shard of the contact topic that holds a pair (a < b).
 std::uint8_t contact_shard(std::uint64_t a, std::uint64_t b);
