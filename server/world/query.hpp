@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -54,6 +55,7 @@ struct QueryScratch {
   std::vector<std::uint8_t> allowed;          // by slot, for the filter below
   std::vector<AnswerHit> found;
   const ObjectTable* allowed_table = nullptr; // what `allowed` was computed for
+  std::uint64_t allowed_version = 0;
   std::string allowed_only, allowed_skip;
   std::uint32_t allowed_mask = 0;
 };

@@ -22,13 +22,14 @@ struct Snapshot {
   std::int64_t world_time_ns = 0;
   std::vector<std::shared_ptr<const StaticScene>> scenes;
   std::shared_ptr<const ObjectTable> objects;
+  std::uint64_t table_version = 0;      // grows with each change of `objects`
   std::vector<Pose> poses;              // by slot
   std::vector<Frame> frames;            // by slot
   std::vector<Aabb> bounds;             // by slot
   std::vector<std::int64_t> posed_ns;   // world time of the pose, by slot; 0: never moved
   std::vector<std::uint8_t> stale;      // 1: the publisher is lost, the pose is frozen
   std::uint32_t stale_count = 0;
-  Grid grid;                            // over bounds
+  std::shared_ptr<Grid> grid;           // over bounds, or generous ones; shared while no object moves
   std::vector<std::uint64_t> changed;   // by slot: version of the last change, for cheap catching up
 };
 

@@ -60,13 +60,16 @@ struct StepWishes {
 /// snapshots. Changes collect until step(), which finds what began and ended and publishes the next snapshot.
 class World {
  public:
+  struct State;  // world_state.hpp: the writer's own memory
+
   explicit World(const WorldOptions& options);
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// Indexes a loaded scene (slow: call it on a loading thread); add_scene makes it part of the world.
-  static std::shared_ptr<StaticScene> index_scene(const Scene& scene, const BspOptions& options);
+  /// Takes the triangles out of a loaded scene and indexes them (slow: call it on a loading thread); add_scene makes
+  /// them part of the world.
+  static std::shared_ptr<StaticScene> index_scene(Scene& scene, const BspOptions& options);
   /// Static triangles and the scene's objects. All or nothing: a clash of names refuses the scene.
   std::variant<std::uint32_t, Refusal> add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed);
   /// Number of objects removed; their contacts end with geometry_changed.
@@ -98,7 +101,6 @@ class World {
   SnapshotRing::Lease newest() const;
 
  private:
-  struct State;
   std::unique_ptr<State> state_;
 };
 
