@@ -364,19 +364,15 @@ Applied Publishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_t 
     leave(record, EndReason::publisher_lost);
     record.place = Place::taken_away;
   }
-  if (left_nothing) {
-    // It took everything back before it left.
-    retire(*publisher);
-    publishers_.erase(id);
-  } else {
-    notice(fmt::format("publisher {} is lost", printable(publisher->name)));
-  }
+  // One that took everything back before it left is no loss; it is remembered for who still asks after its last write.
+  publisher->took_leave = left_nothing;
+  if (!left_nothing) notice(fmt::format("publisher {} is lost", printable(publisher->name)));
   return Applied::done;
 }
 
 void Publishers::back_alive(Publisher& publisher) {
   publisher.lost = false;
-  notice(fmt::format("publisher {} is back", printable(publisher.name)));
+  if (!publisher.took_leave) notice(fmt::format("publisher {} is back", printable(publisher.name)));
   for (Record& record : publisher.objects.records()) {
     if (record.place == Place::taken_away) enter(publisher, record);
     if (record.place != Place::in_world || record.definition.lost_policy != LostPolicy::freeze) continue;
@@ -442,6 +438,11 @@ bool Publishers::is_live(std::uint64_t publisher) const {
 std::uint64_t Publishers::applied_through(std::uint64_t publisher) const {
   const Publisher* found = find(publisher);
   return found ? found->watermark.through() : 0;
+}
+
+void Publishers::list_applied(std::vector<std::pair<std::uint64_t, std::uint64_t>>& applied) const {
+  applied.clear();
+  for (const auto& [id, publisher] : publishers_) applied.emplace_back(id, publisher->watermark.through());
 }
 
 std::optional<std::array<double, 6>> Publishers::velocity(ObjectId id) const {

@@ -95,10 +95,15 @@ class Publishers {
   /// Publishers that wait for a name that another object has.
   std::vector<std::uint64_t> waiting_for(std::string_view name) const;
 
+  /// Those worth showing, by number.
   template <class Visit>
   void for_each(std::int64_t now_ns, Visit&& visit) const {
-    for (const auto& [id, publisher] : publishers_) visit(view(*publisher, now_ns));
+    for (const auto& [id, publisher] : publishers_) {
+      if (!(publisher->lost && publisher->took_leave)) visit(view(*publisher, now_ns));
+    }
   }
+  /// (publisher, applied_through) of all, by number.
+  void list_applied(std::vector<std::pair<std::uint64_t, std::uint64_t>>& applied) const;
 
  private:
   enum class Place : std::uint8_t { gone, in_world, waits_for_name, taken_away };
@@ -127,6 +132,7 @@ class Publishers {
     bool object_writer = false;  // lives
     bool pose_writer = false;
     bool lost = false;
+    bool took_leave = false;  // lost, but nothing of it was left
   };
 
   PublisherView view(const Publisher& publisher, std::int64_t now_ns) const;
