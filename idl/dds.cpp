@@ -261,6 +261,16 @@ std::uint32_t ReaderBase::matched_writers() const {
   return status.current_count;
 }
 
+std::vector<dds_instance_handle_t> ReaderBase::matched_writer_handles() const {
+  std::vector<dds_instance_handle_t> handles(16);
+  while (true) {
+    const dds_return_t count = check(dds_get_matched_publications(get(), handles.data(), handles.size()), "matched writers");
+    const bool all = static_cast<std::size_t>(count) <= handles.size();
+    handles.resize(static_cast<std::size_t>(count));
+    if (all) return handles;
+  }
+}
+
 WaitSet::WaitSet(const Participant& participant)
     : wake_condition_(check(dds_create_guardcondition(participant.get()), "create guard condition")),
       waitset_(check(dds_create_waitset(participant.get()), "create waitset")) {

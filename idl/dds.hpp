@@ -331,6 +331,7 @@ template <class T>
 class Taker {
  public:
   explicit Taker(dds_entity_t reader) : reader_(reader) {}
+  dds_entity_t reader() const { return reader_; }
 
   /// The next sample into memory that is reused; false when there is none.
   [[nodiscard]] bool take(Sample<T>& sample) const {
@@ -361,6 +362,8 @@ class ReaderBase {
  public:
   dds_entity_t get() const { return reader_.get(); }
   std::uint32_t matched_writers() const;
+  /// == publication_handle in the info of their samples.
+  std::vector<dds_instance_handle_t> matched_writer_handles() const;
 
  protected:
   ReaderBase(const TopicBase& topic, const wire_contract::TopicQos& row, const std::string& partition,

@@ -66,7 +66,7 @@ AskPointer AskPool::get() {
 void AskPool::put(AskPointer ask) {
   ask->pinned = {};
   ask->passed_fence = false;
-  ask->unpinned = false;
+  ask->refusal.clear();
   const std::lock_guard lock(mutex_);
   if (spares_.size() < kMost) spares_.push_back(std::move(ask));
 }

@@ -17,7 +17,7 @@ struct Ask {
   dds::Sample<wire::Query> query;
   std::int64_t taken_ns = 0;        // steady clock
   bool passed_fence = false;
-  bool unpinned = false;            // a later chunk whose request's state is no longer kept
+  std::string refusal;              // decided before a worker saw it; empty: none
   SnapshotRing::Lease pinned;       // the state that all chunks of its request are answered on; none: the newest
 };
 using AskPointer = std::unique_ptr<Ask>;
