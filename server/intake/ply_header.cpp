@@ -60,13 +60,22 @@ class HeaderParser {
         check_room();
         return std::move(header_);
       } else if (keyword != "comment" && keyword != "obj_info") {
-        cursor_.complain(fmt::format("{} is no word of a PLY header", quoted(keyword)));
+        skip_stray_line(keyword);
       }
     }
     cursor_.complain("the header has no 'end_header' line");
   }
 
  private:
+  // Blender 2.4 wrote its comment without the word. Before the first element such a line moves no byte of the rows.
+  void skip_stray_line(std::string_view keyword) {
+    if (!header_.elements.empty() || reading_.options.strict) {
+      cursor_.complain(fmt::format("{} is no word of a PLY header", quoted(keyword)));
+    }
+    reading_.report.mended.push_back(
+        fmt::format("1 header line that begins with {} taken for a comment", quoted(keyword)));
+  }
+
   void parse_format() {
     const std::string_view name = cursor_.word();
     if (name == "ascii") {

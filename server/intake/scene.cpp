@@ -178,16 +178,18 @@ Scene read_mesh(Format format, const Reading& reading) {
   refuse(reading, "the ending is none of .obj .stl .ply .off .cscene");
 }
 
-/// A mesh as its file has it becomes a scene in metres.
 void finish_mesh(const Reading& reading, Scene& scene) {
+  place(reading, scene);
+  report_oddities(reading, scene.mesh);
+}
+
+void check_mesh(const Reading& reading, const Scene& scene) {
   if (scene.mesh.triangles.empty()) {
     refuse(reading, fmt::format("no triangles ({} vertices)", scene.mesh.vertices.size()));
   }
   if (std::string warning = single_precision_warning(scene.mesh, reading.options.unit_m); !warning.empty()) {
     reading.report.warnings.push_back(std::move(warning));
   }
-  place(reading, scene);
-  report_oddities(reading, scene.mesh);
 }
 
 Scene load(Format format, Reading reading) {
@@ -203,6 +205,7 @@ Scene load(Format format, Reading reading) {
   } else {
     reading.bytes = without_mark(reading);
     scene = read_mesh(format, reading);
+    check_mesh(reading, scene);
     scene.name = scene_name(reading.file, reading.options);
     name_parts(reading, scene);
     finish_mesh(reading, scene);

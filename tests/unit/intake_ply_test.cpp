@@ -127,6 +127,17 @@ TEST(IntakePly, ComplaintsNameThePlace) {
             std::string::npos);
 }
 
+TEST(IntakePly, ACommentWithoutItsWordIsTakenBeforeTheElementsOnly) {
+  std::string text = text_ply(std::string(kSquare) + "4 0 1 2 3\n");
+  text.erase(text.find("comment "), 8);
+  EXPECT_EQ(load("stray.ply", text).report.mended.size(), 1u);
+  EXPECT_EQ(complaint("stray.ply", text, {.strict = true}),
+            "stray.ply: line 3: 'by' is no word of a PLY header. Nothing was loaded.");
+  text.insert(text.find("property"), "propertie float w\n");
+  EXPECT_EQ(complaint("stray.ply", text),
+            "stray.ply: line 5: 'propertie' is no word of a PLY header. Nothing was loaded.");
+}
+
 TEST(IntakePly, EveryCutOfABinaryFileIsRefused) {
   const std::string whole = binary_ply(true);
   for (std::size_t size = 0; size < whole.size(); ++size) {
