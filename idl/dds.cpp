@@ -188,7 +188,7 @@ void Participant::set_deaf_mute(bool deaf, bool mute, std::int64_t nanoseconds) 
 
 TopicBase::TopicBase(const Participant& participant, std::string_view name_space, const TopicQos& row,
                      const dds_topic_descriptor_t* descriptor)
-    : participant_(participant.get()), name_(wire_contract::topic_name(name_space, row)) {
+    : participant_(participant.get()), name_(wire_contract::topic_name(name_space, row)), row_(row) {
   topic_ = Entity(check(dds_create_topic(participant_, descriptor, name_.c_str(), nullptr, nullptr),
                         name_ + ": create topic"));
 }

@@ -11,6 +11,24 @@ using wire_contract::EndReason;
 using wire_contract::EventKind;
 using wire_contract::ServerState;
 
+namespace {
+
+void count_objects(const Snapshot& state, StatusColumns& status) {
+  status.scenes.clear();
+  status.static_triangles = 0;
+  for (const auto& scene : state.scenes) {
+    status.static_triangles += scene->mesh.triangles.size();
+    status.scenes += (status.scenes.empty() ? "" : "\n") + scene->name;
+  }
+  status.object_count = status.moving_count = 0;
+  for (const auto& info : *state.objects) {
+    status.object_count += info ? 1 : 0;
+    status.moving_count += info && info->moving ? 1 : 0;
+  }
+}
+
+}  // namespace
+
 void WorldLoop::stop() {
   stopping_.store(true);
   around_.inbox.wake();
@@ -23,7 +41,9 @@ std::chrono::steady_clock::time_point WorldLoop::next_wake() const {
 }
 
 void WorldLoop::run() {
-  dirty_shards_.assign(wire_contract::kContactShards, 0);
+  // Every shard is written once, so that who waits for all of them need not guess which are empty.
+  dirty_shards_.assign(wire_contract::kContactShards, 1);
+  publish();
   next_status_ns_ = steady_ns();
   next_step_ns_ = next_status_ns_;
   while (!stopping_.load()) {
@@ -154,14 +174,18 @@ void WorldLoop::publish_events(const Stamp& stamp) {
 }
 
 void WorldLoop::publish_contacts(const Stamp& stamp) {
+  if (std::find(dirty_shards_.begin(), dirty_shards_.end(), 1) == dirty_shards_.end()) return;
+  const std::vector<OpenContact>& open = around_.world.contacts();
+  shard_of_.clear();
+  for (const OpenContact& contact : open) shard_of_.push_back(wire_contract::contact_shard(contact.a, contact.b));
   const auto name_of = [&](ObjectId id) { return names_.name(id); };
   for (std::uint32_t shard = 0; shard < dirty_shards_.size(); ++shard) {
     if (dirty_shards_[shard] == 0) continue;
     dirty_shards_[shard] = 0;
     contacts_.clear();
     contacts_.shard = static_cast<std::uint8_t>(shard);
-    for (const OpenContact& contact : around_.world.contacts()) {
-      if (wire_contract::contact_shard(contact.a, contact.b) == shard) contacts_.add(contact);
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (shard_of_[i] == shard) contacts_.add(open[i]);
     }
     contacts_.named.fill(name_of);
     around_.outlet.write_contacts(contacts_, stamp, around_.world.last_event_sequence());
@@ -176,45 +200,36 @@ void WorldLoop::let_fences_pass() {
 
 void WorldLoop::write_status(ServerState state) {
   const SnapshotRing::Lease newest = around_.world.newest();
-  StatusColumns& s = status_;
-  s.stamp = {.version = newest->version, .world_time_ns = newest->world_time_ns};
-  s.state = state;
-  s.last_event_sequence = around_.world.last_event_sequence();
-  s.contact_count = static_cast<std::uint32_t>(around_.world.contacts().size());
-  s.contact_hash = contact_hash_;
-  s.scenes.clear();
-  s.static_triangles = 0;
-  for (const auto& scene : newest->scenes) {
-    s.static_triangles += scene->mesh.triangles.size();
-    s.scenes += (s.scenes.empty() ? "" : "\n") + scene->name;
-  }
-  s.object_count = s.moving_count = 0;
-  for (const auto& info : *newest->objects) {
-    if (!info) continue;
-    ++s.object_count;
-    if (info->moving) ++s.moving_count;
-  }
   const InboxCounts inbox = around_.inbox.counts();
   const PublisherCounts& counts = publishers_.counts();
-  s.poses_applied = counts.poses_applied;
-  s.poses_dropped = counts.poses_late + counts.poses_unknown + counts.poses_refused + inbox.poses_superseded + inbox.poses_dropped;
-  s.questions_answered = around_.questions.answered.load();
-  s.questions_refused = around_.questions.refused.load();
-  s.undecided_answers = around_.questions.undecided.load();
-  s.publishers.clear();
-  s.applied_sequences.clear();
-  s.silent_ns.clear();
-  s.publisher_states.clear();
-  s.publisher_names.clear();
+  status_.stamp = {.version = newest->version, .world_time_ns = newest->world_time_ns};
+  status_.state = state;
+  status_.last_event_sequence = around_.world.last_event_sequence();
+  status_.contact_count = static_cast<std::uint32_t>(around_.world.contacts().size());
+  status_.contact_hash = contact_hash_;
+  status_.poses_applied = counts.poses_applied;
+  status_.poses_dropped = counts.poses_late + counts.poses_unknown + counts.poses_refused + inbox.poses_superseded +
+                          inbox.poses_dropped;
+  status_.questions_answered = around_.questions.answered.load();
+  status_.questions_refused = around_.questions.refused.load();
+  status_.undecided_answers = around_.questions.undecided.load();
+  count_objects(*newest, status_);
+  list_publishers();
+  around_.outlet.write_status(status_);
+}
+
+void WorldLoop::list_publishers() {
+  for (auto* column : {&status_.publishers, &status_.applied_sequences}) column->clear();
+  status_.silent_ns.clear();
+  for (auto* column : {&status_.publisher_states, &status_.publisher_names}) column->clear();
   publishers_.for_each(around_.clock.now_ns(), [&](const PublisherView& view) {
-    s.publishers.push_back(view.publisher);
-    s.applied_sequences.push_back(view.applied_sequence);
-    s.silent_ns.push_back(view.silent_ns);
-    s.publisher_states.push_back(static_cast<std::uint8_t>(view.state));
-    s.publisher_names.insert(s.publisher_names.end(), view.name.begin(), view.name.end());
-    s.publisher_names.push_back(0);
+    status_.publishers.push_back(view.publisher);
+    status_.applied_sequences.push_back(view.applied_sequence);
+    status_.silent_ns.push_back(view.silent_ns);
+    status_.publisher_states.push_back(static_cast<std::uint8_t>(view.state));
+    status_.publisher_names.insert(status_.publisher_names.end(), view.name.begin(), view.name.end());
+    status_.publisher_names.push_back(0);
   });
-  around_.outlet.write_status(s);
 }
 
 /// Contacts end when one of their objects goes; a part of a scene cannot go alone, its partner can.

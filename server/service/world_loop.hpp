@@ -73,6 +73,7 @@ class WorldLoop {
   void publish_contacts(const Stamp& stamp);
   void let_fences_pass();
   void write_status(wire_contract::ServerState state);
+  void list_publishers();
   void end_contacts();
   void say_notices();
   std::chrono::steady_clock::time_point next_wake() const;
@@ -92,6 +93,7 @@ class WorldLoop {
   EventColumns events_;
   EventColumns persisted_;
   std::vector<std::uint8_t> dirty_shards_;
+  std::vector<std::uint8_t> shard_of_;  // the contacts that hold
   ContactColumns contacts_;
   StatusColumns status_;
   std::uint64_t contact_hash_ = 0;
