@@ -217,6 +217,7 @@ class TopicBase {
   dds_entity_t get() const { return topic_.get(); }
   dds_entity_t participant() const { return participant_; }
   const std::string& name() const { return name_; }
+  const wire_contract::TopicQos& row() const { return row_; }
 
  protected:
   TopicBase(const Participant& participant, std::string_view name_space, const wire_contract::TopicQos& row,
@@ -225,6 +226,7 @@ class TopicBase {
  private:
   dds_entity_t participant_;
   std::string name_;
+  const wire_contract::TopicQos& row_;
   Entity topic_;
 };
 
@@ -232,8 +234,10 @@ class TopicBase {
 template <class T>
 class Topic : public TopicBase {
  public:
-  Topic(const Participant& participant, std::string_view name_space)
-      : TopicBase(participant, name_space, WireType<T>::row, WireType<T>::descriptor) {}
+  /// row  of topics.hpp, where a type travels on more than one topic
+  Topic(const Participant& participant, std::string_view name_space,
+        const wire_contract::TopicQos& row = WireType<T>::row)
+      : TopicBase(participant, name_space, row, WireType<T>::descriptor) {}
 };
 
 /// Liveliness of the writers that a reader meets.
@@ -288,7 +292,7 @@ template <class T>
 class Writer : public WriterBase {
  public:
   explicit Writer(const Topic<T>& topic, WriterOptions options = {})
-      : WriterBase(topic, WireType<T>::row, std::move(options)) {}
+      : WriterBase(topic, topic.row(), std::move(options)) {}
   /// False: timed out after max_blocking_ns because a reader is full.
   [[nodiscard]] bool write(const T& sample) { return write_sample(&sample); }
   /// Ends the instance of sample's key.
@@ -331,6 +335,7 @@ template <class T>
 class Taker {
  public:
   explicit Taker(dds_entity_t reader) : reader_(reader) {}
+  dds_entity_t reader() const { return reader_; }
 
   /// The next sample into memory that is reused; false when there is none.
   [[nodiscard]] bool take(Sample<T>& sample) const {
@@ -361,6 +366,8 @@ class ReaderBase {
  public:
   dds_entity_t get() const { return reader_.get(); }
   std::uint32_t matched_writers() const;
+  /// == publication_handle in the info of their samples.
+  std::vector<dds_instance_handle_t> matched_writer_handles() const;
 
  protected:
   ReaderBase(const TopicBase& topic, const wire_contract::TopicQos& row, const std::string& partition,
@@ -376,7 +383,7 @@ template <class T>
 class Reader : public ReaderBase {
  public:
   explicit Reader(const Topic<T>& topic, ReaderOptions<T> options = {})
-      : ReaderBase(topic, WireType<T>::row, options.partition,
+      : ReaderBase(topic, topic.row(), options.partition,
                    {.data = on_data(std::move(options.data)),
                     .matched = std::move(options.matched),
                     .liveliness = std::move(options.liveliness)}) {}
