@@ -64,6 +64,9 @@ LocalFrame local_frame(const Aabb& bounds);
 float round_down(double value);
 float round_up(double value);
 
+void* allocate_pages(std::size_t bytes);
+void free_pages(void* memory, std::size_t bytes);
+
 /// Memory for many plain records, aligned for SIMD, on huge pages where it is long: an incoherent ray touches pages
 /// all over the tree and would otherwise wait for address translation as well as for the data.
 template <typename T>
@@ -72,33 +75,22 @@ class PlainArray {
 
  public:
   PlainArray() = default;
-  explicit PlainArray(std::size_t size);
+  explicit PlainArray(std::size_t size)
+      : data_(static_cast<T*>(allocate_pages(size * sizeof(T))), Free{size * sizeof(T)}) {}
   T* data() { return data_.get(); }
   const T* data() const { return data_.get(); }
   T& operator[](std::size_t i) { return data_.get()[i]; }
   const T& operator[](std::size_t i) const { return data_.get()[i]; }
-  std::size_t size() const { return size_; }
-  std::size_t bytes() const { return size_ * sizeof(T); }
+  std::size_t bytes() const { return data_.get_deleter().bytes; }
+  std::size_t size() const { return bytes() / sizeof(T); }
 
  private:
   struct Free {
-    void operator()(T* memory) const;
+    std::size_t bytes = 0;
+    void operator()(T* memory) const { free_pages(memory, bytes); }
   };
   std::unique_ptr<T[], Free> data_;
-  std::size_t size_ = 0;
 };
-
-void* allocate_pages(std::size_t bytes);
-void free_pages(void* memory);
-
-template <typename T>
-PlainArray<T>::PlainArray(std::size_t size)
-    : data_(static_cast<T*>(allocate_pages(size * sizeof(T)))), size_(size) {}
-
-template <typename T>
-void PlainArray<T>::Free::operator()(T* memory) const {
-  free_pages(memory);
-}
 
 /// The finished tree. An empty one has root kNothing.
 struct Layout {

@@ -6,7 +6,6 @@
 
 #include "server/broad_phase/bsp_build.hpp"
 #include "server/broad_phase/bsp_layout.hpp"
-#include "server/broad_phase/bsp_ray.hpp"
 #include "server/broad_phase/bsp_walk.hpp"
 
 namespace collided {
@@ -39,9 +38,9 @@ const Aabb& BspTree::bounds() const { return storage_->bounds; }
 
 void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, RayCandidate candidate, void* context,
                        WalkCost& cost) const {
-  bsp::RayFrame frame;
-  if (!bsp::prepare_ray(storage_->layout, ray, limit, slack_m, frame)) return;
-  bsp::walk_ray(storage_->layout, frame, limit, candidate, context, cost);
+  const bsp::Layout& layout = storage_->layout;
+  if (layout.root == bsp::kNothing || !(limit >= 0)) return;
+  bsp::walk_ray(layout, ray, limit, slack_m, candidate, context, cost);
 }
 
 void BspTree::walk_box(const Aabb& asked, BoxCandidate candidate, void* context, WalkCost& cost) const {

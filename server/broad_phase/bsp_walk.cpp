@@ -3,8 +3,9 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include <cstring>
+#include <algorithm>
 
+#include "server/broad_phase/bsp_ray.hpp"
 #include "server/broad_phase/bsp_walk.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -48,6 +49,25 @@ HWY_INLINE int push_sorted(const Node& node, unsigned mask, const float* entry, 
     stack[place] = added;
   }
   return size;
+}
+
+/// The nearest of the children in mask (not empty); the others wait on the stack.
+HWY_INLINE Ref nearest(const Node& node, unsigned mask, const float* entry, Waiting* stack, int& size) {
+  const int first = __builtin_ctz(mask);
+  mask &= mask - 1;
+  if (mask == 0) return node.child[first];
+  const int second = __builtin_ctz(mask);
+  mask &= mask - 1;
+  if (mask == 0) {
+    const bool swap = entry[second] < entry[first];
+    const int near = swap ? second : first;
+    const int far = swap ? first : second;
+    stack[size++] = {node.child[far], entry[far]};
+    return node.child[near];
+  }
+  mask |= (1u << first) | (1u << second);
+  size = push_sorted(node, mask, entry, stack, size);
+  return stack[--size].ref;
 }
 
 /// Children that the ray may meet at a parameter in [0, limit].
@@ -144,37 +164,48 @@ HWY_INLINE double call_triangles(const Leaf& leaf, unsigned mask, const float* e
   return limit;
 }
 
-void WalkRay(const Layout& layout, const RayFrame& frame, double limit, BspTree::RayCandidate candidate,
-             void* context, WalkCost& cost) {
-  const RayFrame ray = frame;
+void WalkRay(const Layout& layout, const Ray& world_ray, double limit, double slack_m,
+             BspTree::RayCandidate candidate, void* context, WalkCost& cost) {
+  RayFrame ray;
+  if (!prepare_ray(layout, world_ray, slack_m, ray)) return;
   const Node* nodes = layout.nodes.data();
   const Leaf* leaves = layout.leaves.data();
   Waiting stack[kStackSize];
   HWY_ALIGN float entry[kWidth];
-  int size = 0;
   float local_limit = ray.local_limit(limit);
-  stack[size++] = {layout.root, 0};
-  while (size > 0) {
-    const Waiting top = stack[--size];
-    if (top.entry > local_limit) continue;
-    Ref ref = top.ref;
-    ++cost.nodes;
-    if (is_leaf(ref)) {
+  std::uint32_t visited = 0;
+  int size = 0;
+  Ref ref = layout.root;
+  while (true) {
+    unsigned mask = 1;
+    while (!is_leaf(ref)) {
+      ++visited;
+      const Node& node = nodes[ref];
+      mask = met_children(node, ray, local_limit, entry);
+      if (mask == 0) break;
+      ref = nearest(node, mask, entry, stack, size);
+    }
+    if (mask != 0) {
+      ++visited;
       const Leaf& leaf = leaves[ref & kIndexMask];
       const unsigned present = (2u << (leaf_count(ref) - 1)) - 1;
-      const float cap = local_limit < ray.parameter_cap ? local_limit : ray.parameter_cap;
-      const unsigned mask = met_triangles(leaf, ray, cap, entry) & present;
-      if (mask == 0) continue;
-      const double shorter = call_triangles(leaf, mask, entry, limit, candidate, context, cost);
-      if (!(shorter >= 0)) return;
-      if (shorter != limit) local_limit = ray.local_limit(shorter);
-      limit = shorter;
-      continue;
+      mask = met_triangles(leaf, ray, std::min(local_limit, ray.parameter_cap), entry) & present;
+      if (mask != 0) {
+        limit = call_triangles(leaf, mask, entry, limit, candidate, context, cost);
+        local_limit = ray.local_limit(limit);
+        if (local_limit < 0) break;
+      }
     }
-    const Node& node = nodes[ref];
-    const unsigned mask = met_children(node, ray, local_limit, entry);
-    size = push_sorted(node, mask, entry, stack, size);
+    do {
+      if (size == 0) {
+        cost.nodes += visited;
+        return;
+      }
+      --size;
+    } while (stack[size].entry > local_limit);
+    ref = stack[size].ref;
   }
+  cost.nodes += visited;
 }
 
 /// A leaf's triangles as boxes.
@@ -304,9 +335,9 @@ float LocalPoint::local_limit(double limit_m2) const {
   return round_up(limit_m2 * limit_scale * limit_scale * (1 + 0x1p-21) + 0x1p-120);
 }
 
-void walk_ray(const Layout& layout, const RayFrame& frame, double limit, BspTree::RayCandidate candidate,
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,
               void* context, WalkCost& cost) {
-  HWY_DYNAMIC_DISPATCH(WalkRay)(layout, frame, limit, candidate, context, cost);
+  HWY_DYNAMIC_DISPATCH(WalkRay)(layout, ray, limit, slack_m, candidate, context, cost);
 }
 
 void walk_box(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate candidate, void* context,

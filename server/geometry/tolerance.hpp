@@ -37,4 +37,9 @@ inline constexpr double kRefineDistance = 0x1p-42;
 /// Without it ExactRayTriangle.GrazingDistanceIsRefined fails.
 inline constexpr double kRefineRay = 0x1p-33;
 
+/// Error of a witness point, relative to the largest coordinate of the sets: a + u d with u in [0, 1] on an edge whose
+/// ends took four roundings each, or the foot on a face (two quotients and two sums on each coordinate). No unit.
+/// At zero, ExactContact.DepthBoundsHoldOnRandomPairs fails.
+inline constexpr double kWitnessError = 32 * kRoundoff;
+
 }  // namespace collided
