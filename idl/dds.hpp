@@ -102,7 +102,9 @@ class Sample {
  public:
   Sample() { std::memset(&value_, 0, sizeof value_); }
   ~Sample() { dds_sample_free(&value_, WireType<T>::descriptor, DDS_FREE_CONTENTS); }
-  Sample(Sample&& other) noexcept : value_(other.value_) { std::memset(&other.value_, 0, sizeof value_); }
+  Sample(Sample&& other) noexcept : value_(other.value_), info_(other.info_) {
+    std::memset(&other.value_, 0, sizeof value_);
+  }
   Sample& operator=(Sample&& other) noexcept {
     std::swap(value_, other.value_);
     std::swap(info_, other.info_);
@@ -341,6 +343,22 @@ class Taker {
   [[nodiscard]] bool take(Sample<T>& sample) const {
     void* buffer = &sample.value_;
     return check(dds_take(reader_, &buffer, &sample.info_, 1, 1), "take") > 0;
+  }
+  /// As many as wait, at most samples.size(), in one call; fewer than that means that none are left.
+  [[nodiscard]] std::size_t take(std::span<Sample<T>* const> samples) const {
+    constexpr std::size_t kMost = 16;
+    void* buffers[kMost];
+    dds_sample_info_t infos[kMost];
+    const std::size_t most = std::min(samples.size(), kMost);
+    for (std::size_t i = 0; i < most; ++i) {
+      buffers[i] = &samples[i]->value_;
+    }
+    const auto count = static_cast<std::size_t>(
+        check(dds_take(reader_, buffers, infos, most, static_cast<std::uint32_t>(most)), "take"));
+    for (std::size_t i = 0; i < count; ++i) {
+      samples[i]->info_ = infos[i];
+    }
+    return count;
   }
   /// Up to 32 lent samples; call again until none come.
   Loans<T> take_loans() const {
