@@ -70,7 +70,7 @@ Push least_push(const Core& a, const Core& b) {
     if (!push.exists) continue;
     // Equal depths keep the earlier axis: faces before edge pairs, in a fixed order.
     const bool wins = !least.exists || push.depth.value < least.depth.value * (1 - kRefineDistance);
-    const Bounded depth = least.exists ? min(least.depth, push.depth) : push.depth;
+    const Bounded depth = least.exists ? lesser(least.depth, push.depth) : push.depth;
     if (wins) least = push;
     least.depth = depth;
   }

@@ -233,8 +233,8 @@ void cross_slabs(const Ray& ray, const Solid<N>& box, const std::array<Slab<N>, 
     const Bounded out = plain(scaled(slabs[i].far) / speed * length);
     if (first || in.value > crossing.entry_m.value) crossing.entry_face = i;
     if (first || out.value < crossing.exit_m.value) crossing.exit_face = i;
-    crossing.entry_m = first ? in : max(crossing.entry_m, in);
-    crossing.exit_m = first ? out : min(crossing.exit_m, out);
+    crossing.entry_m = first ? in : greater(crossing.entry_m, in);
+    crossing.exit_m = first ? out : lesser(crossing.exit_m, out);
     first = false;
   }
 }
@@ -339,13 +339,6 @@ double capsule_exit(const Ray& ray, const Capsule& capsule) {
   return std::max(last, wall.value);
 }
 
-/// The nearer of two entries; the bound covers both where they compete.
-Bounded nearer(const Bounded& a, const Bounded& b) {
-  if (a.high() < b.low()) return a;
-  if (b.high() < a.low()) return b;
-  return min(a, b);
-}
-
 }  // namespace
 
 Verdict cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit) {
@@ -354,7 +347,7 @@ Verdict cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit) {
   Bounded first(std::numeric_limits<double>::max());
   const auto consider = [&](const Verdict& part, const auto& distance) {
     verdict = joined(verdict, part);
-    if (part.yes()) first = nearer(first, distance());
+    if (part.yes()) first = lesser(first, distance());
   };
   if (inside.decision == Decision::no) {
     for (const Vec3& end : {capsule.a, capsule.b}) {

@@ -21,9 +21,10 @@ inline Scaled scaled(const Bounded& x) { return {x, 0}; }
 
 inline Scaled scaled(const Expansion& x) {
   if (x.lost()) return {{0, std::numeric_limits<double>::infinity()}, 0};
+  if (x.leading() == 0) return {};
   int power = 0;
   const double fraction = std::frexp(x.rounded(), &power);
-  return {{fraction, x.rounded() == x.leading() ? kRoundoff : 4 * kRoundoff}, x.leading() == 0 ? 0 : power};
+  return {{fraction, x.single() ? 0 : 4 * kRoundoff}, power};
 }
 
 inline Scaled scaled(const Dyadic& x) {
@@ -95,6 +96,14 @@ Vec3 unit(const Vector<N>& v) {
 }
 
 inline Vec3 unit(const Vec3& v) { return unit(Vector<Bounded>(v)); }
+
+/// The lesser of two values; where they compete, the bound covers both.
+inline Bounded lesser(const Bounded& a, const Bounded& b) {
+  if (a.high() < b.low()) return a;
+  if (b.high() < a.low()) return b;
+  return min(a, b);
+}
+inline Bounded greater(const Bounded& a, const Bounded& b) { return -lesser(-a, -b); }
 
 /// Whether a value is known well enough to report, given the relative width that is worth an exact evaluation.
 inline bool sharp(const Bounded& x, double relative_width) { return x.bound() <= relative_width * std::abs(x.value); }

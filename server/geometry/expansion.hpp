@@ -30,6 +30,8 @@ class Expansion {
   bool lost() const { return lost_; }
   /// The sign of the sum is that of the largest part.
   double leading() const { return count_ == 0 ? 0.0 : part_[count_ - 1]; }
+  /// The sum is one double: rounded() loses nothing.
+  bool single() const { return count_ <= 1; }
   /// The sum in double; relative error at most 2^-51.
   double rounded() const {
     double sum = 0;
