@@ -95,8 +95,9 @@ Node empty_node() {
 
 class Builder {
  public:
-  Builder(const TriangleMesh& mesh, const LocalFrame& frame, std::span<Primitive> primitives, Watch& watch)
-      : mesh_(mesh), frame_(frame), primitives_(primitives), watch_(watch) {}
+  /// Reads of the layout only how triangles are stored.
+  Builder(const TriangleMesh& mesh, const Layout& layout, std::span<Primitive> primitives, Watch& watch)
+      : mesh_(mesh), layout_(layout), primitives_(primitives), watch_(watch) {}
 
   /// The subtree over the range. Ranges of at most job_size are left in jobs, if given.
   Ref build(const Range& range, std::uint32_t depth, bool callers_thread, Piece& piece, std::uint32_t job_size,
@@ -146,13 +147,14 @@ class Builder {
     for (std::uint32_t lane = 0; lane < range.size(); ++lane) {
       const std::uint32_t number = primitives_[range.begin + lane].triangle();
       const Triangle world = mesh_.triangle(number);
-      const Vec3 corner = frame_.to_local(world.a);
-      const Vec3 edge1 = frame_.to_local(world.b) - corner;
-      const Vec3 edge2 = frame_.to_local(world.c) - corner;
+      const Vec3 first = layout_.frame.to_local(world.a);
+      const Vec3 base = layout_.has_corners ? Vec3::Zero() : first;
+      const Vec3 second = layout_.frame.to_local(world.b) - base;
+      const Vec3 third = layout_.frame.to_local(world.c) - base;
       for (int axis = 0; axis < 3; ++axis) {
-        leaf.corner[axis][lane] = static_cast<float>(corner[axis]);
-        leaf.edge1[axis][lane] = static_cast<float>(edge1[axis]);
-        leaf.edge2[axis][lane] = static_cast<float>(edge2[axis]);
+        leaf.a[axis][lane] = static_cast<float>(first[axis]);
+        leaf.b[axis][lane] = static_cast<float>(second[axis]);
+        leaf.c[axis][lane] = static_cast<float>(third[axis]);
       }
       leaf.triangle[lane] = number;
     }
@@ -161,7 +163,7 @@ class Builder {
   }
 
   const TriangleMesh& mesh_;
-  const LocalFrame& frame_;
+  const Layout& layout_;
   std::span<Primitive> primitives_;
   Watch& watch_;
 };
@@ -265,7 +267,11 @@ Layout build_layout(const TriangleMesh& mesh, const BspOptions& options, BspRepo
   PlainArray<Primitive> storage(count);
   const std::span<Primitive> primitives(storage.data(), count);
   const Range all = make_primitives(mesh, layout.frame, threads, primitives);
-  const Builder builder(mesh, layout.frame, primitives, watch);
+  layout.has_corners = std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const TriangleCorners& corners) {
+    return layout.frame.is_float(mesh.vertices[corners[0]]) && layout.frame.is_float(mesh.vertices[corners[1]]) &&
+           layout.frame.is_float(mesh.vertices[corners[2]]);
+  });
+  const Builder builder(mesh, layout, primitives, watch);
 
   const std::uint32_t job_size = threads == 1 ? 0 : std::max(kLeastJob, all.size() / (threads * 8));
   std::vector<Job> jobs;

@@ -41,6 +41,7 @@ LocalFrame local_frame(const Aabb& bounds) {
   // Below 2^-1000 the inverse scale would overflow; such a scene stays small in local coordinates, which is legal.
   frame.scale_exponent = -std::max(reach_exponent, -1000);
   frame.scale = std::ldexp(1.0, frame.scale_exponent);
+  frame.inverse_scale = std::ldexp(1.0, -frame.scale_exponent);
   return frame;
 }
 

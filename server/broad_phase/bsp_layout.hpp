@@ -39,12 +39,13 @@ struct alignas(64) Node {
 };
 static_assert(sizeof(Node) == 256);
 
-/// Up to eight triangles in local coordinates: a corner and the two edges that leave it. Each float is the nearest
-/// to the exact value, so a corner is off by at most 2^-24 and an edge by 2^-24 of its largest component.
+/// Up to eight triangles in local coordinates. Where every vertex of the mesh is a float there, as most imported
+/// meshes are, a, b, c are the corners, exactly. Else a is the first corner and b, c are the edges that leave it, each
+/// the nearest float: a corner is off by at most 2^-24, an edge by 2^-24 of its largest component.
 struct alignas(64) Leaf {
-  float corner[3][kWidth];
-  float edge1[3][kWidth];
-  float edge2[3][kWidth];
+  float a[3][kWidth];
+  float b[3][kWidth];
+  float c[3][kWidth];
   std::uint32_t triangle[kWidth];
 };
 static_assert(sizeof(Leaf) == 320);
@@ -54,9 +55,18 @@ static_assert(sizeof(Leaf) == 320);
 struct LocalFrame {
   Vec3 origin = Vec3::Zero();
   double scale = 1;
+  double inverse_scale = 1;
   int scale_exponent = 0;  // scale = 2^scale_exponent
 
   Vec3 to_local(const Vec3& world) const { return (world - origin) * scale; }
+  double to_world(float local, int axis) const { return static_cast<double>(local) * inverse_scale + origin[axis]; }
+  /// Whether the point survives the way to local floats and back.
+  bool is_float(const Vec3& world) const {
+    const Vec3 local = to_local(world);
+    bool same = true;
+    for (int axis = 0; axis < 3; ++axis) same = same && to_world(static_cast<float>(local[axis]), axis) == world[axis];
+    return same;
+  }
 };
 
 LocalFrame local_frame(const Aabb& bounds);
@@ -95,6 +105,7 @@ class PlainArray {
 /// The finished tree. An empty one has root kNothing.
 struct Layout {
   LocalFrame frame;
+  bool has_corners = false;  // else leaves hold edges
   float root_low[3] = {1, 1, 1};
   float root_high[3] = {-1, -1, -1};
   Ref root = kNothing;

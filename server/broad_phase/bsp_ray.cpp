@@ -111,8 +111,7 @@ void accept_everything(RayFrame& out) {
     out.direction[axis] = 1;
     out.near_offset[axis] = static_cast<float>(kEverything);
     out.far_offset[axis] = static_cast<float>(-kEverything);
-    out.near_plane[axis] = static_cast<std::uint32_t>(offsetof(Node, low) + sizeof(float) * kWidth * axis);
-    out.far_plane[axis] = static_cast<std::uint32_t>(offsetof(Node, high) + sizeof(float) * kWidth * axis);
+    set_planes(true, axis, out);
     out.moved[axis] = 0;
   }
   accept_triangles(out);
@@ -122,7 +121,7 @@ void accept_everything(RayFrame& out) {
 
 }  // namespace
 
-bool prepare_unusual_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& frame) {
+bool prepare_any_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& frame) {
   FarRay local;
   frame.is_moved = true;
   for (double& move : frame.moved) move = 0;

@@ -18,14 +18,15 @@ namespace collided::bsp {
 /// slabs   near side of axis k: plane * inverse[k] - near_offset[k] is at most the true parameter; far side: at least
 /// leaves  the signs U, V, W of a triangle are trusted beyond sign_slope * E + sign_floor, its parameter beyond
 ///         (entry_slope * E + entry_linear) * E + entry_floor; E the largest edge component (derived in bsp_ray.cpp)
-struct RayFrame {
-  float inverse[3];
-  float near_offset[3];
-  float far_offset[3];
+struct alignas(16) RayFrame {
+  // Three axes and a lane for SIMD stores.
+  float inverse[4];
+  float near_offset[4];
+  float far_offset[4];
+  float origin[4];
+  float direction[4];
   std::uint32_t near_plane[3];  // byte offset in Node
   std::uint32_t far_plane[3];
-  float origin[3];
-  float direction[3];
   float sign_slope, sign_floor;
   float entry_slope, entry_linear, entry_floor;
   float parameter_cap;  // no triangle is met beyond it
@@ -38,8 +39,6 @@ struct RayFrame {
   double moved[3];
 };
 
-/// False: the ray surely misses the scene.
-bool prepare_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& frame);
 
 namespace ray_detail {
 
@@ -64,6 +63,13 @@ struct LocalRay {
 inline float above(double value) { return static_cast<float>(value + 0x1p-23 * std::abs(value) + kTiny); }
 inline float below(double value) { return static_cast<float>(value - 0x1p-23 * std::abs(value) - kTiny); }
 
+inline void set_planes(bool forward, int axis, RayFrame& out) {
+  const auto low = static_cast<std::uint32_t>(offsetof(Node, low) + sizeof(float) * kWidth * axis);
+  const auto high = static_cast<std::uint32_t>(offsetof(Node, high) + sizeof(float) * kWidth * axis);
+  out.near_plane[axis] = forward ? low : high;
+  out.far_plane[axis] = forward ? high : low;
+}
+
 /// worst_error: of any axis; it lengthens the path along which a clamped direction drifts.
 inline void set_axis(const LocalRay& local, double worst_error, int axis, RayFrame& out) {
   const double d = local.direction[axis];
@@ -83,11 +89,7 @@ inline void set_axis(const LocalRay& local, double worst_error, int axis, RayFra
   out.inverse[axis] = inverse;
   out.near_offset[axis] = above((start_value + near_shift) * inverse_value);
   out.far_offset[axis] = below((start_value - near_shift) * inverse_value);
-  const auto low = static_cast<std::uint32_t>(offsetof(Node, low) + sizeof(float) * kWidth * axis);
-  const auto high = static_cast<std::uint32_t>(offsetof(Node, high) + sizeof(float) * kWidth * axis);
-  const bool forward = inverse > 0;
-  out.near_plane[axis] = forward ? low : high;
-  out.far_plane[axis] = forward ? high : low;
+  set_planes(inverse > 0, axis, out);
 }
 
 /// With floors like these every triangle of a met leaf is a candidate.
@@ -129,8 +131,23 @@ inline void finish(const LocalRay& local, RayFrame& out) {
   set_leaf_slack(worst, local.slack, out);
 }
 
-/// Starts far out, directions and scenes of extreme scale, slack as large as the scene.
-bool prepare_unusual_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& frame);
+/// 2^exponent, for exponents of normal numbers.
+inline double power_of_two(int exponent) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
+}
+
+/// Of a non-negative number; far off the usual range for zero, denormals, infinity and NaN.
+inline int exponent_of(double value) { return static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52) - 1023; }
+
+/// Whether scales and their products stay in range without care.
+inline bool is_usual(int direction_exponent, int scale_exponent) {
+  constexpr int kUsual = 450;
+  return std::abs(direction_exponent) < kUsual && std::abs(scale_exponent) < kUsual;
+}
+
+/// Any ray, in no hurry: starts far out, directions and scenes of extreme scale, slack as large as the scene.
+/// False: it surely misses the scene.
+bool prepare_any_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& frame);
 
 }  // namespace ray_detail
 
@@ -144,32 +161,6 @@ inline float RayFrame::local_limit(double limit) const {
     for (const double move : moved) parameter -= move;
   }
   return ray_detail::above(parameter);
-}
-
-inline bool prepare_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& frame) {
-  namespace detail = ray_detail;
-  constexpr int kBias = 1023;
-  constexpr int kUsual = 450;
-  detail::LocalRay local;
-  const double largest =
-      std::max({std::abs(ray.direction[0]), std::abs(ray.direction[1]), std::abs(ray.direction[2])});
-  const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52) - kBias;
-  const int scale_exponent = layout.frame.scale_exponent;
-  local.slack = slack_m * layout.frame.scale * (1 + 0x1p-50);
-  bool usual = std::abs(exponent) < kUsual && std::abs(scale_exponent) < kUsual && local.slack < 1;
-  const double scale = std::bit_cast<double>(static_cast<std::uint64_t>(kBias - exponent) << 52);
-  for (int axis = 0; axis < 3; ++axis) {
-    local.origin[axis] = (ray.origin[axis] - layout.frame.origin[axis]) * layout.frame.scale;
-    local.direction[axis] = ray.direction[axis] * scale;
-    // The subtraction's rounding.
-    local.origin_error[axis] = detail::kLeastSlack;
-    usual = usual && std::abs(local.origin[axis]) <= detail::kNear;
-  }
-  if (!usual) return detail::prepare_unusual_ray(layout, ray, slack_m, frame);
-  frame.is_moved = false;
-  frame.to_local_1 = std::bit_cast<double>(static_cast<std::uint64_t>(kBias + exponent + scale_exponent) << 52);
-  detail::finish(local, frame);
-  return true;
 }
 
 }  // namespace collided::bsp

@@ -43,6 +43,13 @@ void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, RayCandidat
   bsp::walk_ray(layout, ray, limit, slack_m, candidate, context, cost);
 }
 
+void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh, RayTriangle candidate,
+                       void* context, WalkCost& cost) const {
+  const bsp::Layout& layout = storage_->layout;
+  if (layout.root == bsp::kNothing || !(limit >= 0)) return;
+  bsp::walk_ray(layout, ray, limit, slack_m, mesh, candidate, context, cost);
+}
+
 void BspTree::walk_box(const Aabb& asked, BoxCandidate candidate, void* context, WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
   if (layout.root == bsp::kNothing || asked.empty()) return;

@@ -11,6 +11,9 @@ namespace collided::bsp {
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,
               void* context, WalkCost& cost);
 
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
+              BspTree::RayTriangle candidate, void* context, WalkCost& cost);
+
 /// A box in local coordinates, already grown by every rounding.
 struct LocalBox {
   float low[3];
