@@ -3,6 +3,8 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -60,6 +62,8 @@ class WorldLoop {
   /// A change that a job made itself.
   void note_change() { ++own_changes_; }
   const LoopCounts& counts() const { return counts_; }
+  /// Any thread; as of the last status.
+  std::string publisher_name(std::uint64_t publisher) const;
   bool contacts_wanted() const { return around_.outlet.contacts_wanted(); }
 
  private:
@@ -98,6 +102,8 @@ class WorldLoop {
   StatusColumns status_;
   std::uint64_t contact_hash_ = 0;
   Fences::Applied applied_;
+  mutable std::mutex publisher_names_mutex_;
+  std::map<std::uint64_t, std::string> publisher_names_;
 };
 
 }  // namespace collided::service
