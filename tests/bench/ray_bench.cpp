@@ -14,8 +14,8 @@
 #include "server/broad_phase/bsp_tree.hpp"
 #include "tests/bench/obj.hpp"
 #include "tests/oracle/plain_ray.hpp"
+#include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
-#include "tests/scenes/seed.hpp"
 
 namespace collided::bench {
 namespace {
@@ -270,11 +270,10 @@ void run_scene(const char* name, const TriangleMesh& mesh, int side, std::mt1993
 
 int main(int argc, char** argv) {
   using namespace collided;
-  const std::uint64_t seed = scenes::seed();
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random = oracle::seeded(20240607);
   const int side = argc > 1 ? std::atoi(argv[1]) : 512;
   TriangleMesh bunny = bench::read_obj("/usr/share/glmark2/models/bunny.obj");
-  TriangleMesh terrain = scenes::terrain(707, 1000, seed);
+  TriangleMesh terrain = scenes::terrain(707, 1000, random());
   // Both sides get coordinates that are floats.
   for (Vec3& vertex : terrain.vertices) vertex = vertex.cast<float>().cast<double>();
   for (Vec3& vertex : bunny.vertices) vertex = vertex.cast<float>().cast<double>();
