@@ -137,6 +137,9 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
                                                    : fmt::format("was ended by signal {}", result.signal);
     refuse_file(path, said.empty() ? fmt::format("the converter {}", ended) : fmt::format("the converter {}: {}", ended, said));
   }
+  if (!fs::exists(this->path())) {
+    refuse_file(path, "the converter ended well and wrote nothing");
+  }
   report_lines(result.output, report);
 }
 

@@ -216,7 +216,7 @@ Scene load(Format format, Reading reading) {
 
 Scene load_converted(const std::string& path, const LoadOptions& options, LoadReport& report) {
   const ConvertedFile converted(path, scene_name(path, options), options, report);
-  const FileBytes bytes(converted.path(), FileBytes::Access::mapped, options);
+  const FileBytes bytes(converted.path(), FileBytes::Access::mapped, {});  // the limit on bytes was for what came
   const Reading reading{file_name(path), bytes.bytes(), options, report};
   check_options(reading);
   Scene scene = read_scene_file(reading);

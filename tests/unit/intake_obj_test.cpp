@@ -104,6 +104,12 @@ TEST(IntakeObj, PointsAndLinesAreLeftOutWithALine) {
   EXPECT_EQ(loaded.report.refused[1].substr(0, 1), "1");
 }
 
+TEST(IntakeObj, LinesOfNoKnownKindAreCounted) {
+  const test::Loaded loaded = load("u.obj", "mtllib m.mtl\ns off\nface 1 2 3\n" + std::string(kSquare) + "ff 1 2\nf 1 2 3\n");
+  ASSERT_EQ(loaded.report.refused.size(), 1u);
+  EXPECT_EQ(loaded.report.refused[0], "2 lines that begin with no word of OBJ left out, the first is line 3");
+}
+
 TEST(IntakeObj, ComplaintsNameTheLineTheValueAndTheLimit) {
   const std::string head = std::string(kSquare);
   EXPECT_EQ(complaint("a.obj", head + "\nf 1 2 90\n"), "a.obj: line 6: vertex number 90 of 4. Nothing was loaded.");
