@@ -11,16 +11,14 @@ namespace {
 
 /// Words of OBJ that say nothing about where surfaces are, or only more about curves.
 constexpr std::string_view kPassedOver[] = {
-    "vn",        "vt",        "s",          "mtllib", "vp",     "cstype", "deg",  "bmat", "step",     "parm",     "trim",
-    "hole",      "scrv",      "sp",         "end",    "con",    "mg",     "lod",  "bevel", "c_interp", "d_interp", "usemap",
-    "maplib",    "shadow_obj", "trace_obj", "ctech",  "stech"};
+    "vn",    "vt",       "s",        "mtllib", "vp",     "cstype",     "deg",       "bmat",  "step",
+    "parm",  "trim",     "hole",     "scrv",   "sp",     "end",        "con",       "mg",    "lod",
+    "bevel", "c_interp", "d_interp", "usemap", "maplib", "shadow_obj", "trace_obj", "ctech", "stech"};
 
 class ChunkParser {
  public:
   ChunkParser(const Reading& reading, ObjChunk& chunk)
-      : reading_(reading),
-        chunk_(chunk),
-        cursor_(reading, chunk.text, TextCursor::LineEnd::newline_or_comment, true) {}
+      : reading_(reading), chunk_(chunk), cursor_(reading, chunk.text, TextCursor::LineEnd::newline_or_comment, true) {}
 
   void parse() {
     while (cursor_.find_word()) {

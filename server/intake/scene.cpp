@@ -82,9 +82,7 @@ void scale(Shape& shape, double unit_m) {
   }
 }
 
-Vec3 turned_up(const Vec3& v) {
-  return {v[0], -v[2], v[1]};
-}
+Vec3 turned_up(const Vec3& v) { return {v[0], -v[2], v[1]}; }
 
 /// From the file's units and axes to metres with z up. A scene that has both already is not touched.
 void place(const Reading& reading, Scene& scene) {

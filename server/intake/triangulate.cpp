@@ -132,7 +132,9 @@ class EarClipper {
   }
 
   static bool lies_between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
-    const auto within = [](double low, double x, double high) { return (low <= x && x <= high) || (high <= x && x <= low); };
+    const auto within = [](double low, double x, double high) {
+      return (low <= x && x <= high) || (high <= x && x <= low);
+    };
     return within(a[0], b[0], c[0]) && within(a[1], b[1], c[1]);
   }
 

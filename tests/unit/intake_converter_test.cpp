@@ -62,8 +62,9 @@ TEST_F(IntakeConverter, AMissingConverterIsSaid) {
   EXPECT_NE(thing_complaint().find("thing.xyz: '.xyz' needs the converter collided-import, which is not in "),
             std::string::npos);
   ::setenv("COLLIDED_IMPORT", "/nowhere/converter", 1);
-  EXPECT_EQ(thing_complaint(),
-            "thing.xyz: COLLIDED_IMPORT is '/nowhere/converter', which is no program that can be run. Nothing was loaded.");
+  EXPECT_EQ(
+      thing_complaint(),
+      "thing.xyz: COLLIDED_IMPORT is '/nowhere/converter', which is no program that can be run. Nothing was loaded.");
 }
 
 TEST_F(IntakeConverter, WhatItComplainsAboutIsPassedOn) {

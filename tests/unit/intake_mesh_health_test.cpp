@@ -72,7 +72,8 @@ TEST(IntakeMeshHealth, AFinOnABoxIsNoManifold) {
 }
 
 TEST(IntakeMeshHealth, DuplicatesAreFoundWhateverTheirOrder) {
-  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {-0.0, 0, 0}}, {{0, 1, 2}, {2, 1, 0}, {1, 2, 3}, {4, 2, 1}}};
+  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {-0.0, 0, 0}},
+                    {{0, 1, 2}, {2, 1, 0}, {1, 2, 3}, {4, 2, 1}}};
   EXPECT_EQ(examine(mesh).duplicate_count, 3u);
 }
 

@@ -11,7 +11,8 @@ TEST(IntakeNames, OnlyPrintableUtf8OfTheRightLengthIsFit) {
     EXPECT_EQ(flaw_of_name(good), "") << good;
     EXPECT_EQ(mended_name(good), good);
   }
-  for (const char* bad : {"", "\xff", "caf\xe9", "\xc0\xaf", "\xed\xa0\x80", "\xf5\x80\x80\x80", "\xe6\xa3", "a\nb", "\x7f"}) {
+  for (const char* bad :
+       {"", "\xff", "caf\xe9", "\xc0\xaf", "\xed\xa0\x80", "\xf5\x80\x80\x80", "\xe6\xa3", "a\nb", "\x7f"}) {
     EXPECT_NE(flaw_of_name(bad), "") << bad;
   }
   EXPECT_EQ(mended_name("caf\xe9\n"), "caf??");
@@ -33,7 +34,8 @@ TEST(IntakeNames, LongNamesStayUniqueWhenCut) {
 
 TEST(IntakeNames, ANumberedNameThatIsTakenIsPassedOver) {
   const Scene scene =
-      test::load("s.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\no a\nf 1 2 3\no a#2\nf 1 3 2\no a\nf 2 3 1\no a\nf 3 2 1\n").scene;
+      test::load("s.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\no a\nf 1 2 3\no a#2\nf 1 3 2\no a\nf 2 3 1\no a\nf 3 2 1\n")
+          .scene;
   EXPECT_EQ(scene.parts[2].name, "s/a#3");
   EXPECT_EQ(scene.parts[3].name, "s/a#4");
 }

@@ -64,9 +64,7 @@ TEST(IntakeScene, ProgressRisesToOneAndCancellingEndsTheLoad) {
   }
 }
 
-TEST(IntakeScene, EndingsMayBeWrittenLarge) {
-  EXPECT_EQ(load("A.OBJ", kTriangle).scene.name, "A");
-}
+TEST(IntakeScene, EndingsMayBeWrittenLarge) { EXPECT_EQ(load("A.OBJ", kTriangle).scene.name, "A"); }
 
 TEST(IntakeScene, ByteOrderMarksAreSteppedOverOrNamed) {
   EXPECT_EQ(load("a.obj", std::string("\xef\xbb\xbf") + kTriangle).scene.mesh.triangles.size(), 1u);
@@ -108,7 +106,8 @@ TEST_F(IntakeFiles, ASceneIsNamedAfterItsFileAndTimed) {
 TEST_F(IntakeFiles, WhatIsNoReadableFileIsNamed) {
   EXPECT_NE(file_complaint("/nowhere/a.obj").find("/nowhere/a.obj: cannot be opened: "), std::string::npos);
   std::filesystem::create_directory(directory_ / "d.obj");
-  EXPECT_NE(file_complaint((directory_ / "d.obj").string()).find("is a directory, a file is needed"), std::string::npos);
+  EXPECT_NE(file_complaint((directory_ / "d.obj").string()).find("is a directory, a file is needed"),
+            std::string::npos);
   EXPECT_EQ(file_complaint(file("e.obj", "")), "e.obj: the file is empty. Nothing was loaded.");
   EXPECT_EQ(file_complaint(file("b.obj", kTriangle), {.max_file_bytes = 10}),
             "b.obj: 33 bytes, limit 10. Nothing was loaded.");

@@ -126,11 +126,17 @@ TEST(IntakeTriangulate, CombsAndSpiralsAreCovered) {
   std::vector<GridPoint> spiral;
   for (std::int64_t i = 1; i < 200; ++i) {  // outward along the outer side, back along the inner one
     const std::int64_t r = 4 * i;
-    spiral.push_back(i % 4 == 0 ? GridPoint{r, -r} : i % 4 == 1 ? GridPoint{r, r} : i % 4 == 2 ? GridPoint{-r, r} : GridPoint{-r, -r});
+    spiral.push_back(i % 4 == 0   ? GridPoint{r, -r}
+                     : i % 4 == 1 ? GridPoint{r, r}
+                     : i % 4 == 2 ? GridPoint{-r, r}
+                                  : GridPoint{-r, -r});
   }
   for (std::int64_t i = 199; i > 1; --i) {
     const std::int64_t r = 4 * i - 5;
-    spiral.push_back(i % 4 == 0 ? GridPoint{r, -r} : i % 4 == 1 ? GridPoint{r, r} : i % 4 == 2 ? GridPoint{-r, r} : GridPoint{-r, -r});
+    spiral.push_back(i % 4 == 0   ? GridPoint{r, -r}
+                     : i % 4 == 1 ? GridPoint{r, r}
+                     : i % 4 == 2 ? GridPoint{-r, r}
+                                  : GridPoint{-r, -r});
   }
   expect_exact_cover(spiral, 1);
 }
@@ -177,7 +183,8 @@ TEST(IntakePlanar, NearlyStraightTurnsAreExact) {
       const PlanePoint r = {24, 24};
       // In units of the step everything is a whole number, and q and r lie on the diagonal.
       const auto in_steps = [](double x) { return static_cast<std::int64_t>(std::ldexp(x, 53)); };
-      const Wide exact = twice_area({in_steps(p[0]), in_steps(p[1])}, {in_steps(12), in_steps(12)}, {in_steps(24), in_steps(24)});
+      const Wide exact =
+          twice_area({in_steps(p[0]), in_steps(p[1])}, {in_steps(12), in_steps(12)}, {in_steps(24), in_steps(24)});
       const int sign = exact > 0 ? 1 : (exact < 0 ? -1 : 0);
       ASSERT_EQ(turn(p, q, r), sign) << i << ' ' << j;
       ASSERT_EQ(turn(q, p, r), -sign) << i << ' ' << j;
