@@ -418,6 +418,13 @@ HWY_INLINE unsigned within(const Boxes& boxes, const LocalPoint& point, float li
   return bits_of(hn::Le(sum, hn::Set(kFloats, limit)));
 }
 
+/// The places of a node that hold a child: an empty one has inverted bounds.
+HWY_INLINE unsigned used_children(const Node& node) {
+  unsigned mask = 0;
+  for (int i = 0; i < kWidth; ++i) mask |= (node.low[0][i] <= node.high[0][i] ? 1u : 0u) << i;
+  return mask;
+}
+
 void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, BspTree::NearCandidate candidate,
               void* context, WalkCost& cost) {
   Waiting stack[kStackSize];
@@ -446,6 +453,8 @@ void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bs
     for (int first = 0; first < kWidth; first += kLanes) {
       mask |= within(child_boxes(node, first), point, limit, distance + first) << first;
     }
+    // An empty place is infinitely far, which an infinite limit still reaches.
+    if (std::isinf(limit)) mask &= used_children(node);
     size = push_sorted(node, mask, distance, stack, size);
   }
 }
