@@ -14,6 +14,7 @@
 #include "server/service/log.hpp"
 #include "server/service/options.hpp"
 #include "server/service/server.hpp"
+#include "server/service/start_scenes.hpp"
 #include "server/service/supervisor.hpp"
 
 namespace {
@@ -45,6 +46,7 @@ int serve(const Options& options) {
   const sigset_t signals = block_stop_signals();
   Server server(options, make_log(options.log_level, options.log_json));
   const std::string ready = server.start();
+  if (options.scenes.empty()) fmt::print("{}", how_to_ask());
   fmt::print("{}\n", ready);
   std::fflush(stdout);
   notify_supervisor("READY=1\nSTATUS=" + ready);

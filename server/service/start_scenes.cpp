@@ -72,13 +72,14 @@ void load_start_scenes(const Options& options, World& world, std::int64_t now_ns
   if (options.scenes.empty()) add(world, embedded_and_indexed());
   world.step(now_ns, 1, {});
   print_plan(world);
-  if (options.scenes.empty()) {
-    fmt::print("no scene was named, so this is the embedded one; try, in another terminal:\n"
-               "  collide ray 0 0 5  0 0 -1        what is below (0 0 5)\n"
-               "  collide add ball sphere 0.2 --at 0 0 1\n"
-               "  collide watch                    collisions as they begin and end\n");
-  }
   std::fflush(stdout);
+}
+
+std::string_view how_to_ask() {
+  return "no scene was named, so this is the embedded one; try, in another terminal:\n"
+         "  collide ray 0 0 5  0 0 -1        what is below (0 0 5)\n"
+         "  collide add ball sphere 0.2 --at 0 0 1\n"
+         "  collide watch                    collisions as they begin and end\n";
 }
 
 }  // namespace collided::service
