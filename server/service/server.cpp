@@ -20,6 +20,9 @@
 namespace collided::service {
 namespace {
 
+/// A publisher or a client looks for servers every 2 s.
+constexpr std::int64_t kRecoveryNs = 3'000'000'000;
+
 std::uint64_t random_number() {
   std::random_device device;
   return (std::uint64_t{device()} << 32) | device();
@@ -69,13 +72,14 @@ std::string version_text() {
 /// In the order of making; unmade in the reverse order, so that nobody calls what is gone.
 struct Server::Parts {
   Parts(const Options& given, std::shared_ptr<spdlog::logger> logger);
-  Identity make_identity();
+  Epoch make_epoch();
   void tick();
   void let_jobs_end();
 
   const Options options;
   const std::shared_ptr<spdlog::logger> log;
   dds::Participant participant;
+  const Epoch epoch;
   const Identity identity;
   WorldClock clock;
   World world;
@@ -92,20 +96,22 @@ struct Server::Parts {
   std::thread world_thread;
 };
 
-Identity Server::Parts::make_identity() {
+Epoch Server::Parts::make_epoch() {
   make_sure_to_be_alone(participant, options);
-  const Epoch epoch = next_epoch(options.state_dir, options.domain, options.name_space, [](const char* name) { return std::getenv(name); });
-  if (epoch.kept_in.empty()) {
-    log->warn("the epoch is the clock's seconds, {}: {}; --state-dir names a folder that can be written", epoch.value, epoch.problem);
+  Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space, [](const char* name) { return std::getenv(name); });
+  if (kept.kept_in.empty()) {
+    log->warn("the epoch is the clock's seconds, {}: {}; --state-dir names a folder that can be written", kept.value, kept.problem);
   }
-  return {.server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()};
+  if (kept.crashed) log->warn("the last server did not end in order; recovering for {} s", kRecoveryNs / 1'000'000'000);
+  return kept;
 }
 
 Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logger)
     : options(given),
       log(std::move(logger)),
       participant(join(options)),
-      identity(make_identity()),
+      epoch(make_epoch()),
+      identity{.server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
       world({.epoch = identity.epoch, .max_objects = options.max_objects}),
       leases(world),
       outlet(participant, identity),
@@ -119,7 +125,9 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .admit = [this](AskPointer ask) { answering->admit(std::move(ask)); },
             .tick = [this] { tick(); },
             .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
-           {.step_ns = options.step_ns, .limits = {.object_numbers = 2 * options.max_objects}}),
+           {.step_ns = options.step_ns,
+            .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
+            .limits = {.object_numbers = 2 * options.max_objects}}),
       commands(loop, inbox, clock),
       reply_topic(participant, options.name_space) {
   if (participant.configured_by_environment()) log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
@@ -149,7 +157,8 @@ std::string Server::start() {
   Parts& p = *parts_;
   p.answering = std::make_unique<Answering>(
       p.world, p.clock, p.fences, p.leases, p.questions, p.reply_topic,
-      AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns},
+      AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
+                       [&p] { return p.loop.recovering(); }},
       [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering);
@@ -172,6 +181,7 @@ void Server::stop() {
   p.world_thread.join();
   p.listeners.reset();
   p.outlet.leave();
+  close_epoch(p.epoch);
 }
 
 int run_once(const Options& options) {

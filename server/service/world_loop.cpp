@@ -56,7 +56,8 @@ void WorldLoop::run() {
       publishers_.settle(around_.clock.now_ns());
       step_if_due();
       let_fences_pass();
-      write_status(ServerState::ready);
+      if (steady_ns() >= recovered_ns_) recovering_.store(false);
+      write_status(recovering() ? ServerState::recovering : ServerState::ready);
       around_.tick();
       say_notices();
     }

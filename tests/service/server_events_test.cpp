@@ -145,5 +145,34 @@ TEST_F(ServerEvents, ANameIsGivenOnForWhoWaits) {
   expect_pair(began, "ball", "warehouse/floor");
 }
 
+// A server that crashes and comes back: its publisher's object returns by itself, what held before holds on, and until
+// everybody is back nothing is called a miss.
+TEST_F(ServerEvents, ACrashIsRecoveredFrom) {
+  testing_support::ChildProcess& first = start({}, "first");
+  Client client = connect();
+  Watch events = watch(client);
+  Publisher publisher = publish(client, "thrower");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  move(publisher, ball, at(6, 0, 0.05));
+  EXPECT_EQ(next(events).what, What::began);
+  first.signal(SIGKILL);
+  first.wait(5s);
+  start({}, "second");
+  Client other = connect();
+  const RayQuestion up{.origin = {6, 0, 1}, .direction = {0, 0, 1}};
+  EXPECT_EQ(other.ask(up)->reason, Undecided::recovering);
+  const auto until = std::chrono::steady_clock::now() + 15s;
+  while (std::chrono::steady_clock::now() < until && !(client.status() && client.status()->state == "ready")) {
+    move(publisher, ball, at(6, 0, 0.05));
+    std::this_thread::sleep_for(50ms);
+  }
+  EXPECT_EQ(other.ask(up)->verdict, Verdict::miss);
+  const Result<Answer> down = other.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}});
+  ASSERT_TRUE(down);
+  EXPECT_EQ(down->hits.at(0).object, "ball");
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(events.open_contacts(), 1U);
+}
+
 }  // namespace
 }  // namespace collided

@@ -49,6 +49,22 @@ TEST_F(ServerStart, ConfigErrorsSayWhereAndWhatWasMeant) {
   EXPECT_EQ(refused("[server]\nthreads = \n").substr(0, 28), "error: FILE line 2, column 1");
 }
 
+// The file that is shipped says what holds without it.
+TEST_F(ServerStart, TheShippedConfigHoldsTheDefaults) {
+  const auto without_origins = [](const std::string& text) {
+    std::string values;
+    for (std::size_t start = 0; start < text.size();) {
+      const std::size_t end = text.find('\n', start);
+      values += text.substr(start, std::min(end, text.find('#', start)) - start);
+      start = end + 1;
+    }
+    return values;
+  };
+  const Ended shipped = run({"--print-config", "--config", COLLIDED_SOURCE_DIR "/deploy/collided.toml"});
+  ASSERT_EQ(shipped.code, 0) << shipped.errors;
+  EXPECT_EQ(without_origins(shipped.output), without_origins(run({"--print-config"}).output));
+}
+
 TEST_F(ServerStart, OptionErrorsSayWhatIsAllowed) {
   const auto refused = [&](const std::vector<std::string>& options) {
     const Ended ended = run(options);
