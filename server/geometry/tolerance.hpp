@@ -37,6 +37,11 @@ inline constexpr double kRefineDistance = 0x1p-42;
 /// Without it ExactRayTriangle.GrazingDistanceIsRefined fails.
 inline constexpr double kRefineRay = 0x1p-33;
 
+/// Error of a nearest direction, relative to its length, above which it is evaluated again exactly: a depth d along a
+/// normal that is off by e parts the shapes but for d e^2 / 2, far below the depth's own bound. No unit.
+/// Without it ExactContactOracle.SphereCapsule fails (a centre a rounding away from the axis).
+inline constexpr double kRefineDirection = 0x1p-36;
+
 /// Error of a witness point, relative to the largest coordinate of the sets: a + u d with u in [0, 1] on an edge whose
 /// ends took four roundings each, or the foot on a face (two quotients and two sums on each coordinate). No unit.
 /// At zero, ExactContact.DepthBoundsHoldOnRandomPairs fails.
