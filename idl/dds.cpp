@@ -134,7 +134,7 @@ std::string domain_config(const ParticipantOptions& options) {
          "<ExternalDomainId>" + std::to_string(options.domain) + "</ExternalDomainId>" +
          "<ParticipantIndex>" + index + "</ParticipantIndex><MaxAutoParticipantIndex>" +
          std::to_string(wire_contract::kMaxParticipantIndex) + "</MaxAutoParticipantIndex>" + peers_config(options) +
-         "<SPDPInterval>2s</SPDPInterval><LeaseDuration>10s</LeaseDuration></Discovery><Internal>"
+         "<SPDPInterval>1s</SPDPInterval><LeaseDuration>10s</LeaseDuration></Discovery><Internal>"
          // A sample is put together in memory before anybody can refuse it, so its size is limited here.
          "<MaxSampleSize>" + std::to_string(wire_contract::kMaxMessageBytes) + "B</MaxSampleSize>"
          // max only asks; min would stop the start on a machine with small limits.

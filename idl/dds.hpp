@@ -102,7 +102,9 @@ class Sample {
  public:
   Sample() { std::memset(&value_, 0, sizeof value_); }
   ~Sample() { dds_sample_free(&value_, WireType<T>::descriptor, DDS_FREE_CONTENTS); }
-  Sample(Sample&& other) noexcept : value_(other.value_) { std::memset(&other.value_, 0, sizeof value_); }
+  Sample(Sample&& other) noexcept : value_(other.value_), info_(other.info_) {
+    std::memset(&other.value_, 0, sizeof value_);
+  }
   Sample& operator=(Sample&& other) noexcept {
     std::swap(value_, other.value_);
     std::swap(info_, other.info_);
@@ -330,6 +332,14 @@ class Loans {
   dds_sample_info_t infos_[kMost];
 };
 
+/// What a take returned as a count. A callback may run while its reader is being deleted: there is nothing to take then.
+inline std::size_t taken_count(dds_return_t code) {
+  if (code == DDS_RETCODE_BAD_PARAMETER || code == DDS_RETCODE_ALREADY_DELETED) {
+    return 0;
+  }
+  return static_cast<std::size_t>(check(code, "take"));
+}
+
 /// Takes from a reader; cheap to copy; valid as long as the reader.
 template <class T>
 class Taker {
@@ -340,12 +350,28 @@ class Taker {
   /// The next sample into memory that is reused; false when there is none.
   [[nodiscard]] bool take(Sample<T>& sample) const {
     void* buffer = &sample.value_;
-    return check(dds_take(reader_, &buffer, &sample.info_, 1, 1), "take") > 0;
+    return taken_count(dds_take(reader_, &buffer, &sample.info_, 1, 1)) > 0;
+  }
+  /// As many as wait, at most samples.size(), in one call; fewer than that means that none are left.
+  [[nodiscard]] std::size_t take(std::span<Sample<T>* const> samples) const {
+    constexpr std::size_t kMost = 16;
+    void* buffers[kMost];
+    dds_sample_info_t infos[kMost];
+    const std::size_t most = std::min(samples.size(), kMost);
+    for (std::size_t i = 0; i < most; ++i) {
+      buffers[i] = &samples[i]->value_;
+    }
+    const std::size_t count = taken_count(dds_take(reader_, buffers, infos, most, static_cast<std::uint32_t>(most)));
+    for (std::size_t i = 0; i < count; ++i) {
+      samples[i]->info_ = infos[i];
+    }
+    return count;
   }
   /// Up to 32 lent samples; call again until none come.
   Loans<T> take_loans() const {
     Loans<T> loans(reader_);
-    loans.count_ = check(dds_take(reader_, loans.samples_, loans.infos_, Loans<T>::kMost, Loans<T>::kMost), "take");
+    loans.count_ = static_cast<std::int32_t>(
+        taken_count(dds_take(reader_, loans.samples_, loans.infos_, Loans<T>::kMost, Loans<T>::kMost)));
     return loans;
   }
 

@@ -10,6 +10,7 @@
 
 namespace collided::service {
 
+using wire_contract::Answer;
 using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
 
@@ -38,6 +39,7 @@ class Answering::Worker {
   void work(Resume resume);
   void work(Sweep sweep);
   void answer_questions(Client& client, const Ask& ask);
+  void doubt(const Questions& questions);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
   void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text);
   void command(const wire::Query& query);
@@ -121,7 +123,19 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
                             .numbers = dds::view(query.numbers)};
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
   answer(*lease, questions, answers_, scratch_);
+  // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
+  if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, *lease);
+}
+
+void Answering::Worker::doubt(const Questions& questions) {
+  const bool any_will_do = questions.kind == QueryKind::ray && questions.mode == wire_contract::RayMode::any;
+  for (std::size_t i = 0; i < answers_.answers.size(); ++i) {
+    const bool hit = answers_.answers[i] == Answer::hit;
+    if (answers_.answers[i] != Answer::miss && (!hit || any_will_do)) continue;
+    answers_.answers[i] = Answer::undecided;
+    answers_.reasons[i] = wire_contract::UndecidedReason::recovering;
+  }
 }
 
 void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snapshot& snapshot) {

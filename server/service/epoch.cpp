@@ -16,6 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kRunning = "running";
+constexpr const char* kStopped = "stopped";
+
 fs::path default_dir(const std::function<const char*(const char*)>& environment) {
   if (const char* state = environment("XDG_STATE_HOME"); state && *state == '/') return fs::path(state) / "collided";
   if (geteuid() == 0) return "/var/lib/collided";
@@ -54,6 +57,10 @@ std::string replace_file(const fs::path& path, const std::string& text) {
 
 }  // namespace
 
+void close_epoch(const Epoch& epoch) {
+  if (!epoch.kept_in.empty()) static_cast<void>(replace_file(epoch.kept_in, fmt::format("{} {}\n", epoch.value, kStopped)));
+}
+
 Epoch next_epoch(const std::string& state_dir, int domain, const std::string& name_space,
                  const std::function<const char*(const char*)>& environment) {
   const auto clock = std::chrono::system_clock::now().time_since_epoch();
@@ -66,9 +73,11 @@ Epoch next_epoch(const std::string& state_dir, int domain, const std::string& na
   }
   const fs::path path = dir / file_name(domain, name_space);
   std::uint64_t last = 0;
+  std::string how;
   std::ifstream in(path);
   if (in >> last) epoch.value = std::max(epoch.value, last + 1);
-  epoch.problem = replace_file(path, fmt::format("{}\n", epoch.value));
+  if (in >> how) epoch.crashed = how == kRunning;
+  epoch.problem = replace_file(path, fmt::format("{} {}\n", epoch.value, kRunning));
   if (epoch.problem.empty()) epoch.kept_in = path.string();
   return epoch;
 }

@@ -12,6 +12,7 @@ struct Epoch {
   std::uint64_t value = 0;
   std::string kept_in;  // the file; empty: nowhere could be written, and the value is the clock's seconds
   std::string problem;  // why nowhere
+  bool crashed = false; // the server before this one did not end in order: its publishers and watchers may be waiting
 };
 
 /// One more than the last one, and at least the clock's seconds, so that it grows over a lost file as well. Written
@@ -20,5 +21,8 @@ struct Epoch {
 /// state_dir   empty: $XDG_STATE_HOME/collided, ~/.local/state/collided, or /var/lib/collided for root
 Epoch next_epoch(const std::string& state_dir, int domain, const std::string& name_space,
                  const std::function<const char*(const char*)>& environment);
+
+/// Says that this server ends in order.
+void close_epoch(const Epoch& epoch);
 
 }  // namespace collided::service

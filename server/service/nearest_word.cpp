@@ -40,6 +40,23 @@ std::string nearest_word(std::string_view typed, std::span<const std::string> wo
   return nearest;
 }
 
+std::vector<std::string> nearest_words(std::string_view typed, std::span<const std::string_view> words, std::size_t most) {
+  // At least as many edits are needed as the lengths differ by.
+  const std::size_t farthest = std::max<std::size_t>(2, typed.size() / 2);
+  std::vector<std::pair<std::size_t, std::string_view>> near;
+  for (const std::string_view word : words) {
+    const std::size_t difference = word.size() > typed.size() ? word.size() - typed.size() : typed.size() - word.size();
+    if (difference > farthest) continue;
+    const std::size_t cost = edits(typed, word);
+    if (cost <= farthest) near.emplace_back(cost, word);
+  }
+  const std::size_t kept = std::min(most, near.size());
+  std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(kept), near.end());
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < kept; ++i) names.emplace_back(near[i].second);
+  return names;
+}
+
 std::string did_you_mean(std::string_view typed, std::span<const std::string> words) {
   const std::string nearest = nearest_word(typed, words);
   return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";

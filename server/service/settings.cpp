@@ -86,7 +86,7 @@ Allowed apply_deadline(Options& options, Values values) {
 }
 
 Allowed apply_domain(Options& options, Values values) {
-  return apply_whole(options.domain, values, 0, 232);
+  return apply_whole(options.domain, values, 0, 230);
 }
 
 Allowed apply_interface(Options& options, Values values) {

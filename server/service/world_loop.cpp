@@ -56,7 +56,8 @@ void WorldLoop::run() {
       publishers_.settle(around_.clock.now_ns());
       step_if_due();
       let_fences_pass();
-      write_status(ServerState::ready);
+      if (steady_ns() >= recovered_ns_) recovering_.store(false);
+      write_status(recovering() ? ServerState::recovering : ServerState::ready);
       around_.tick();
       say_notices();
     }
@@ -222,7 +223,10 @@ void WorldLoop::list_publishers() {
   for (auto* column : {&status_.publishers, &status_.applied_sequences}) column->clear();
   status_.silent_ns.clear();
   for (auto* column : {&status_.publisher_states, &status_.publisher_names}) column->clear();
+  const std::lock_guard lock(publisher_names_mutex_);
+  publisher_names_.clear();
   publishers_.for_each(around_.clock.now_ns(), [&](const PublisherView& view) {
+    publisher_names_.emplace(view.publisher, view.name);
     status_.publishers.push_back(view.publisher);
     status_.applied_sequences.push_back(view.applied_sequence);
     status_.silent_ns.push_back(view.silent_ns);
@@ -230,6 +234,12 @@ void WorldLoop::list_publishers() {
     status_.publisher_names.insert(status_.publisher_names.end(), view.name.begin(), view.name.end());
     status_.publisher_names.push_back(0);
   });
+}
+
+std::string WorldLoop::publisher_name(std::uint64_t publisher) const {
+  const std::lock_guard lock(publisher_names_mutex_);
+  const auto found = publisher_names_.find(publisher);
+  return found == publisher_names_.end() ? std::string() : found->second;
 }
 
 /// Contacts end when one of their objects goes; a part of a scene cannot go alone, its partner can.

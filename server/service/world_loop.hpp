@@ -3,6 +3,8 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,7 @@ namespace collided::service {
 
 struct LoopOptions {
   std::int64_t step_ns = 0;  // 0: a step as soon as something has changed
+  std::int64_t recovery_ns = 0;  // after a crash, until publishers have found this server
   PublisherLimits limits;
 };
 
@@ -45,7 +48,11 @@ class WorldLoop {
   };
 
   WorldLoop(const Around& around, const LoopOptions& options)
-      : around_(around), options_(options), publishers_(around.world, options.limits) {}
+      : around_(around),
+        options_(options),
+        publishers_(around.world, options.limits),
+        recovering_(options.recovery_ns > 0),
+        recovered_ns_(steady_ns() + options.recovery_ns) {}
 
   /// Runs until stop(); then ends every contact with server_stopping and says so.
   void run();
@@ -60,6 +67,10 @@ class WorldLoop {
   /// A change that a job made itself.
   void note_change() { ++own_changes_; }
   const LoopCounts& counts() const { return counts_; }
+  /// Any thread; as of the last status.
+  std::string publisher_name(std::uint64_t publisher) const;
+  /// Not everything that was there before a crash may be back yet. Any thread.
+  bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
   bool contacts_wanted() const { return around_.outlet.contacts_wanted(); }
 
  private:
@@ -82,6 +93,8 @@ class WorldLoop {
   LoopOptions options_;
   Publishers publishers_;
   std::atomic<bool> stopping_{false};
+  std::atomic<bool> recovering_{false};
+  std::int64_t recovered_ns_ = 0;
   std::vector<Arrival> arrivals_;
   std::uint64_t own_changes_ = 0;
   std::uint64_t pending_changes_ = 0;
@@ -98,6 +111,8 @@ class WorldLoop {
   StatusColumns status_;
   std::uint64_t contact_hash_ = 0;
   Fences::Applied applied_;
+  mutable std::mutex publisher_names_mutex_;
+  std::map<std::uint64_t, std::string> publisher_names_;
 };
 
 }  // namespace collided::service
