@@ -102,7 +102,8 @@ TEST_F(ServerAnswers, FreshReadsOwnWrites) {
 TEST_F(ServerAnswers, ADeadlineThatIsOverIsUndecided) {
   start();
   Client client = connect();
-  const Result<Answers> answers = client.ask(std::span(random_rays(100'000)), {.deadline = 1ns, .timeout = 30s});
+  const std::vector<RayQuestion> rays = random_rays(10'000);
+  const Result<Answers> answers = client.ask(std::span(rays), {.deadline = 1ns, .timeout = 30s});
   ASSERT_TRUE(answers) << answers.error().message;
   for (const Answer& answer : answers->answers) {
     ASSERT_EQ(answer.verdict, Verdict::undecided);

@@ -124,7 +124,7 @@ TEST_F(PublishersTest, BatchesWaitForTheirDefinitions) {
 }
 
 TEST_F(PublishersTest, ParkedBatchesAreBounded) {
-  for (std::uint64_t sequence = 5; sequence < 10; ++sequence) move(pose(sequence, {{1, 1.0 * sequence}}, 4));
+  for (std::uint64_t sequence = 5; sequence < 10; ++sequence) move(pose(sequence, {{1, static_cast<double>(sequence)}}, 4));
   EXPECT_EQ(publishers.counts().batches_dropped, 3U);
   define(definition(1, 4, "ball"));
   step();
@@ -271,7 +271,7 @@ TEST_F(PublishersTest, ANewIncarnationStartsEmpty) {
 
 TEST_F(PublishersTest, PublishersAndNumbersAreBounded) {
   for (std::uint64_t publisher = 1; publisher <= 5; ++publisher) {
-    DefinitionSample sample = definition(1, 1, "ball" + std::to_string(publisher), 2.0 * publisher);
+    DefinitionSample sample = definition(1, 1, "ball" + std::to_string(publisher), 2.0 * static_cast<double>(publisher));
     sample.publisher = publisher;
     define(sample);
   }

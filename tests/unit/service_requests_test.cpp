@@ -126,14 +126,22 @@ class ReplyFilling : public ::testing::Test {
       ball.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 1});
       std::string name = std::to_string(i);
       name.resize(std::max(name.size(), name_bytes), '_');
-      ASSERT_TRUE(std::holds_alternative<ObjectId>(world.define({.name = name, .shape = ball, .moving = false})));
+      ObjectDefinition definition;
+      definition.name = name;
+      definition.shape = ball;
+      definition.moving = false;
+      ASSERT_TRUE(std::holds_alternative<ObjectId>(world.define(definition)));
     }
     world.step(1, 1, {});
     std::vector<double> numbers;
     for (std::uint32_t i = 0; i < questions; ++i) numbers.insert(numbers.end(), {0, 0, 0, 1});
     QueryScratch scratch;
-    answer(*world.newest(), {.kind = wire_contract::QueryKind::sphere, .max_hits = 0xffffffff, .numbers = numbers}, answers, scratch);
+    Questions asked;
+    asked.kind = wire_contract::QueryKind::sphere;
+    asked.max_hits = 0xffffffff;
+    asked.numbers = numbers;
     const auto state = world.newest();
+    answer(*state, asked, answers, scratch);
     ReplyFiller filler(*state, answers, named_in, reply_number);
     ReplyColumns columns;
     while (filler.fill(columns)) {
