@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 /// Names, codes and limits that both sides of the wire share. QoS beside each topic; dds.hpp turns it into entities.
 namespace collided::wire_contract {
@@ -45,6 +47,8 @@ inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;
 inline constexpr std::uint32_t kMaxNameBytes = 255;
 inline constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
 inline constexpr std::uint32_t kContactShards = 64;
+/// Poses bring |q| = 1 to this: a quaternion of floats, multiplied a few times, passes; a scaled one does not.
+inline constexpr double kUnitQuaternionSlack = 1e-6;
 inline constexpr int kMaxParticipantIndex = 120;
 
 enum class Reliability : std::uint8_t { best_effort, reliable };
@@ -65,6 +69,8 @@ inline constexpr TopicQos kPoseTopic{"pose", Reliability::reliable, Durability::
 inline constexpr TopicQos kQueryTopic{"query", Reliability::reliable, Durability::volatile_data, 0, 4'096, false};
 inline constexpr TopicQos kReplyTopic{"reply", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kEventTopic{"event", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
+/// Contacts that go on, for who draws them: EventFrames of `persisted` only, first_sequence 0; written while it has readers.
+inline constexpr TopicQos kPersistedTopic{"persisted", Reliability::best_effort, Durability::volatile_data, 64, 0, false};
 inline constexpr TopicQos kContactTopic{"contact", Reliability::reliable, Durability::transient_local, 1, 0, false};
 inline constexpr TopicQos kStatusTopic{"status", Reliability::reliable, Durability::transient_local, 1, 0, false};
 
@@ -76,6 +82,16 @@ inline constexpr std::int64_t kStatusLostNs = 300'000'000;
 
 /// "client_<16 hex digits>": the partition that a client's replies travel in.
 std::string reply_partition(std::uint64_t client);
+
+/// "<name_space>/<suffix>". Throws std::invalid_argument unless name_space is [A-Za-z_/][A-Za-z0-9_/]*, which is all
+/// that DDS accepts in a topic's name.
+std::string topic_name(std::string_view name_space, const TopicQos& topic);
+
+/// Names as they travel beside their ids: zero-terminated, one after the other.
+std::vector<std::uint8_t> pack_names(std::span<const std::string> names);
+
+/// Views into `packed`. A last name without its zero is left out, so that a cut message yields whole names only.
+std::vector<std::string_view> unpack_names(std::span<const std::uint8_t> packed);
 
 /// The shard of the contact topic that holds a pair (a < b).
 std::uint8_t contact_shard(std::uint64_t a, std::uint64_t b);

@@ -1,14 +1,65 @@
 #include "server/geometry/pose.hpp"
 
 namespace collided {
+namespace {
+
+// The one order in which a row meets a vector. Not Eigen's product: its order may change with vector width.
+double row_times(const Mat3& r, int row, const Vec3& v) {
+  return (r(row, 0) * v[0] + r(row, 1) * v[1]) + r(row, 2) * v[2];
+}
+
+}  // namespace
+
+Frame frame_of(const Pose& pose) {
+  const double w = pose.rotation.w();
+  const double x = pose.rotation.x();
+  const double y = pose.rotation.y();
+  const double z = pose.rotation.z();
+  const double x2 = x + x;
+  const double y2 = y + y;
+  const double z2 = z + z;
+  Frame frame;
+  Mat3& r = frame.rotation;
+  r(0, 0) = 1 - (y * y2 + z * z2);
+  r(0, 1) = x * y2 - w * z2;
+  r(0, 2) = x * z2 + w * y2;
+  r(1, 0) = x * y2 + w * z2;
+  r(1, 1) = 1 - (x * x2 + z * z2);
+  r(1, 2) = y * z2 - w * x2;
+  r(2, 0) = x * z2 - w * y2;
+  r(2, 1) = y * z2 + w * x2;
+  r(2, 2) = 1 - (x * x2 + y * y2);
+  frame.position = pose.position;
+  return frame;
+}
 
 Vec3 place(const Frame& frame, const Vec3& point) {
-  const Mat3& r = frame.rotation;
   Vec3 placed;
-  for (int row = 0; row < 3; ++row) {
-    placed[row] = ((r(row, 0) * point[0] + r(row, 1) * point[1]) + r(row, 2) * point[2]) + frame.position[row];
+  for (int row = 0; row < 3; ++row) placed[row] = row_times(frame.rotation, row, point) + frame.position[row];
+  return placed;
+}
+
+Sphere place(const Frame& frame, const Sphere& sphere) { return {place(frame, sphere.center), sphere.radius_m}; }
+
+Box place(const Frame& frame, const Box& box) {
+  Box placed{place(frame, box.center), Mat3::Zero(), box.half_m};
+  for (int column = 0; column < 3; ++column) {
+    const Vec3 axis = box.axes.col(column);
+    for (int row = 0; row < 3; ++row) placed.axes(row, column) = row_times(frame.rotation, row, axis);
   }
   return placed;
+}
+
+Capsule place(const Frame& frame, const Capsule& capsule) {
+  return {place(frame, capsule.a), place(frame, capsule.b), capsule.radius_m};
+}
+
+Triangle place(const Frame& frame, const Triangle& triangle) {
+  return {place(frame, triangle.a), place(frame, triangle.b), place(frame, triangle.c)};
+}
+
+Primitive place(const Frame& frame, const Primitive& primitive) {
+  return std::visit([&](const auto& shape) { return Primitive(place(frame, shape)); }, primitive);
 }
 
 }  // namespace collided

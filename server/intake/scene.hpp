@@ -17,22 +17,22 @@ struct Part {
   std::string name;  // "scene/part", or "scene" where the file holds one part without a name; unique in the scene
   std::uint32_t first_triangle = 0;
   std::uint32_t triangle_count = 0;
-  Filter filter;
+  Filter filter{};
 };
 
 struct SceneObject {
   std::string name;
-  Shape shape;
-  Pose pose;
-  Filter filter;
+  Shape shape{};
+  Pose pose{};
+  Filter filter{};
 };
 
 /// One loaded file: static triangles in world coordinates, split into parts without gap, and objects with a pose.
 struct Scene {
   std::string name;
-  TriangleMesh mesh;
-  std::vector<Part> parts;
-  std::vector<SceneObject> objects;
+  TriangleMesh mesh{};
+  std::vector<Part> parts{};
+  std::vector<SceneObject> objects{};
 };
 
 /// What loading did; each line is a sentence for the user with a count.
@@ -44,14 +44,14 @@ struct LoadReport {
 };
 
 struct LoadOptions {
-  std::string name;         // empty: the file's stem
-  double unit_m = 1;        // metres per unit of the file
-  char up = 'z';            // axis of the file that points up: 'y' is turned to z by (x, y, z) -> (x, -z, y)
-  bool strict = false;      // refuse what would be mended
+  std::string name{};   // empty: the file's stem
+  double unit_m = 1;    // metres per unit of the file
+  char up = 'z';        // axis of the file that points up: 'y' is turned to z by (x, y, z) -> (x, -z, y)
+  bool strict = false;  // refuse what would be mended
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
-  std::function<void(double)> progress;  // fraction done in [0, 1]
-  std::function<bool()> cancelled;       // true ends the load with a LoadError
+  std::function<void(double)> progress{};  // fraction done in [0, 1]
+  std::function<bool()> cancelled{};       // true ends the load with a LoadError
 };
 
 /// Says where, what, value, limit and consequence: "bunny.ply: line 12: ... Nothing was loaded."

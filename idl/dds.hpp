@@ -1,0 +1,448 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <dds/dds.h>
+
+#include "collided.h"
+#include "idl/topics.hpp"
+
+/// Owning C++ over Cyclone DDS's C interface: the only door to DDS.
+///
+///   dds::Participant participant({.domain = 0, .role = dds::Role::server});
+///   dds::Topic<wire::Query> queries(participant, "collided");             // the row in topics.hpp sets its QoS
+///   dds::Reader<wire::Query> reader(queries, {.data = [&](dds::Taker<wire::Query> taker) {
+///     while (taker.take(*free_sample)) { queue.push(free_sample); ... }   // listener: take and hand over, nothing else
+///   }});
+///   dds::Topic<wire::Reply> replies(participant, "collided");
+///   dds::Writer<wire::Reply> writer(replies, {.partition = wire_contract::reply_partition(client)});
+///   dds::borrow(reply->answers, my_answers);                              // no copy: must outlive write()
+///   if (!writer.write(*reply)) { /* timed out: the reader's queue is full */ }
+///
+/// Errors throw DdsError, which says what was tried. Everything is move-only; an object must outlive what was made from it.
+namespace collided::wire {
+
+using Definition = ::collided_wire_Definition;
+using PoseBatch = ::collided_wire_PoseBatch;
+using Query = ::collided_wire_Query;
+using Reply = ::collided_wire_Reply;
+using EventFrame = ::collided_wire_EventFrame;
+using ContactShard = ::collided_wire_ContactShard;
+using Status = ::collided_wire_Status;
+
+}  // namespace collided::wire
+
+namespace collided::dds {
+
+/// "collided/query: create writer: Out Of Resources".
+struct DdsError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Hands `code` back, or throws when it is an error.
+dds_return_t check(dds_return_t code, std::string_view what);
+
+// ---- types -----------------------------------------------------------------------------------------------------------
+
+/// A wire type's descriptor and its row of the topic table.
+template <class T>
+struct WireType;
+template <>
+struct WireType<wire::Definition> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_Definition_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kObjectTopic;
+};
+template <>
+struct WireType<wire::PoseBatch> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_PoseBatch_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kPoseTopic;
+};
+template <>
+struct WireType<wire::Query> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_Query_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kQueryTopic;
+};
+template <>
+struct WireType<wire::Reply> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_Reply_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kReplyTopic;
+};
+template <>
+struct WireType<wire::EventFrame> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_EventFrame_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kEventTopic;
+};
+template <>
+struct WireType<wire::ContactShard> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_ContactShard_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kContactTopic;
+};
+template <>
+struct WireType<wire::Status> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_Status_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kStatusTopic;
+};
+
+/// One message with room that is reused: taking into it again keeps its sequences' buffers.
+/// Own what take() filled; borrow() may point its sequences elsewhere for the length of a write().
+template <class T>
+class Sample {
+ public:
+  Sample() { std::memset(&value_, 0, sizeof value_); }
+  ~Sample() { dds_sample_free(&value_, WireType<T>::descriptor, DDS_FREE_CONTENTS); }
+  Sample(Sample&& other) noexcept : value_(other.value_), info_(other.info_) {
+    std::memset(&other.value_, 0, sizeof value_);
+  }
+  Sample& operator=(Sample&& other) noexcept {
+    std::swap(value_, other.value_);
+    std::swap(info_, other.info_);
+    return *this;
+  }
+  T& operator*() { return value_; }
+  const T& operator*() const { return value_; }
+  T* operator->() { return &value_; }
+  const T* operator->() const { return &value_; }
+
+  /// Of the last take: valid_data false means only the instance's state changed (info().instance_state).
+  const dds_sample_info_t& info() const { return info_; }
+
+ private:
+  template <class U>
+  friend class Taker;
+  T value_;
+  dds_sample_info_t info_{};
+};
+
+template <class Sequence>
+using ElementOf = std::remove_pointer_t<decltype(Sequence::_buffer)>;
+
+/// What a sequence holds.
+template <class Sequence>
+std::span<const ElementOf<Sequence>> view(const Sequence& sequence) {
+  return {sequence._buffer, sequence._length};
+}
+
+/// Points a sequence at memory of the caller; DDS reads it during write() only and never frees it.
+template <class Sequence, class Range>
+void borrow(Sequence& sequence, const Range& range) {
+  const std::span<const ElementOf<Sequence>> elements(range);
+  if (sequence._release) {
+    dds_free(sequence._buffer);
+  }
+  sequence._buffer = const_cast<ElementOf<Sequence>*>(elements.data());
+  sequence._length = sequence._maximum = static_cast<std::uint32_t>(elements.size());
+  sequence._release = false;
+}
+
+/// Fills a bounded string; false (and an empty field) when `text` is longer than the field.
+template <std::size_t kRoom>
+[[nodiscard]] bool set_text(char (&field)[kRoom], std::string_view text) {
+  const bool fits = text.size() < kRoom;
+  const std::size_t length = fits ? text.size() : 0;
+  std::memcpy(field, text.data(), length);
+  field[length] = 0;
+  return fits;
+}
+
+// ---- entities --------------------------------------------------------------------------------------------------------
+
+/// An entity handle that is deleted once.
+class Entity {
+ public:
+  Entity() = default;
+  explicit Entity(dds_entity_t handle) : handle_(handle) {}
+  ~Entity() { reset(); }
+  Entity(Entity&& other) noexcept : handle_(std::exchange(other.handle_, 0)) {}
+  Entity& operator=(Entity&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  dds_entity_t get() const { return handle_; }
+  void reset();
+
+ private:
+  dds_entity_t handle_ = 0;
+};
+
+/// A server takes a participant index, so a fixed port that others find; a client takes none: clients find servers and
+/// not each other, and no number of them is too many.
+enum class Role { server, client };
+
+/// interface       "lo": this machine only; "auto": the network, multicast discovery; else an interface's name
+/// peers           addresses to ask for participants besides
+/// process_domain  Cyclone's number for this domain inside this process, when two participants of one process are to
+///                 meet over the network stack (tests); none: `domain`
+struct ParticipantOptions {
+  int domain = 0;  // 0..230
+  Role role = Role::client;
+  std::string interface = "lo";
+  std::vector<std::string> peers = {};
+  std::optional<int> process_domain = {};
+};
+
+/// Cyclone's configuration for these options; throws DdsError on a character that no address or interface has.
+std::string domain_config(const ParticipantOptions& options);
+
+/// One process's membership of a domain; make one per process and domain. Deleting it deletes what was made from it.
+class Participant {
+ public:
+  /// An existing CYCLONEDDS_URI wins over interface and peers; configured_by_environment() then says so.
+  explicit Participant(const ParticipantOptions& options);
+
+  dds_entity_t get() const { return participant_.get(); }
+  bool configured_by_environment() const { return configured_by_environment_; }
+  /// Other participants known now, of anybody.
+  std::size_t others_seen() const;
+  /// Test aid: hears nothing (deaf), sends nothing (mute), for `nanoseconds` or until called with false, false.
+  void set_deaf_mute(bool deaf, bool mute, std::int64_t nanoseconds);
+
+ private:
+  Entity domain_;
+  Entity participant_;
+  bool configured_by_environment_ = false;
+};
+
+class TopicBase {
+ public:
+  dds_entity_t get() const { return topic_.get(); }
+  dds_entity_t participant() const { return participant_; }
+  const std::string& name() const { return name_; }
+  const wire_contract::TopicQos& row() const { return row_; }
+
+ protected:
+  TopicBase(const Participant& participant, std::string_view name_space, const wire_contract::TopicQos& row,
+            const dds_topic_descriptor_t* descriptor);
+
+ private:
+  dds_entity_t participant_;
+  std::string name_;
+  const wire_contract::TopicQos& row_;
+  Entity topic_;
+};
+
+/// A topic of the table; readers and writers of it share one.
+template <class T>
+class Topic : public TopicBase {
+ public:
+  /// row  of topics.hpp, where a type travels on more than one topic
+  Topic(const Participant& participant, std::string_view name_space,
+        const wire_contract::TopicQos& row = WireType<T>::row)
+      : TopicBase(participant, name_space, row, WireType<T>::descriptor) {}
+};
+
+/// Liveliness of the writers that a reader meets.
+struct Liveliness {
+  std::uint32_t alive = 0;
+  std::uint32_t not_alive = 0;
+  dds_instance_handle_t last_writer = 0;  // == publication_handle in the info of its samples
+};
+
+/// Callbacks run on DDS's receive thread: take, note, hand over. They must not block, throw, or make or delete entities,
+/// and may run before the constructor of their reader or writer has returned.
+struct EntityCallbacks {
+  std::function<void(dds_entity_t)> data = {};
+  std::function<void(std::uint32_t current)> matched = {};
+  std::function<void(const Liveliness&)> liveliness = {};
+};
+
+/// partition   of the publisher or subscriber made for it; empty: the default one
+/// lease_ns    > 0: the writer is alive as long as it writes or asserts at least this often (MANUAL_BY_TOPIC)
+/// lifespan_ns > 0: samples not taken after this long vanish
+struct WriterOptions {
+  std::string partition = {};
+  std::int64_t lease_ns = 0;
+  std::int64_t lifespan_ns = 0;
+  std::int64_t max_blocking_ns = 100'000'000;
+  std::function<void(std::uint32_t readers)> matched = {};
+};
+
+class WriterBase {
+ public:
+  dds_entity_t get() const { return writer_.get(); }
+  std::uint32_t matched_readers() const;
+  /// Keeps a writer with a lease alive. Once its lease has run out only a write revives it.
+  void assert_liveliness();
+  /// Waits until every matched reader has what was written; false after `nanoseconds`.
+  bool wait_for_acknowledgements(std::int64_t nanoseconds);
+
+ protected:
+  WriterBase(const TopicBase& topic, const wire_contract::TopicQos& row, WriterOptions options);
+  [[nodiscard]] bool write_sample(const void* sample);
+  void dispose_sample(const void* sample);
+
+ private:
+  std::string topic_name_;
+  std::unique_ptr<EntityCallbacks> callbacks_;
+  Entity publisher_;
+  Entity writer_;
+};
+
+/// Any thread may write.
+template <class T>
+class Writer : public WriterBase {
+ public:
+  explicit Writer(const Topic<T>& topic, WriterOptions options = {})
+      : WriterBase(topic, topic.row(), std::move(options)) {}
+  /// False: timed out after max_blocking_ns because a reader is full.
+  [[nodiscard]] bool write(const T& sample) { return write_sample(&sample); }
+  /// Ends the instance of sample's key.
+  void dispose(const T& sample) { dispose_sample(&sample); }
+};
+
+/// Samples lent by a reader, given back on destruction.
+template <class T>
+class Loans {
+ public:
+  explicit Loans(dds_entity_t reader) : reader_(reader) {}
+  ~Loans() {
+    if (count_ > 0) {
+      dds_return_loan(reader_, samples_, count_);
+    }
+  }
+  Loans(Loans&& other) noexcept : reader_(other.reader_), count_(std::exchange(other.count_, 0)) {
+    std::copy_n(other.samples_, kMost, samples_);
+    std::copy_n(other.infos_, kMost, infos_);
+  }
+  Loans& operator=(Loans&&) = delete;
+
+  std::size_t size() const { return static_cast<std::size_t>(count_); }
+  /// Only keys are set when !info(i).valid_data.
+  const T& operator[](std::size_t i) const { return *static_cast<const T*>(samples_[i]); }
+  const dds_sample_info_t& info(std::size_t i) const { return infos_[i]; }
+
+ private:
+  template <class U>
+  friend class Taker;
+  static constexpr std::size_t kMost = 32;
+  dds_entity_t reader_;
+  std::int32_t count_ = 0;
+  void* samples_[kMost] = {};
+  dds_sample_info_t infos_[kMost];
+};
+
+/// What a take returned as a count. A callback may run while its reader is being deleted: there is nothing to take then.
+inline std::size_t taken_count(dds_return_t code) {
+  if (code == DDS_RETCODE_BAD_PARAMETER || code == DDS_RETCODE_ALREADY_DELETED) {
+    return 0;
+  }
+  return static_cast<std::size_t>(check(code, "take"));
+}
+
+/// Takes from a reader; cheap to copy; valid as long as the reader.
+template <class T>
+class Taker {
+ public:
+  explicit Taker(dds_entity_t reader) : reader_(reader) {}
+  dds_entity_t reader() const { return reader_; }
+
+  /// The next sample into memory that is reused; false when there is none.
+  [[nodiscard]] bool take(Sample<T>& sample) const {
+    void* buffer = &sample.value_;
+    return taken_count(dds_take(reader_, &buffer, &sample.info_, 1, 1)) > 0;
+  }
+  /// As many as wait, at most samples.size(), in one call; fewer than that means that none are left.
+  [[nodiscard]] std::size_t take(std::span<Sample<T>* const> samples) const {
+    constexpr std::size_t kMost = 16;
+    void* buffers[kMost];
+    dds_sample_info_t infos[kMost];
+    const std::size_t most = std::min(samples.size(), kMost);
+    for (std::size_t i = 0; i < most; ++i) {
+      buffers[i] = &samples[i]->value_;
+    }
+    const std::size_t count = taken_count(dds_take(reader_, buffers, infos, most, static_cast<std::uint32_t>(most)));
+    for (std::size_t i = 0; i < count; ++i) {
+      samples[i]->info_ = infos[i];
+    }
+    return count;
+  }
+  /// Up to 32 lent samples; call again until none come.
+  Loans<T> take_loans() const {
+    Loans<T> loans(reader_);
+    loans.count_ = static_cast<std::int32_t>(
+        taken_count(dds_take(reader_, loans.samples_, loans.infos_, Loans<T>::kMost, Loans<T>::kMost)));
+    return loans;
+  }
+
+ private:
+  dds_entity_t reader_;
+};
+
+/// data: called when samples wait; the taker works even before the reader's constructor has returned.
+template <class T>
+struct ReaderOptions {
+  std::function<void(Taker<T>)> data = {};
+  std::function<void(std::uint32_t writers)> matched = {};
+  std::function<void(const Liveliness&)> liveliness = {};
+  std::string partition = {};
+};
+
+class ReaderBase {
+ public:
+  dds_entity_t get() const { return reader_.get(); }
+  std::uint32_t matched_writers() const;
+  /// == publication_handle in the info of their samples.
+  std::vector<dds_instance_handle_t> matched_writer_handles() const;
+
+ protected:
+  ReaderBase(const TopicBase& topic, const wire_contract::TopicQos& row, const std::string& partition,
+             EntityCallbacks callbacks);
+
+ private:
+  std::unique_ptr<EntityCallbacks> callbacks_;
+  Entity subscriber_;
+  Entity reader_;
+};
+
+template <class T>
+class Reader : public ReaderBase {
+ public:
+  explicit Reader(const Topic<T>& topic, ReaderOptions<T> options = {})
+      : ReaderBase(topic, topic.row(), options.partition,
+                   {.data = on_data(std::move(options.data)),
+                    .matched = std::move(options.matched),
+                    .liveliness = std::move(options.liveliness)}) {}
+  Taker<T> taker() const { return Taker<T>(get()); }
+  [[nodiscard]] bool take(Sample<T>& sample) { return taker().take(sample); }
+  Loans<T> take_loans() { return taker().take_loans(); }
+
+ private:
+  static std::function<void(dds_entity_t)> on_data(std::function<void(Taker<T>)> callback) {
+    if (!callback) {
+      return {};
+    }
+    return [callback = std::move(callback)](dds_entity_t reader) { callback(Taker<T>(reader)); };
+  }
+};
+
+/// Waits for readers without a callback. One thread waits; any thread may wake().
+class WaitSet {
+ public:
+  explicit WaitSet(const Participant& participant);
+  /// wait() returns `token` while samples wait in the reader.
+  void attach(const ReaderBase& reader, std::intptr_t token);
+  /// Makes the running or the next wait() return at once.
+  void wake();
+  /// Tokens of the readers that have data; empty after `nanoseconds` or a wake().
+  std::vector<std::intptr_t> wait(std::int64_t nanoseconds);
+
+ private:
+  static constexpr std::intptr_t kWakeToken = -1;
+  Entity wake_condition_;
+  std::vector<Entity> conditions_;
+  Entity waitset_;
+  std::size_t attached_ = 1;
+};
+
+}  // namespace collided::dds

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <type_traits>
+
+#include "server/geometry/aabb.hpp"
+
+namespace collided::bsp {
+
+inline constexpr int kWidth = 8;
+
+/// Levels of wide nodes cut by the surface-area heuristic; below them ranges are halved by count, so identical
+/// triangles end too. 2^32 triangles take at most 11 levels of eight halves.
+inline constexpr std::uint32_t kMaxHeuristicDepth = 48;
+inline constexpr std::uint32_t kMaxDepth = kMaxHeuristicDepth + 12;
+/// A walk keeps at most seven waiting siblings a level.
+inline constexpr int kStackSize = static_cast<int>(kMaxDepth) * (kWidth - 1) + kWidth;
+
+/// A child: an inner node, or a leaf with its number of triangles, or nothing.
+using Ref = std::uint32_t;
+inline constexpr Ref kLeafBit = 0x80000000u;
+inline constexpr Ref kIndexMask = 0x0fffffffu;
+inline constexpr Ref kNothing = 0x7fffffffu;
+inline Ref leaf_ref(std::uint32_t index, int count) {
+  return kLeafBit | (static_cast<Ref>(count - 1) << 28) | index;
+}
+inline bool is_leaf(Ref ref) { return (ref & kLeafBit) != 0; }
+inline int leaf_count(Ref ref) { return static_cast<int>((ref >> 28) & 7u) + 1; }
+
+/// Eight children with bounds in local coordinates, rounded outward. A missing child has low = +inf, high = -inf.
+struct alignas(64) Node {
+  float low[3][kWidth];
+  float high[3][kWidth];
+  Ref child[kWidth];
+  std::uint32_t unused[kWidth];
+};
+static_assert(sizeof(Node) == 256);
+
+/// Up to eight triangles in local coordinates. Where every vertex of the mesh is a float there, as most imported
+/// meshes are, a, b, c are the corners, exactly. Else a is the first corner and b, c are the edges that leave it, each
+/// the nearest float: a corner is off by at most 2^-24, an edge by 2^-24 of its largest component.
+struct alignas(64) Leaf {
+  float a[3][kWidth];
+  float b[3][kWidth];
+  float c[3][kWidth];
+  std::uint32_t triangle[kWidth];
+};
+static_assert(sizeof(Leaf) == 320);
+
+/// Local coordinates: (world - origin) * scale, within [-1, 1] for every vertex. The origin is a dyadic number
+/// short enough for the subtraction to be exact, the scale a power of two.
+struct LocalFrame {
+  Vec3 origin = Vec3::Zero();
+  double scale = 1;
+  double inverse_scale = 1;
+  int scale_exponent = 0;  // scale = 2^scale_exponent
+
+  Vec3 to_local(const Vec3& world) const { return (world - origin) * scale; }
+  double to_world(float local, int axis) const { return static_cast<double>(local) * inverse_scale + origin[axis]; }
+  /// Whether the point survives the way to local floats and back.
+  bool is_float(const Vec3& world) const {
+    const Vec3 local = to_local(world);
+    bool same = true;
+    for (int axis = 0; axis < 3; ++axis) same = same && to_world(static_cast<float>(local[axis]), axis) == world[axis];
+    return same;
+  }
+};
+
+LocalFrame local_frame(const Aabb& bounds);
+
+float round_down(double value);
+float round_up(double value);
+
+void* allocate_pages(std::size_t bytes);
+void free_pages(void* memory, std::size_t bytes);
+
+/// Memory for many plain records, aligned for SIMD, on huge pages where it is long: an incoherent ray touches pages
+/// all over the tree and would otherwise wait for address translation as well as for the data.
+template <typename T>
+class PlainArray {
+  static_assert(std::is_trivially_destructible_v<T>);
+
+ public:
+  PlainArray() = default;
+  explicit PlainArray(std::size_t size)
+      : data_(static_cast<T*>(allocate_pages(size * sizeof(T))), Free{size * sizeof(T)}) {}
+  T* data() { return data_.get(); }
+  const T* data() const { return data_.get(); }
+  T& operator[](std::size_t i) { return data_.get()[i]; }
+  const T& operator[](std::size_t i) const { return data_.get()[i]; }
+  std::size_t bytes() const { return data_.get_deleter().bytes; }
+  std::size_t size() const { return bytes() / sizeof(T); }
+
+ private:
+  struct Free {
+    std::size_t bytes = 0;
+    void operator()(T* memory) const { free_pages(memory, bytes); }
+  };
+  std::unique_ptr<T[], Free> data_;
+};
+
+/// The finished tree. An empty one has root kNothing.
+struct Layout {
+  LocalFrame frame;
+  bool has_corners = false;  // else leaves hold edges
+  float root_low[3] = {1, 1, 1};
+  float root_high[3] = {-1, -1, -1};
+  Ref root = kNothing;
+  PlainArray<Node> nodes;
+  PlainArray<Leaf> leaves;
+};
+
+}  // namespace collided::bsp

@@ -1,0 +1,88 @@
+#include "server/broad_phase/bsp_tree.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "server/broad_phase/bsp_build.hpp"
+#include "server/broad_phase/bsp_layout.hpp"
+#include "server/broad_phase/bsp_walk.hpp"
+
+namespace collided {
+
+struct BspTree::Storage {
+  bsp::Layout layout;
+  BspReport report;
+  Aabb bounds;
+};
+
+BspTree::BspTree() : storage_(std::make_unique<Storage>()) {}
+BspTree::~BspTree() = default;
+BspTree::BspTree(BspTree&&) noexcept = default;
+BspTree& BspTree::operator=(BspTree&&) noexcept = default;
+
+BspTree BspTree::build(const TriangleMesh& mesh, const BspOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  BspTree tree;
+  Storage& storage = *tree.storage_;
+  storage.layout = bsp::build_layout(mesh, options, storage.report);
+  if (storage.layout.root != bsp::kNothing) {
+    for (const Vec3& vertex : mesh.vertices) storage.bounds.extend(vertex);
+  }
+  storage.report.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return tree;
+}
+
+const BspReport& BspTree::report() const { return storage_->report; }
+const Aabb& BspTree::bounds() const { return storage_->bounds; }
+
+void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, RayCandidate candidate, void* context,
+                       WalkCost& cost) const {
+  const bsp::Layout& layout = storage_->layout;
+  if (layout.root == bsp::kNothing || !(limit >= 0)) return;
+  bsp::walk_ray(layout, ray, limit, slack_m, candidate, context, cost);
+}
+
+void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh, RayTriangle candidate,
+                       void* context, WalkCost& cost) const {
+  const bsp::Layout& layout = storage_->layout;
+  if (layout.root == bsp::kNothing || !(limit >= 0)) return;
+  bsp::walk_ray(layout, ray, limit, slack_m, mesh, candidate, context, cost);
+}
+
+void BspTree::walk_box(const Aabb& asked, BoxCandidate candidate, void* context, WalkCost& cost) const {
+  const bsp::Layout& layout = storage_->layout;
+  if (layout.root == bsp::kNothing || asked.empty()) return;
+  // Just beyond the scene, and finite, so that missing children stay out.
+  constexpr double kBeyond = 4;
+  const Vec3 low = layout.frame.to_local(asked.low).cwiseMax(-kBeyond);
+  const Vec3 high = layout.frame.to_local(asked.high).cwiseMin(kBeyond);
+  bsp::LocalBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Two roundings in double, where a vertex had none.
+    box.low[axis] = bsp::round_down(low[axis] - 0x1p-50);
+    box.high[axis] = bsp::round_up(high[axis] + 0x1p-50);
+  }
+  bsp::walk_box(layout, box, candidate, context, cost);
+}
+
+void BspTree::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate, void* context,
+                        WalkCost& cost) const {
+  const bsp::Layout& layout = storage_->layout;
+  if (layout.root == bsp::kNothing || !(limit_m2 >= 0)) return;
+  // Farther out squares of floats overflow; a point moved nearer along an axis is only more generous.
+  constexpr double kFarthest = 0x1p60;
+  const Vec3 local = layout.frame.to_local(point);
+  bsp::LocalPoint ends;
+  ends.limit_scale = layout.frame.scale;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double center = std::clamp(local[axis], -kFarthest, kFarthest);
+    const double slack = std::min(slack_m * layout.frame.scale * (1 + 0x1p-50), kFarthest);
+    const double around = slack + 0x1p-50 * std::abs(center) + 0x1p-60;
+    ends.low[axis] = bsp::round_down(center - around);
+    ends.high[axis] = bsp::round_up(center + around);
+  }
+  bsp::walk_near(layout, ends, limit_m2, candidate, context, cost);
+}
+
+}  // namespace collided

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "server/broad_phase/bsp_layout.hpp"
+#include "server/broad_phase/bsp_tree.hpp"
+
+namespace collided::bsp {
+
+/// The walks in SIMD, each compiled for every instruction set and chosen at run time. The layout is not empty and
+/// limits are not negative.
+
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,
+              void* context, WalkCost& cost);
+
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
+              BspTree::RayTriangle candidate, void* context, WalkCost& cost);
+
+/// A box in local coordinates, already grown by every rounding.
+struct LocalBox {
+  float low[3];
+  float high[3];
+};
+void walk_box(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate candidate, void* context,
+              WalkCost& cost);
+
+/// The point's low and high ends, already grown by every rounding; squares of distances times limit_scale (twice,
+/// since its square may not fit) are local.
+struct LocalPoint {
+  float low[3];
+  float high[3];
+  double limit_scale;
+
+  float local_limit(double limit_m2) const;
+};
+void walk_near(const Layout& layout, const LocalPoint& point, double limit_m2, BspTree::NearCandidate candidate,
+               void* context, WalkCost& cost);
+
+}  // namespace collided::bsp

@@ -1,0 +1,81 @@
+#pragma once
+
+#include "server/exact_phase/number.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided::kernel {
+
+/// The part of a shape that is left when its radius is taken off: the hull of up to three points, or a box.
+struct Core {
+  Vec3 point[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  int point_count = 1;
+  bool is_box = false;
+  Mat3 axes = Mat3::Zero();
+  Vec3 half_m = Vec3::Zero();
+  double radius_m = 0;
+
+  explicit Core(const Sphere& s) : point{s.center}, radius_m(s.radius_m) {}
+  explicit Core(const Box& b) : point{b.center}, is_box(true), axes(b.axes), half_m(b.half_m) {}
+  explicit Core(const Capsule& c) : point{c.a, c.b}, point_count(2), radius_m(c.radius_m) {}
+  explicit Core(const Triangle& t) : point{t.a, t.b, t.c}, point_count(3) {}
+};
+
+/// At least the largest coordinate of any of its points.
+double extent(const Core& core);
+
+/// The direction of an edge as the difference of two doubles each: from - to.
+struct EdgeDirection {
+  Vec3 to = Vec3::Zero();
+  Vec3 from = Vec3::Zero();
+};
+
+/// A direction that may bound the Minkowski difference of two cores: the cross product of two edges.
+struct FacetAxis {
+  EdgeDirection u;
+  EdgeDirection v;
+};
+
+/// Every facet normal of the Minkowski difference, up to sign.
+struct FacetAxes {
+  FacetAxis axis[15];
+  int count = 0;
+};
+
+FacetAxes facet_axes(const Core& a, const Core& b);
+
+template <class N>
+Vector<N> direction(const FacetAxis& axis) {
+  return cross(Vector<N>(axis.u.to) - Vector<N>(axis.u.from), Vector<N>(axis.v.to) - Vector<N>(axis.v.from));
+}
+
+/// How far b must move along n (times |n|) until the cores only touch: the largest n . (x_a - x_b).
+template <class N>
+N push_along(const Vector<N>& n, const Core& a, const Core& b) {
+  N largest(0.0);
+  for (int i = 0; i < a.point_count; ++i) {
+    for (int j = 0; j < b.point_count; ++j) {
+      const N along = dot(n, Vector<N>(a.point[i]) - Vector<N>(b.point[j]));
+      largest = i + j == 0 ? along : max(largest, along);
+    }
+  }
+  for (const Core* core : {&a, &b}) {
+    for (int i = 0; core->is_box && i < 3; ++i) {
+      largest = largest + N(core->half_m[i]) * abs(dot(n, Vector<N>(Vec3(core->axes.col(i)))));
+    }
+  }
+  return largest;
+}
+
+/// A point of both cores, near the middle of what they share, given that they do. In plain double: it is a place to
+/// draw the contact and to apply its force, and no decision hangs on it.
+Vec3 middle_of_both(const Core& a, const Core& b, const Vec3& normal);
+
+/// Points of two cores at about the least distance, each on its core but for a few roundings of its extent. b is a
+/// point or a segment.
+struct WitnessPair {
+  Vec3 on_a = Vec3::Zero();
+  Vec3 on_b = Vec3::Zero();
+};
+WitnessPair nearest_witnesses(const Core& a, const Core& b);
+
+}  // namespace collided::kernel

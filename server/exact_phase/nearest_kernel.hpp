@@ -1,0 +1,213 @@
+#pragma once
+
+#include "server/exact_phase/box_kernel.hpp"
+#include "server/exact_phase/value.hpp"
+
+namespace collided::kernel {
+
+/// The nearest point of a set to a point p, without its rounding: the squared distance is square / scale, the vector
+/// away / (a positive number) leads from the set to p, and the foot is base + step / step_scale.
+template <class N>
+struct Nearest {
+  Decision sure = Decision::undecided;
+  N square;
+  N scale;
+  Vector<N> away;
+  Vector<N> base;
+  Vector<N> step;
+  N step_scale;
+  int corner = -1;  // of a segment or facet, when the nearest point is one
+};
+
+template <class N>
+Nearest<N> at_corner(const Vector<N>& w, const Vector<N>& corner, int index) {
+  const N zero(0.0);
+  return {Decision::yes, square(w), N(1.0), w, corner, {zero, zero, zero}, N(1.0), index};
+}
+
+/// Corner numbers are those of the segment's ends in the set it belongs to.
+template <class N>
+Nearest<N> nearest_on_segment(const Vector<N>& p, const Segment<N>& s, int corner_a = 0, int corner_b = 1) {
+  const Vector<N> d = s.b - s.a;
+  const Vector<N> w = p - s.a;
+  const N along = dot(w, d);
+  const N dd = square(d);
+  const Sign after_a = sign(along);
+  if (after_a == Sign::zero || after_a == Sign::negative) return at_corner(w, s.a, corner_a);
+  const Sign before_b = sign(dd - along);
+  if (before_b == Sign::zero || before_b == Sign::negative) return at_corner(p - s.b, s.b, corner_b);
+  const bool sure = after_a == Sign::positive && before_b == Sign::positive;
+  return {sure ? Decision::yes : Decision::undecided,
+          square(cross(w, d)),
+          dd,
+          dd * w - along * d,
+          s.a,
+          along * d,
+          dd,
+          -1};
+}
+
+/// The nearest point of a convex facet that is not above p lies on an edge that p is outside of.
+template <class N>
+Nearest<N> nearest_on_facet(const Vector<N>& p, const Facet<N>& f) {
+  const Decision flat = is_zero(f.normal);
+  Nearest<N> best;
+  if (flat == Decision::undecided) return best;
+  std::array<Sign, 3> inward;
+  bool inside = flat == Decision::no;
+  for (int i = 0; i < 3; ++i) {
+    inward[i] = sign(dot(cross(f.normal, f.edge[i]), p - f.corner[i]));
+    if (inward[i] == Sign::unsure) return best;
+    inside = inside && inward[i] != Sign::negative;
+  }
+  if (inside) {
+    const Vector<N> w = p - f.corner[0];
+    const N height = dot(f.normal, w);
+    const N nn = square(f.normal);
+    return {Decision::yes, height * height, nn, height * f.normal, f.corner[0], nn * w - height * f.normal, nn, -1};
+  }
+  bool found = false;
+  for (int i = 0; i < 3; ++i) {
+    if (flat == Decision::no && inward[i] != Sign::negative) continue;
+    Nearest<N> next = nearest_on_segment(p, f.side(i), i, (i + 1) % 3);
+    if (next.sure == Decision::undecided) return next;
+    if (found && next.corner >= 0 && next.corner == best.corner) continue;
+    const Decision nearer = found ? less(next.square * best.scale, best.square * next.scale) : Decision::yes;
+    if (nearer == Decision::undecided) return {};
+    if (nearer == Decision::yes) best = std::move(next);
+    found = true;
+  }
+  return best;
+}
+
+/// Which bound each box coordinate of the nearest point is at: -1, +1, or 0 for strictly between.
+using Pattern = std::array<int, 3>;
+
+/// The coordinates of p, clamped: right for perpendicular axes, a good guess for ours.
+Pattern guessed_pattern(const Vec3& p, const Box& box);
+
+template <class N>
+Vector<N> signed_reach(const Solid<N>& box, int i, int side) {
+  return side > 0 ? box.reach[i] : -box.reach[i];
+}
+
+/// side * x >= 0.
+template <class N>
+Decision on_side(int side, const N& x) {
+  return side > 0 ? at_most(N(0.0), x) : at_most(x, N(0.0));
+}
+
+template <class N>
+Nearest<N> nearest_on_box_face(const Vector<N>& w, const Solid<N>& box, int i, int side) {
+  const Vector<N>& n = box.normal[i];
+  const Vector<N> from_face = w - signed_reach(box, i, side);
+  const N height = dot(from_face, n);
+  const N nn = square(n);
+  const int j = (i + 1) % 3;
+  const int k = (i + 2) % 3;
+  const int outward = box.volume == Sign::negative ? -side : side;
+  AllOf valid;
+  valid.add(on_side(outward, height));
+  valid.add(at_most(abs(dot(from_face, cross(box.axis[k], n))), box.half[j] * nn));
+  valid.add(at_most(abs(dot(from_face, cross(n, box.axis[j]))), box.half[k] * nn));
+  return {valid.result(), height * height, nn, height * n, box.center, nn * w - height * n, nn, -1};
+}
+
+template <class N>
+Nearest<N> nearest_on_box_edge(const Vector<N>& w, const Solid<N>& box, int k, const Pattern& at) {
+  const int i = (k + 1) % 3;
+  const int j = (k + 2) % 3;
+  const Vector<N>& d = box.axis[k];
+  const Vector<N> middle = signed_reach(box, i, at[i]) + signed_reach(box, j, at[j]);
+  const Vector<N> v = w - middle;
+  const N along = dot(v, d);
+  const N dd = square(d);
+  AllOf valid;
+  valid.add(at_most(abs(along), box.half[k] * dd));
+  // The rest of v must point outward against both sides that the edge lies on.
+  valid.add(on_side(at[i], dot(v, box.axis[i]) * dd - dot(d, box.axis[i]) * along));
+  valid.add(on_side(at[j], dot(v, box.axis[j]) * dd - dot(d, box.axis[j]) * along));
+  return {valid.result(), square(cross(v, d)), dd,          dd * v - along * d, box.center,
+          dd * middle + along * d, dd,        -1};
+}
+
+template <class N>
+Nearest<N> nearest_at_box_corner(const Vector<N>& w, const Solid<N>& box, const Pattern& at) {
+  const Vector<N> corner =
+      (signed_reach(box, 0, at[0]) + signed_reach(box, 1, at[1])) + signed_reach(box, 2, at[2]);
+  const Vector<N> v = w - corner;
+  AllOf valid;
+  for (int i = 0; i < 3; ++i) valid.add(on_side(at[i], dot(v, box.axis[i])));
+  return {valid.result(), square(v), N(1.0), v, box.center, corner, N(1.0), -1};
+}
+
+/// The candidate of one pattern, `sure` when it satisfies the conditions of a nearest point (Karush, Kuhn, Tucker;
+/// sufficient because the set is convex). For a point outside the box.
+template <class N>
+Nearest<N> nearest_at(const Vector<N>& w, const Solid<N>& box, const Pattern& at) {
+  const int bound_count = std::abs(at[0]) + std::abs(at[1]) + std::abs(at[2]);
+  if (bound_count == 3) return nearest_at_box_corner(w, box, at);
+  for (int i = 0; i < 3; ++i) {
+    if (bound_count == 1 && at[i] != 0) return nearest_on_box_face(w, box, i, at[i]);
+    if (bound_count == 2 && at[i] == 0) return nearest_on_box_edge(w, box, i, at);
+  }
+  return {};
+}
+
+/// For a point outside the box: the guessed feature when it proves right, else the first of all 26 that does.
+template <class N>
+Nearest<N> nearest_on_solid(const Vector<N>& p, const Solid<N>& box, const Pattern& guess) {
+  if (!box.spans()) return {};
+  const Vector<N> w = p - box.center;
+  Nearest<N> nearest = nearest_at(w, box, guess);
+  if (nearest.sure != Decision::no && guess != Pattern{}) return nearest;
+  for (int code = 0; code < 27; ++code) {
+    nearest = nearest_at(w, box, Pattern{code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1});
+    if (nearest.sure != Decision::no && code != 13) return nearest;
+  }
+  return {};
+}
+
+/// sqrt(square / scale) - radius, without cancellation: (q - r^2) / (sqrt(q) + r).
+template <class N>
+Bounded gap(const Nearest<N>& nearest, const N& radius) {
+  const N excess = nearest.square - radius * radius * nearest.scale;
+  if (sign(excess) == Sign::zero) return {};
+  const Scaled scale = scaled(nearest.scale);
+  const Scaled root = sqrt(scaled(nearest.square) / scale);
+  return plain(scaled(excess) / scale / (root + scaled(radius)));
+}
+
+template <class N>
+Vec3 foot(const Nearest<N>& nearest) {
+  const Scaled scale = scaled(nearest.step_scale);
+  return {rounded(nearest.base.x) + plain(scaled(nearest.step.x) / scale).value,
+          rounded(nearest.base.y) + plain(scaled(nearest.step.y) / scale).value,
+          rounded(nearest.base.z) + plain(scaled(nearest.step.z) / scale).value};
+}
+
+/// A nearest point ready to report.
+struct NearestValue {
+  Bounded gap;
+  Vec3 away = Vec3::Zero();  // unit, or zero if p is on the (unrounded) set
+  Vec3 foot = Vec3::Zero();
+  bool known = false;
+};
+
+template <class N>
+NearestValue value_of(const Nearest<N>& nearest, const N& radius) {
+  if (nearest.sure != Decision::yes) return {};
+  return {gap(nearest, radius), unit(nearest.away), foot(nearest), true};
+}
+
+/// value<N>() in double when that is known and sharp, else exactly.
+template <class Value>
+NearestValue sharpened_nearest(const Value& value) {
+  const NearestValue quick = value.template operator()<Bounded>();
+  if (quick.known && sharp(quick.gap, kRefineDistance)) return quick;
+  const NearestValue slow = value.template operator()<Expansion>();
+  if (slow.known && sharp(slow.gap, kRefineDistance)) return slow;
+  return value.template operator()<Dyadic>();
+}
+
+}  // namespace collided::kernel

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/exact_phase/number.hpp"
+
+namespace collided::kernel {
+
+// From a kernel's numbers to reported doubles with bounds. Ratios and roots of exact numbers leave the range of double
+// long before the answer does (the square of 1e-200 m), so the exponent travels apart.
+
+/// value * 2^power, the value near 1 when it came from an exact number.
+struct Scaled {
+  Bounded value;
+  long power = 0;
+};
+
+inline Scaled scaled(const Bounded& x) { return {x, 0}; }
+
+inline Scaled scaled(const Expansion& x) {
+  if (x.lost()) return {{0, std::numeric_limits<double>::infinity()}, 0};
+  if (x.leading() == 0) return {};
+  int power = 0;
+  const double fraction = std::frexp(x.rounded(), &power);
+  return {{fraction, x.single() ? 0 : 4 * kRoundoff}, power};
+}
+
+inline Scaled scaled(const Dyadic& x) {
+  if (!x.finite()) return {{0, std::numeric_limits<double>::infinity()}, 0};
+  const auto [fraction, power] = x.split();
+  return {{fraction, x.short_mantissa() ? 0 : 2 * kRoundoff}, power};
+}
+
+inline Scaled operator*(const Scaled& a, const Scaled& b) { return {a.value * b.value, a.power + b.power}; }
+inline Scaled operator/(const Scaled& a, const Scaled& b) { return {a.value / b.value, a.power - b.power}; }
+inline Scaled operator-(const Scaled& a) { return {-a.value, a.power}; }
+
+inline Bounded shifted(const Bounded& x, long power) {
+  if (power == 0) return x;
+  const int clipped = static_cast<int>(std::clamp(power, -4000L, 4000L));
+  return {std::ldexp(x.value, clipped), std::ldexp(x.error, clipped) + (x.exactly_zero() ? 0 : kUnderflow)};
+}
+
+inline Scaled operator+(const Scaled& a, const Scaled& b) {
+  if (a.value.exactly_zero()) return b;
+  if (b.value.exactly_zero()) return a;
+  const long power = std::max(a.power, b.power);
+  return {shifted(a.value, a.power - power) + shifted(b.value, b.power - power), power};
+}
+inline Scaled operator-(const Scaled& a, const Scaled& b) { return a + -b; }
+
+/// Of a number known to be >= 0.
+inline Scaled sqrt(const Scaled& x) {
+  const bool odd = x.power % 2 != 0;
+  return {collided::sqrt(odd ? Bounded(2) * x.value : x.value), (x.power - (odd ? 1 : 0)) / 2};
+}
+
+/// Back to a double. Too large: the largest double, with an infinite bound.
+inline Bounded plain(const Scaled& x) {
+  if (x.power == 0) return x.value;
+  const int clipped = static_cast<int>(std::clamp(x.power, -4000L, 4000L));
+  const double value = std::ldexp(x.value.value, clipped);
+  if (!std::isfinite(value)) {
+    return {std::copysign(std::numeric_limits<double>::max(), value), std::numeric_limits<double>::infinity()};
+  }
+  // Into the denormals ldexp rounds once more.
+  const bool cut = std::abs(value) < std::numeric_limits<double>::min() && !x.value.exactly_zero();
+  const double denormal = cut ? std::numeric_limits<double>::denorm_min() : 0.0;
+  return {value, std::ldexp(x.value.error * (1 + kBoundSlack), clipped) + 2 * denormal};
+}
+
+template <class N>
+double rounded(const N& x) {
+  return plain(scaled(x)).value;
+}
+
+/// The unit vector along v, or zero if v is.
+template <class N>
+Vec3 unit(const Vector<N>& v) {
+  const Scaled component[3] = {scaled(v.x), scaled(v.y), scaled(v.z)};
+  long power = std::numeric_limits<long>::min();
+  for (const Scaled& c : component) {
+    int own = 0;
+    std::frexp(c.value.value, &own);
+    if (c.value.value != 0) power = std::max(power, c.power + own);
+  }
+  if (power == std::numeric_limits<long>::min()) return Vec3::Zero();
+  Vec3 result;
+  for (int k = 0; k < 3; ++k) {
+    const long shift = std::clamp(component[k].power - power, -4000L, 4000L);
+    result[k] = std::ldexp(component[k].value.value, static_cast<int>(shift));
+  }
+  return result / std::sqrt(result.squaredNorm());
+}
+
+inline Vec3 unit(const Vec3& v) { return unit(Vector<Bounded>(v)); }
+
+/// The lesser of two values; where they compete, the bound covers both.
+inline Bounded lesser(const Bounded& a, const Bounded& b) {
+  if (a.high() < b.low()) return a;
+  if (b.high() < a.low()) return b;
+  return min(a, b);
+}
+inline Bounded greater(const Bounded& a, const Bounded& b) { return -lesser(-a, -b); }
+
+/// Whether a value is known well enough to report, given the relative width that is worth an exact evaluation.
+inline bool sharp(const Bounded& x, double relative_width) { return x.bound() <= relative_width * std::abs(x.value); }
+
+}  // namespace collided::kernel

@@ -1,0 +1,79 @@
+#include "server/geometry/aabb.hpp"
+
+#include <cmath>
+
+namespace collided {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The smallest double >= a + b: exact sums stay as they are, so that touching boxes keep touching bounds.
+double sum_up(double a, double b) {
+  const double sum = a + b;
+  const double b_part = sum - a;
+  const double lost = (a - (sum - b_part)) + (b - b_part);
+  if (sum == -kInfinity) return std::numeric_limits<double>::lowest();
+  return lost > 0 ? std::nextafter(sum, kInfinity) : sum;
+}
+
+double sum_down(double a, double b) { return -sum_up(-a, -b); }
+
+/// A double >= a * b for a, b >= 0. The low half of a product below 2^-960 may be lost, so that is always stepped up.
+double product_up(double a, double b) {
+  if (a == 0 || b == 0) return 0;
+  const double product = a * b;
+  const bool exact = product > 0x1p-960 && std::fma(a, b, -product) <= 0;
+  return exact ? product : std::nextafter(product, kInfinity);
+}
+
+Aabb around(const Vec3& center, const Vec3& reach) {
+  Aabb box;
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = sum_down(center[k], -reach[k]);
+    box.high[k] = sum_up(center[k], reach[k]);
+  }
+  return box;
+}
+
+}  // namespace
+
+Aabb bounds(const Sphere& sphere) { return around(sphere.center, Vec3::Constant(sphere.radius_m)); }
+
+Aabb bounds(const Box& box) {
+  Vec3 reach;
+  for (int k = 0; k < 3; ++k) {
+    reach[k] = 0;
+    for (int i = 0; i < 3; ++i) reach[k] = sum_up(reach[k], product_up(std::abs(box.axes(k, i)), box.half_m[i]));
+  }
+  return around(box.center, reach);
+}
+
+Aabb bounds(const Capsule& capsule) {
+  Aabb box = around(capsule.a, Vec3::Constant(capsule.radius_m));
+  box.extend(around(capsule.b, Vec3::Constant(capsule.radius_m)));
+  return box;
+}
+
+Aabb bounds(const Triangle& triangle) {
+  Aabb box;
+  box.extend(triangle.a);
+  box.extend(triangle.b);
+  box.extend(triangle.c);
+  return box;
+}
+
+Aabb bounds(const Primitive& primitive) {
+  return std::visit([](const auto& shape) { return bounds(shape); }, primitive);
+}
+
+Aabb grown(const Aabb& box, double margin_m) {
+  if (box.empty()) return box;
+  Aabb result;
+  for (int k = 0; k < 3; ++k) {
+    result.low[k] = sum_down(box.low[k], -margin_m);
+    result.high[k] = sum_up(box.high[k], margin_m);
+  }
+  return result;
+}
+
+}  // namespace collided

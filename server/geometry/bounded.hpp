@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "server/geometry/tolerance.hpp"
+
+namespace collided {
+
+/// A double with a proved bound on its distance from the exact value (running error analysis: Higham, "Accuracy and
+/// Stability of Numerical Algorithms", 3.3). Overflow makes the bound infinite or NaN, and every question about such
+/// a number answers "not sure".
+///
+/// error  never read it raw: bound() adds the slack for the roundings of the error terms themselves
+struct Bounded {
+  double value = 0;
+  double error = 0;
+
+  constexpr Bounded() = default;
+  constexpr Bounded(double exact) : value(exact) {}  // NOLINT: a double is an exact number
+  constexpr Bounded(double approximate, double bound) : value(approximate), error(bound) {}
+
+  double bound() const { return error * (1 + kBoundSlack); }
+  double low() const { return value - bound() * (1 + kBoundSlack) - kRoundoff * 2 * std::abs(value); }
+  double high() const { return value + bound() * (1 + kBoundSlack) + kRoundoff * 2 * std::abs(value); }
+  bool exactly_zero() const { return std::abs(value) + error == 0; }
+};
+
+inline Bounded operator-(const Bounded& a) { return {-a.value, a.error}; }
+
+inline Bounded operator+(const Bounded& a, const Bounded& b) {
+  const double value = a.value + b.value;
+  return {value, (a.error + b.error) + kRoundoff * std::abs(value)};
+}
+
+inline Bounded operator-(const Bounded& a, const Bounded& b) {
+  const double value = a.value - b.value;
+  return {value, (a.error + b.error) + kRoundoff * std::abs(value)};
+}
+
+inline Bounded operator*(const Bounded& a, const Bounded& b) {
+  const double value = a.value * b.value;
+  const double error = (std::abs(a.value) * b.error + std::abs(b.value) * a.error) + a.error * b.error;
+  // A factor that is exactly zero gives exactly zero: axis-aligned scenes would otherwise never be sure.
+  const double underflow = a.exactly_zero() || b.exactly_zero() ? 0.0 : kUnderflow;
+  return {value, (error + kRoundoff * std::abs(value)) + underflow};
+}
+
+/// Not sure (infinite bound) when the divisor may be zero.
+inline Bounded operator/(const Bounded& a, const Bounded& b) {
+  if (a.exactly_zero() && std::abs(b.value) > b.bound()) return {};
+  const double value = a.value / b.value;
+  const double smallest_divisor = std::abs(b.value) - b.bound() * (1 + kBoundSlack);
+  if (!(smallest_divisor > 0)) return {value, std::numeric_limits<double>::infinity()};
+  const double error = (a.error + std::abs(value) * b.error) / smallest_divisor * (1 + kBoundSlack);
+  return {value, (error + 2 * kRoundoff * std::abs(value)) + kUnderflow};
+}
+
+inline Bounded abs(const Bounded& a) { return {std::abs(a.value), a.error}; }
+
+inline Bounded max(const Bounded& a, const Bounded& b) {
+  return {a.value > b.value ? a.value : b.value, a.error > b.error ? a.error : b.error};
+}
+
+inline Bounded min(const Bounded& a, const Bounded& b) { return -max(-a, -b); }
+
+/// Square root of a number that is known to be >= 0 (its value may be slightly below).
+inline Bounded sqrt(const Bounded& a) {
+  if (a.exactly_zero()) return {};
+  const double value = a.value > 0 ? std::sqrt(a.value) : 0;
+  const double bound = a.bound();
+  // |sqrt(x + e) - sqrt(x)| <= sqrt(e), and <= e / sqrt(x) when that is less.
+  const double far = bound < a.value ? bound / value : std::sqrt(bound + std::abs(std::fmin(a.value, 0.0)));
+  return {value, far * (1 + kBoundSlack) + 2 * kRoundoff * value + kUnderflow};
+}
+
+}  // namespace collided

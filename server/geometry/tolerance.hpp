@@ -1,0 +1,45 @@
+#pragma once
+
+namespace collided {
+
+// Every tolerance of the engine: unit, what it absorbs, where it comes from, the test that breaks without it.
+
+/// Half the distance from 1 to the next double: the relative error of one rounding. No unit.
+inline constexpr double kRoundoff = 0x1p-53;
+
+/// Relative slack on a running error bound: the bound itself is computed in double, and each of its operations may
+/// round down by kRoundoff. 2^-40 covers 2^13 roundings in a row; the longest chain here has fewer than 2^10.
+/// At zero, ExactBounded.TheBoundHoldsForLongChains fails.
+inline constexpr double kBoundSlack = 0x1p-40;
+
+/// Absolute error of one product whose result or error underflows (at most 2^-1074 each), as a normal number because
+/// denormal operands are slow. Unit: that of the product.
+/// At zero, ExactBounded.UnderflowIsNeverSure fails.
+inline constexpr double kUnderflow = 0x1p-1000;
+
+/// Error of the triple product e . (p x d) in double, relative to |e| |p| |d|: seven roundings on each of six products
+/// (two differences, two products, three sums), and the six sum to at most sqrt(2) |e| |p| |d| (Cauchy-Schwarz twice).
+/// 7 sqrt(2) = 9.9; the rest up to 11 absorbs the roundings of the norms. No unit.
+/// At 1, ExactRayTriangle.AgreesWithRationalsAtTheFilterBoundary fails.
+inline constexpr double kTripleProductError = 11 * kRoundoff;
+
+/// Squared lengths between these bounds neither overflow nor underflow in the triple-product filter: a product of six
+/// lengths stays in [2^-900, 2^900], and underflow inside it stays below 2^-900. Square metres.
+/// Without them ExtremeRay.TinyAndHugeScenesKeepTheirAnswers fails.
+inline constexpr double kFilterLowest2 = 0x1p-300;
+inline constexpr double kFilterHighest2 = 0x1p300;
+
+/// Relative width above which a distance is evaluated again exactly. A smaller value buys digits with microseconds.
+/// Without it ExactClosest.RelativeErrorStaysSmallAtTheSurface fails.
+inline constexpr double kRefineDistance = 0x1p-42;
+
+/// The same for the distance along a ray, where grazing hits are common: 1.2e-10, 0.12 micrometre at one kilometre.
+/// Without it ExactRayTriangle.GrazingDistanceIsRefined fails.
+inline constexpr double kRefineRay = 0x1p-33;
+
+/// Error of a witness point, relative to the largest coordinate of the sets: a + u d with u in [0, 1] on an edge whose
+/// ends took four roundings each, or the foot on a face (two quotients and two sums on each coordinate). No unit.
+/// At zero, ExactContact.DepthBoundsHoldOnRandomPairs fails.
+inline constexpr double kWitnessError = 32 * kRoundoff;
+
+}  // namespace collided

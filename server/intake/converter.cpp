@@ -1,0 +1,147 @@
+#include "server/intake/converter.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "server/intake/child_process.hpp"
+#include "server/intake/file_bytes.hpp"
+
+namespace collided {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "collided-import";
+constexpr int kDefaultSeconds = 900;
+
+[[noreturn]] void refuse_file(const std::string& path, const std::string& what) {
+  throw LoadError(fmt::format("{}: {}. Nothing was loaded.", file_name(path), what));
+}
+
+bool is_program(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
+}
+
+std::string find_converter(const std::string& path) {
+  if (const char* chosen = std::getenv("COLLIDED_IMPORT"); chosen != nullptr && *chosen != '\0') {
+    if (!is_program(chosen)) {
+      refuse_file(path, fmt::format("COLLIDED_IMPORT is '{}', which is no program that can be run", chosen));
+    }
+    return chosen;
+  }
+  std::error_code error;
+  const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const std::vector<fs::path> places = {here / kProgram, here / "../libexec/collided" / kProgram,
+                                        fs::path(COLLIDED_LIBEXEC_DIR) / kProgram};
+  for (const fs::path& place : places) {
+    if (is_program(place)) {
+      return place.string();
+    }
+  }
+  refuse_file(path, fmt::format("'{}' needs the converter {}, which is not in {} nor {}; COLLIDED_IMPORT may name it",
+                                fs::path(path).extension().string(), kProgram, here.string(), COLLIDED_LIBEXEC_DIR));
+}
+
+std::chrono::seconds time_limit() {
+  const char* text = std::getenv("COLLIDED_IMPORT_SECONDS");
+  int seconds = 0;
+  if (text == nullptr || std::from_chars(text, text + std::strlen(text), seconds).ec != std::errc{} || seconds <= 0) {
+    seconds = kDefaultSeconds;
+  }
+  return std::chrono::seconds(seconds);
+}
+
+/// The first line of what the converter complained about, made fit for a message.
+std::string first_line(std::string_view text) {
+  constexpr std::size_t kMost = 400;
+  std::string line(text.substr(0, std::min(text.find('\n'), kMost)));
+  for (char& c : line) {
+    c = c < ' ' && c >= 0 ? '?' : c;
+  }
+  while (!line.empty() && (line.back() == '.' || line.back() == ' ')) {
+    line.pop_back();
+  }
+  return line;
+}
+
+void report_lines(std::string_view text, LoadReport& report) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    const auto take = [line](std::string_view head, std::vector<std::string>& lines) {
+      if (line.starts_with(head)) {
+        lines.emplace_back(line.substr(head.size()));
+      }
+    };
+    take("mended: ", report.mended);
+    take("refused: ", report.refused);
+    take("warning: ", report.warnings);
+  }
+}
+
+}  // namespace
+
+TemporaryDirectory::TemporaryDirectory(const std::string& file) {
+  std::error_code error;
+  path_ = (fs::temp_directory_path(error) / "collided-import-XXXXXX").string();
+  if (error || ::mkdtemp(path_.data()) == nullptr) {
+    refuse_file(file, fmt::format("no temporary directory '{}': {}", path_, std::strerror(errno)));
+  }
+}
+
+TemporaryDirectory::~TemporaryDirectory() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_name, const LoadOptions& options,
+                             LoadReport& report)
+    : directory_(path) {
+  { const FileBytes checked(path, FileBytes::Access::mapped, options); }
+  std::vector<std::string> words = {find_converter(path),
+                                    fs::absolute(path).string(),
+                                    this->path(),
+                                    "--name",
+                                    scene_name,
+                                    "--max-triangles",
+                                    std::to_string(options.max_triangles),
+                                    "--unit-m",
+                                    fmt::format("{}", options.unit_m)};
+  if (options.strict) {
+    words.push_back("--strict");
+  }
+  const ChildResult result = run_child(words, time_limit(), options.cancelled);
+  if (!result.start_failure.empty()) {
+    refuse_file(path, fmt::format("{} cannot be started: {}", words[0], result.start_failure));
+  }
+  if (result.cancelled) {
+    refuse_file(path, "cancelled while it was converted");
+  }
+  if (result.timed_out) {
+    refuse_file(path, fmt::format("the converter needed more than {} s and was ended", time_limit().count()));
+  }
+  if (result.exit_code != 0) {
+    const std::string said = first_line(result.errors);
+    const std::string ended = result.exit_code > 0 ? fmt::format("failed with code {}", result.exit_code)
+                                                   : fmt::format("was ended by signal {}", result.signal);
+    refuse_file(
+        path, said.empty() ? fmt::format("the converter {}", ended) : fmt::format("the converter {}: {}", ended, said));
+  }
+  if (!fs::exists(this->path())) {
+    refuse_file(path, "the converter ended well and wrote nothing");
+  }
+  report_lines(result.output, report);
+}
+
+}  // namespace collided

@@ -1,0 +1,91 @@
+#include "server/intake/file_bytes.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+namespace collided {
+namespace {
+
+struct OpenFile {
+  int number;
+  ~OpenFile() {
+    if (number >= 0) {
+      ::close(number);
+    }
+  }
+};
+
+[[noreturn]] void refuse_file(const std::string& name, const std::string& what) {
+  throw LoadError(fmt::format("{}: {}. Nothing was loaded.", name, what));
+}
+
+}  // namespace
+
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& options) {
+  const std::string name = file_name(path);
+  // Not blocking: opening a pipe that nobody writes would wait for ever.
+  const OpenFile file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  struct stat state {};
+  if (file.number < 0 || ::fstat(file.number, &state) != 0) {
+    refuse_file(path, fmt::format("cannot be opened: {}", std::strerror(errno)));
+  }
+  if (!S_ISREG(state.st_mode)) {
+    refuse_file(path, S_ISDIR(state.st_mode) ? "is a directory, a file is needed" : "is not a regular file");
+  }
+  byte_count_ = static_cast<std::size_t>(state.st_size);
+  if (byte_count_ > options.max_file_bytes) {
+    refuse_file(name, fmt::format("{} bytes, limit {}", byte_count_, options.max_file_bytes));
+  }
+  if (byte_count_ == 0) {
+    refuse_file(name, "the file is empty");
+  }
+  if (access == Access::copied) {
+    copy(file.number, name, options);
+    return;
+  }
+  map_ = ::mmap(nullptr, byte_count_, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.number, 0);
+  if (map_ == MAP_FAILED) {
+    map_ = nullptr;
+    refuse_file(name, fmt::format("cannot be mapped: {}", std::strerror(errno)));
+  }
+  data_ = static_cast<const char*>(map_);
+}
+
+void FileBytes::copy(int file, const std::string& name, const LoadOptions& options) {
+  constexpr std::size_t kPieceBytes = std::size_t{32} << 20;
+  copy_ = std::make_unique_for_overwrite<char[]>(byte_count_);
+  std::size_t done = 0;
+  while (done < byte_count_) {
+    if (options.cancelled && options.cancelled()) {
+      refuse_file(name, "cancelled while reading");
+    }
+    const ssize_t got = ::read(file, copy_.get() + done, std::min(kPieceBytes, byte_count_ - done));
+    if (got < 0 && errno == EINTR) {
+      continue;
+    }
+    if (got <= 0) {
+      refuse_file(name, got < 0 ? fmt::format("cannot be read: {}", std::strerror(errno))
+                                : fmt::format("ended at byte {} of {} while it was read", done, byte_count_));
+    }
+    done += static_cast<std::size_t>(got);
+  }
+  data_ = copy_.get();
+}
+
+FileBytes::~FileBytes() {
+  if (map_ != nullptr) {
+    ::munmap(map_, byte_count_);
+  }
+}
+
+}  // namespace collided

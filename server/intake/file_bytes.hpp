@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "server/intake/scene.hpp"
+
+namespace collided {
+
+/// The bytes of one file, read-only, for as long as this lives.
+class FileBytes {
+ public:
+  enum class Access { copied, mapped };
+
+  /// access   copied: nothing that later happens to the file matters. mapped: no copy, for files that are only ever
+  ///          replaced by rename, as save_scene does; one that is cut short in place would end the process.
+  /// throws   LoadError for what is not a regular file, is unreadable or larger than options.max_file_bytes
+  FileBytes(const std::string& path, Access access, const LoadOptions& options);
+  ~FileBytes();
+  FileBytes(const FileBytes&) = delete;
+  FileBytes& operator=(const FileBytes&) = delete;
+
+  std::span<const char> bytes() const { return {data_, byte_count_}; }
+
+ private:
+  void copy(int file, const std::string& name, const LoadOptions& options);
+
+  std::unique_ptr<char[]> copy_;
+  void* map_ = nullptr;
+  const char* data_ = nullptr;
+  std::size_t byte_count_ = 0;
+};
+
+/// The last component of a path, as messages call a file.
+std::string file_name(const std::string& path);
+
+}  // namespace collided

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "server/intake/scene.hpp"
+
+namespace collided {
+
+/// One file in memory on its way to a scene: what every reader gets. It refers to the caller's options and report.
+struct Reading {
+  std::string file;  // as messages call it
+  std::span<const char> bytes;
+  const LoadOptions& options;
+  LoadReport& report;
+
+  const char* begin() const { return bytes.data(); }
+  const char* end() const { return bytes.data() + bytes.size(); }
+};
+
+/// "bunny.obj: WHAT. Nothing was loaded."
+[[noreturn]] void refuse(const Reading& reading, const std::string& what);
+
+/// "bunny.obj: line 12: WHAT. Nothing was loaded."; place points into the bytes.
+[[noreturn]] void refuse_line(const Reading& reading, const char* place, const std::string& what);
+
+/// "bunny.stl: byte 684: WHAT. Nothing was loaded."
+[[noreturn]] void refuse_byte(const Reading& reading, std::size_t byte, const std::string& what);
+
+/// A piece of the file made fit for a message: cut to 40 bytes, printable ASCII only, in quotes.
+std::string quoted(std::string_view piece);
+
+/// Ends the load when the caller has cancelled it, else tells how far it is.
+/// threads   only the one that called load_scene
+void tell_progress(const Reading& reading, double fraction);
+
+void check_triangle_count(const Reading& reading, std::uint64_t triangle_count);
+void check_vertex_count(const Reading& reading, std::uint64_t vertex_count);
+
+/// The readers. Each turns the whole file into a mesh with parts named as in the file (empty: no name), neither
+/// scaled nor turned, or throws a LoadError.
+Scene read_obj(const Reading& reading);
+Scene read_stl(const Reading& reading);
+Scene read_ply(const Reading& reading);
+Scene read_off(const Reading& reading);
+
+/// Reads, names, scales, turns and examines a file that is already in memory; the ending of `file` says the format.
+Scene load_scene_from_memory(std::span<const char> bytes, const std::string& file, const LoadOptions& options,
+                             LoadReport& report);
+
+}  // namespace collided

@@ -1,0 +1,248 @@
+#include "server/intake/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "server/intake/converter.hpp"
+#include "server/intake/file_bytes.hpp"
+#include "server/intake/mesh_health.hpp"
+#include "server/intake/names.hpp"
+#include "server/intake/parallel.hpp"
+#include "server/intake/reading.hpp"
+#include "server/intake/scene_file.hpp"
+#include "server/intake/single_precision.hpp"
+#include "server/intake/weld.hpp"
+
+namespace collided {
+namespace {
+
+enum class Format { obj, stl, ply, off, scene, other };
+
+Format format_of(const std::string& file) {
+  std::string ending = std::filesystem::path(file).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  return ending == ".obj"      ? Format::obj
+         : ending == ".stl"    ? Format::stl
+         : ending == ".ply"    ? Format::ply
+         : ending == ".off"    ? Format::off
+         : ending == ".cscene" ? Format::scene
+                               : Format::other;
+}
+
+std::string scene_name(const std::string& file, const LoadOptions& options) {
+  const std::string name = options.name.empty() ? std::filesystem::path(file).stem().string() : options.name;
+  return mended_name(name.empty() ? "scene" : name);
+}
+
+void check_options(const Reading& reading) {
+  if (!(reading.options.unit_m > 0 && std::isfinite(reading.options.unit_m))) {
+    refuse(reading, fmt::format("unit of {} m, allowed are finite lengths above 0", reading.options.unit_m));
+  }
+  if (reading.options.up != 'y' && reading.options.up != 'z') {
+    refuse(reading, fmt::format("up axis {}, allowed are 'y' and 'z'", quoted({&reading.options.up, 1})));
+  }
+}
+
+/// What a text editor may put before the first word.
+std::span<const char> without_mark(const Reading& reading) {
+  const std::string_view text(reading.begin(), reading.bytes.size());
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    refuse(reading, "the text is UTF-16; write it as UTF-8 or ASCII");
+  }
+  return reading.bytes.subspan(text.starts_with("\xef\xbb\xbf") ? 3 : 0);
+}
+
+TriangleMesh scaled(TriangleMesh mesh, double unit_m) {
+  for (Vec3& vertex : mesh.vertices) {
+    vertex *= unit_m;
+  }
+  return mesh;
+}
+
+void scale(Shape& shape, double unit_m) {
+  for (Primitive& primitive : shape.primitives) {
+    if (auto* sphere = std::get_if<Sphere>(&primitive)) {
+      *sphere = {sphere->center * unit_m, sphere->radius_m * unit_m};
+    } else if (auto* box = std::get_if<Box>(&primitive)) {
+      *box = {box->center * unit_m, box->axes, box->half_m * unit_m};
+    } else {
+      auto& capsule = std::get<Capsule>(primitive);
+      capsule = {capsule.a * unit_m, capsule.b * unit_m, capsule.radius_m * unit_m};
+    }
+  }
+  if (shape.mesh) {
+    shape.mesh = std::make_shared<const TriangleMesh>(scaled(*shape.mesh, unit_m));
+  }
+}
+
+Vec3 turned_up(const Vec3& v) { return {v[0], -v[2], v[1]}; }
+
+/// From the file's units and axes to metres with z up. A scene that has both already is not touched.
+void place(const Reading& reading, Scene& scene) {
+  const double unit_m = reading.options.unit_m;
+  const bool turns = reading.options.up == 'y';
+  if (unit_m != 1) {
+    scene.mesh = scaled(std::move(scene.mesh), unit_m);
+  }
+  for (Vec3& vertex : scene.mesh.vertices) {
+    if (turns) {
+      vertex = turned_up(vertex);
+    }
+    if (unit_m != 1 && !vertex.allFinite()) {
+      refuse(reading, fmt::format("a coordinate times {} m is too large for a double", unit_m));
+    }
+  }
+  const Quat quarter_turn(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // about x
+  for (SceneObject& object : scene.objects) {
+    if (unit_m != 1) {
+      scale(object.shape, unit_m);
+      object.pose.position *= unit_m;
+    }
+    if (turns) {
+      object.pose.position = turned_up(object.pose.position);
+      object.pose.rotation = (quarter_turn * object.pose.rotation).normalized();
+    }
+  }
+}
+
+struct Oddities {
+  std::uint64_t equal_vertices = 0;
+  std::uint64_t zero_areas = 0;
+  std::uint64_t duplicates = 0;
+};
+
+Oddities count_oddities(const Reading& reading, const TriangleMesh& mesh) {
+  constexpr std::size_t kPiece = 0x10000;
+  const std::size_t triangle_count = mesh.triangles.size();
+  const std::size_t piece_count = (triangle_count + kPiece - 1) / kPiece;
+  Oddities found;
+  std::atomic<std::uint64_t> zero_areas = 0;
+  const auto task = [&](std::size_t task_index) {
+    if (task_index == 0) {
+      const std::vector<std::uint32_t> first_equal = first_equal_vertices(mesh.vertices);
+      for (std::uint32_t i = 0; i < first_equal.size(); ++i) {
+        found.equal_vertices += first_equal[i] == i ? 0 : 1;
+      }
+      found.duplicates = count_duplicate_triangles(mesh, first_equal);
+      return;
+    }
+    const std::size_t end = std::min(task_index * kPiece, triangle_count);
+    for (std::size_t i = (task_index - 1) * kPiece; i < end; ++i) {
+      if (has_zero_area(mesh.triangle(static_cast<std::uint32_t>(i)))) {
+        zero_areas.fetch_add(1, std::memory_order_relaxed);
+      }
+    }
+  };
+  run_in_parallel(1 + piece_count, task, [&](std::size_t done) {
+    tell_progress(reading, 0.8 + 0.2 * static_cast<double>(done) / static_cast<double>(1 + piece_count));
+  });
+  found.zero_areas = zero_areas.load();
+  return found;
+}
+
+void report_oddities(const Reading& reading, const TriangleMesh& mesh) {
+  const Oddities found = count_oddities(reading, mesh);
+  const auto tell = [&](std::uint64_t count, std::string_view sentence) {
+    if (count > 0) {
+      reading.report.warnings.push_back(fmt::format("{} {}", count, sentence));
+    }
+  };
+  tell(found.zero_areas, "triangles without area kept, as the segments or points they are");
+  tell(found.duplicates, "triangles with the three points of another one kept");
+  tell(found.equal_vertices, "vertices with the coordinates of another one kept");
+}
+
+Scene read_mesh(Format format, const Reading& reading) {
+  switch (format) {
+    case Format::obj:
+      return read_obj(reading);
+    case Format::stl:
+      return read_stl(reading);
+    case Format::ply:
+      return read_ply(reading);
+    case Format::off:
+      return read_off(reading);
+    case Format::scene:
+    case Format::other:
+      break;
+  }
+  refuse(reading, "the ending is none of .obj .stl .ply .off .cscene");
+}
+
+void finish_mesh(const Reading& reading, Scene& scene) {
+  place(reading, scene);
+  report_oddities(reading, scene.mesh);
+}
+
+void check_mesh(const Reading& reading, const Scene& scene) {
+  if (scene.mesh.triangles.empty()) {
+    refuse(reading, fmt::format("no triangles ({} vertices)", scene.mesh.vertices.size()));
+  }
+  if (std::string warning = single_precision_warning(scene.mesh, reading.options.unit_m); !warning.empty()) {
+    reading.report.warnings.push_back(std::move(warning));
+  }
+}
+
+Scene load(Format format, Reading reading) {
+  check_options(reading);
+  tell_progress(reading, 0);
+  Scene scene;
+  if (format == Format::scene) {
+    scene = read_scene_file(reading);
+    if (!reading.options.name.empty()) {
+      rename_scene(reading, scene, mended_name(reading.options.name));
+    }
+    place(reading, scene);
+  } else {
+    reading.bytes = without_mark(reading);
+    scene = read_mesh(format, reading);
+    check_mesh(reading, scene);
+    scene.name = scene_name(reading.file, reading.options);
+    name_parts(reading, scene);
+    finish_mesh(reading, scene);
+  }
+  tell_progress(reading, 1);
+  return scene;
+}
+
+Scene load_converted(const std::string& path, const LoadOptions& options, LoadReport& report) {
+  const ConvertedFile converted(path, scene_name(path, options), options, report);
+  const FileBytes bytes(converted.path(), FileBytes::Access::mapped, {});  // the limit on bytes was for what came
+  const Reading reading{file_name(path), bytes.bytes(), options, report};
+  check_options(reading);
+  Scene scene = read_scene_file(reading);
+  finish_mesh(reading, scene);
+  tell_progress(reading, 1);
+  return scene;
+}
+
+}  // namespace
+
+Scene load_scene_from_memory(std::span<const char> bytes, const std::string& file, const LoadOptions& options,
+                             LoadReport& report) {
+  return load(format_of(file), {file, bytes, options, report});
+}
+
+Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Format format = format_of(path);
+  Scene scene;
+  if (format == Format::other) {
+    scene = load_converted(path, options, report);
+  } else {
+    const auto access = format == Format::scene ? FileBytes::Access::mapped : FileBytes::Access::copied;
+    const FileBytes bytes(path, access, options);
+    scene = load(format, {file_name(path), bytes.bytes(), options, report});
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return scene;
+}
+
+}  // namespace collided

@@ -1,0 +1,483 @@
+#include "server/intake/scene_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <unordered_set>
+
+#include "idl/scene_generated.h"
+#include "server/intake/file_bytes.hpp"
+#include "server/intake/limits.hpp"
+#include "server/intake/names.hpp"
+#include "server/intake/write_file.hpp"
+
+namespace collided {
+namespace {
+
+static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(TriangleCorners) == 3 * sizeof(std::uint32_t));
+
+constexpr std::uint32_t kFormat = 1;
+
+/// Offsets of FlatBuffers are 31 bits; the rest is for names and tables.
+constexpr std::uint64_t kMaxSceneFileBytes = (std::uint64_t{1} << 31) - 1;
+
+/// Scene, object, shape, mesh: an honest buffer goes no deeper.
+constexpr std::uint32_t kMaxDepth = 5;
+
+/// What is wrong with a buffer, without a file name and a consequence; never leaves this file.
+struct Flaw {
+  std::string what;
+};
+
+/// Structs of a FlatBuffers vector, copied out: the verifier does not promise their alignment.
+template <class Struct>
+std::vector<Struct> copied(const flatbuffers::Vector<const Struct*>* vector) {
+  std::vector<Struct> copies(vector == nullptr ? 0 : vector->size());
+  if (!copies.empty()) {
+    std::memcpy(copies.data(), vector->Data(), copies.size() * sizeof(Struct));
+  }
+  return copies;
+}
+
+/// Turns a verified buffer into values and checks what they mean.
+class Decoder {
+ public:
+  /// byte_budget  the buffer's own size. An honest buffer stores each number once; one that lets many tables share
+  ///              a mesh could otherwise ask for any amount of memory.
+  Decoder(std::uint64_t byte_budget, std::uint64_t max_triangles, std::uint64_t max_primitives)
+      : byte_budget_(byte_budget), triangle_budget_(max_triangles), primitive_budget_(max_primitives) {}
+
+  TriangleMesh mesh(const format::Mesh& from) {
+    const auto& numbers = *from.vertices();
+    const auto& corners = *from.corners();
+    if (numbers.size() % 3 != 0 || corners.size() % 3 != 0) {
+      throw Flaw{fmt::format("mesh of {} coordinates and {} corners, both must be multiples of 3", numbers.size(),
+                             corners.size())};
+    }
+    spend_triangles(corners.size() / 3);
+    spend_bytes(8 * std::uint64_t{numbers.size()} + 4 * std::uint64_t{corners.size()});
+    TriangleMesh mesh;
+    mesh.vertices.resize(numbers.size() / 3);
+    mesh.triangles.resize(corners.size() / 3);
+    if (!mesh.vertices.empty()) {
+      std::memcpy(mesh.vertices.data()->data(), numbers.Data(), mesh.vertices.size() * sizeof(Vec3));
+    }
+    if (!mesh.triangles.empty()) {
+      std::memcpy(mesh.triangles.data(), corners.Data(), mesh.triangles.size() * sizeof(TriangleCorners));
+    }
+    check(mesh);
+    return mesh;
+  }
+
+  Shape shape(const format::Shape& from) {
+    Shape shape;
+    add_spheres(from, shape);
+    add_boxes(from, shape);
+    add_capsules(from, shape);
+    if (from.mesh() != nullptr) {
+      shape.mesh = std::make_shared<const TriangleMesh>(mesh(*from.mesh()));
+      if (shape.mesh->triangles.empty()) {
+        throw Flaw{"mesh without triangles"};
+      }
+    }
+    if (shape.empty()) {
+      throw Flaw{"shape of nothing"};
+    }
+    return shape;
+  }
+
+  Vec3 point(const format::Vec3& from, std::string_view what) const {
+    const Vec3 point(from.x(), from.y(), from.z());
+    if (!point.allFinite()) {
+      throw Flaw{fmt::format("{} is ({}, {}, {})", what, point[0], point[1], point[2])};
+    }
+    return point;
+  }
+
+  Quat rotation(const format::Quat& from, std::string_view what) const {
+    Quat rotation(from.w(), from.x(), from.y(), from.z());
+    const double norm = rotation.norm();
+    if (!(std::abs(norm - 1) <= kUnitNormSlack)) {
+      throw Flaw{fmt::format("{} has quaternion norm {}, allowed 1 +- {}", what, norm, kUnitNormSlack)};
+    }
+    if (std::abs(rotation.squaredNorm() - 1) > kNormalizedSlack) {
+      rotation.coeffs() /= norm;
+    }
+    return rotation;
+  }
+
+ private:
+  void spend_triangles(std::uint64_t count) {
+    if (count > triangle_budget_) {
+      throw Flaw{fmt::format("{} triangles, {} more are allowed", count, triangle_budget_)};
+    }
+    triangle_budget_ -= count;
+  }
+  void spend_bytes(std::uint64_t count) {
+    if (count > byte_budget_) {
+      throw Flaw{"tables share their numbers, so that it would grow beyond its own size"};
+    }
+    byte_budget_ -= count;
+  }
+  template <class Struct>
+  std::vector<Struct> take(const flatbuffers::Vector<const Struct*>* vector) {
+    const std::uint64_t count = vector == nullptr ? 0 : vector->size();
+    if (count > primitive_budget_) {
+      throw Flaw{fmt::format("{} primitives, {} more are allowed", count, primitive_budget_)};
+    }
+    primitive_budget_ -= count;
+    spend_bytes(count * sizeof(Struct));
+    return copied(vector);
+  }
+
+  void check(const TriangleMesh& mesh) const {
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+      const Vec3& v = mesh.vertices[i];
+      if (!v.allFinite()) {
+        throw Flaw{fmt::format("vertex {} is ({}, {}, {})", i, v[0], v[1], v[2])};
+      }
+    }
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (mesh.triangles[i][k] >= mesh.vertices.size()) {
+          throw Flaw{fmt::format("triangle {}: corner {} is vertex {} of {}", i, k, mesh.triangles[i][k],
+                                 mesh.vertices.size())};
+        }
+      }
+    }
+  }
+
+  double size(double value, std::string_view what) const {
+    if (!(value >= 0 && std::isfinite(value))) {
+      throw Flaw{fmt::format("{} {} m, allowed are finite sizes of 0 and more", what, value)};
+    }
+    return value;
+  }
+
+  void add_spheres(const format::Shape& from, Shape& shape) {
+    const auto spheres = take(from.spheres());
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      const std::string name = fmt::format("sphere {}: ", i);
+      shape.primitives.push_back(Sphere{point(spheres[i].center(), name + "center"),  //
+                                        size(spheres[i].radius(), name + "radius")});
+    }
+  }
+
+  void add_boxes(const format::Shape& from, Shape& shape) {
+    const auto boxes = take(from.boxes());
+    const auto axes = take(from.box_axes());
+    if (!axes.empty() && axes.size() != boxes.size()) {
+      throw Flaw{fmt::format("axes for {} boxes of {}", axes.size(), boxes.size())};
+    }
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      const std::string name = fmt::format("box {}: ", i);
+      Box box{.center = point(boxes[i].center(), name + "center"),
+              .axes = axes.empty() ? rotation(boxes[i].rotation(), name + "rotation").toRotationMatrix()
+                                   : box_axes(axes[i], name + "axes"),
+              .half_m = point(boxes[i].half(), name + "half size")};
+      for (int axis = 0; axis < 3; ++axis) {
+        size(box.half_m[axis], name + "half size");
+      }
+      shape.primitives.push_back(box);
+    }
+  }
+
+  Mat3 box_axes(const format::Mat3& from, std::string_view what) const {
+    Mat3 axes;
+    axes << point(from.column_0(), what), point(from.column_1(), what), point(from.column_2(), what);
+    if (!((axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff() <= 2 * kUnitNormSlack)) {
+      throw Flaw{fmt::format("{} are not of length 1 at right angles within {}", what, 2 * kUnitNormSlack)};
+    }
+    return axes;
+  }
+
+  void add_capsules(const format::Shape& from, Shape& shape) {
+    const auto capsules = take(from.capsules());
+    for (std::size_t i = 0; i < capsules.size(); ++i) {
+      const std::string name = fmt::format("capsule {}: ", i);
+      shape.primitives.push_back(Capsule{point(capsules[i].a(), name + "end a"), point(capsules[i].b(), name + "end b"),
+                                         size(capsules[i].radius(), name + "radius")});
+    }
+  }
+
+  std::uint64_t byte_budget_;
+  std::uint64_t triangle_budget_;
+  std::uint64_t primitive_budget_;
+};
+
+Filter filter_of(const format::Filter* from) {
+  return from == nullptr ? Filter{} : Filter{from->layers(), from->mask(), from->group()};
+}
+
+/// Takes each name of a scene once.
+class NameCheck {
+ public:
+  std::string take(const flatbuffers::String& name) {
+    const std::string_view text(name.c_str(), name.size());
+    if (const std::string flaw = flaw_of_name(text); !flaw.empty()) {
+      throw Flaw{fmt::format("name {} {}", quoted(text), flaw)};
+    }
+    if (!taken_.insert(text).second) {
+      throw Flaw{fmt::format("two parts or objects have the name {}", quoted(text))};
+    }
+    return std::string(text);
+  }
+
+ private:
+  std::unordered_set<std::string_view> taken_;
+};
+
+void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
+  const std::uint64_t triangle_count = scene.mesh.triangles.size();
+  std::uint64_t covered = 0;
+  for (std::uint32_t i = 0; from.parts() != nullptr && i < from.parts()->size(); ++i) {
+    const format::Part& part = *from.parts()->Get(i);
+    if (part.first_triangle() != covered || part.triangle_count() == 0 ||
+        part.triangle_count() > triangle_count - covered) {
+      throw Flaw{fmt::format("part {} is {} triangles from {}; parts must follow each other from {} up to {}", i,
+                             part.triangle_count(), part.first_triangle(), covered, triangle_count)};
+    }
+    covered += part.triangle_count();
+    scene.parts.push_back(
+        {names.take(*part.name()), part.first_triangle(), part.triangle_count(), filter_of(part.filter())});
+  }
+  if (covered != triangle_count) {
+    throw Flaw{fmt::format("parts cover {} of {} triangles", covered, triangle_count)};
+  }
+}
+
+Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::uint64_t max_triangles) {
+  if (from.format() != kFormat) {
+    throw Flaw{fmt::format("scene format {}, this program reads {}", from.format(), kFormat)};
+  }
+  Decoder decoder(byte_budget, max_triangles, byte_budget);
+  Scene scene;
+  scene.name = from.name()->str();
+  if (const std::string flaw = flaw_of_name(scene.name); !flaw.empty()) {
+    throw Flaw{fmt::format("scene name {} {}", quoted(scene.name), flaw)};
+  }
+  if (from.mesh() != nullptr) {
+    scene.mesh = decoder.mesh(*from.mesh());
+  }
+  NameCheck names;
+  decode_parts(from, names, scene);
+  for (std::uint32_t i = 0; from.objects() != nullptr && i < from.objects()->size(); ++i) {
+    const format::Object& object = *from.objects()->Get(i);
+    std::string name = names.take(*object.name());
+    try {
+      Pose pose;
+      if (object.position() != nullptr) {
+        pose.position = decoder.point(*object.position(), "position");
+      }
+      if (object.rotation() != nullptr) {
+        pose.rotation = decoder.rotation(*object.rotation(), "rotation");
+      }
+      scene.objects.push_back({name, decoder.shape(*object.shape()), pose, filter_of(object.filter())});
+    } catch (const Flaw& flaw) {
+      throw Flaw{fmt::format("object {}: {}", quoted(name), flaw.what)};
+    }
+  }
+  return scene;
+}
+
+/// The bytes at an address where doubles may lie: themselves, or a copy.
+class AlignedBytes {
+ public:
+  AlignedBytes(const void* data, std::size_t byte_count) : data_(static_cast<const std::uint8_t*>(data)) {
+    if (reinterpret_cast<std::uintptr_t>(data) % alignof(double) != 0) {
+      copy_.resize(byte_count / sizeof(std::uint64_t) + 1);
+      std::memcpy(copy_.data(), data, byte_count);
+      data_ = reinterpret_cast<const std::uint8_t*>(copy_.data());
+    }
+  }
+  const std::uint8_t* data() const { return data_; }
+
+ private:
+  std::vector<std::uint64_t> copy_;
+  const std::uint8_t* data_;
+};
+
+/// The root table of a buffer whose structure is sound, or null.
+template <class Table>
+const Table* verified(const std::uint8_t* data, std::size_t byte_count, const char* identifier) {
+  if (byte_count > kMaxSceneFileBytes) {
+    return nullptr;
+  }
+  // A table has 8 bytes at least, so more tables than that are shared ones: verifying them all could take for ever.
+  flatbuffers::Verifier verifier(data, byte_count, kMaxDepth, static_cast<std::uint32_t>(byte_count / 8 + 1));
+  return verifier.VerifyBuffer<Table>(identifier) ? flatbuffers::GetRoot<Table>(data) : nullptr;
+}
+
+Scene decode_scene_bytes(const void* bytes, std::size_t byte_count, std::uint64_t max_triangles) {
+  const AlignedBytes aligned(bytes, byte_count);
+  const auto* root = verified<format::Scene>(aligned.data(), byte_count, format::SceneIdentifier());
+  if (root == nullptr) {
+    throw Flaw{"not a scene file, or a damaged one: its tables do not check out"};
+  }
+  return decode_scene(*root, byte_count, max_triangles);
+}
+
+format::Vec3 packed(const Vec3& from) { return {from[0], from[1], from[2]}; }
+format::Quat packed(const Quat& from) { return {from.w(), from.x(), from.y(), from.z()}; }
+format::Filter packed(const Filter& from) { return {from.layers, from.mask, from.group}; }
+
+/// Turns values into tables of one buffer.
+class Encoder {
+ public:
+  explicit Encoder(std::size_t byte_count) : builder_(byte_count) {}
+
+  flatbuffers::Offset<format::Mesh> mesh(const TriangleMesh& from) {
+    double* numbers = nullptr;
+    const auto vertices = builder_.CreateUninitializedVector(3 * from.vertices.size(), &numbers);
+    if (!from.vertices.empty()) {
+      std::memcpy(numbers, from.vertices.data(), from.vertices.size() * sizeof(Vec3));
+    }
+    std::uint32_t* indices = nullptr;
+    const auto corners = builder_.CreateUninitializedVector(3 * from.triangles.size(), &indices);
+    if (!from.triangles.empty()) {
+      std::memcpy(indices, from.triangles.data(), from.triangles.size() * sizeof(TriangleCorners));
+    }
+    return format::CreateMesh(builder_, vertices, corners);
+  }
+
+  flatbuffers::Offset<format::Shape> shape(const Shape& from) {
+    std::vector<format::Sphere> spheres;
+    std::vector<format::Box> boxes;
+    std::vector<format::Mat3> axes;
+    std::vector<format::Capsule> capsules;
+    bool rotations_suffice = true;
+    for (const Primitive& primitive : from.primitives) {
+      if (const auto* sphere = std::get_if<Sphere>(&primitive)) {
+        spheres.emplace_back(packed(sphere->center), sphere->radius_m);
+      } else if (const auto* capsule = std::get_if<Capsule>(&primitive)) {
+        capsules.emplace_back(packed(capsule->a), packed(capsule->b), capsule->radius_m);
+      } else {
+        const Box& box = std::get<Box>(primitive);
+        const Quat rotation = box.axes.determinant() > 0 ? Quat(box.axes).normalized() : Quat::Identity();
+        rotations_suffice = rotations_suffice && rotation.toRotationMatrix() == box.axes;
+        boxes.emplace_back(packed(box.center), packed(rotation), packed(box.half_m));
+        axes.emplace_back(packed(Vec3(box.axes.col(0))), packed(Vec3(box.axes.col(1))), packed(Vec3(box.axes.col(2))));
+      }
+    }
+    const auto mesh_table = from.mesh ? mesh(*from.mesh) : flatbuffers::Offset<format::Mesh>{};
+    const auto axes_vector = rotations_suffice ? flatbuffers::Offset<flatbuffers::Vector<const format::Mat3*>>{}
+                                               : builder_.CreateVectorOfStructs(axes);
+    return format::CreateShape(builder_, optional(spheres), optional(boxes), optional(capsules), mesh_table,
+                               axes_vector);
+  }
+
+  void scene(const Scene& from) {
+    std::vector<flatbuffers::Offset<format::Part>> parts;
+    for (const Part& part : from.parts) {
+      const format::Filter filter = packed(part.filter);
+      parts.push_back(format::CreatePart(builder_, builder_.CreateString(part.name), part.first_triangle,
+                                         part.triangle_count, &filter));
+    }
+    std::vector<flatbuffers::Offset<format::Object>> objects;
+    for (const SceneObject& object : from.objects) {
+      const auto name = builder_.CreateString(object.name);
+      const auto shape_table = shape(object.shape);
+      const format::Vec3 position = packed(object.pose.position);
+      const format::Quat rotation = packed(object.pose.rotation);
+      const format::Filter filter = packed(object.filter);
+      objects.push_back(format::CreateObject(builder_, name, shape_table, &position, &rotation, &filter));
+    }
+    const bool has_mesh = !from.mesh.vertices.empty() || !from.mesh.triangles.empty();
+    const auto mesh_table = has_mesh ? mesh(from.mesh) : flatbuffers::Offset<format::Mesh>{};
+    const auto name = builder_.CreateString(from.name);
+    const auto part_vector = builder_.CreateVector(parts);
+    const auto object_vector = builder_.CreateVector(objects);
+    format::FinishSceneBuffer(builder_,
+                              format::CreateScene(builder_, kFormat, name, mesh_table, part_vector, object_vector));
+  }
+
+  void finish(flatbuffers::Offset<format::Shape> root) { builder_.Finish(root); }
+
+  std::span<const std::byte> bytes() const {
+    return std::as_bytes(std::span(builder_.GetBufferPointer(), builder_.GetSize()));
+  }
+
+ private:
+  template <class Struct>
+  flatbuffers::Offset<flatbuffers::Vector<const Struct*>> optional(const std::vector<Struct>& structs) {
+    return structs.empty() ? 0 : builder_.CreateVectorOfStructs(structs);
+  }
+
+  flatbuffers::FlatBufferBuilder builder_;
+};
+
+std::uint64_t encoded_bytes(const TriangleMesh& mesh) {
+  return mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(TriangleCorners) + 64;
+}
+
+std::uint64_t encoded_bytes(const Shape& shape) {
+  return 192 * shape.primitives.size() + (shape.mesh ? encoded_bytes(*shape.mesh) : 0) + 128;
+}
+
+/// Never less than the buffer will have.
+std::uint64_t encoded_bytes(const Scene& scene) {
+  std::uint64_t bytes = 1024 + encoded_bytes(scene.mesh) + scene.name.size();
+  for (const Part& part : scene.parts) {
+    bytes += 128 + part.name.size();
+  }
+  for (const SceneObject& object : scene.objects) {
+    bytes += 256 + object.name.size() + encoded_bytes(object.shape);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Scene read_scene_file(const Reading& reading) {
+  try {
+    return decode_scene_bytes(reading.bytes.data(), reading.bytes.size(), reading.options.max_triangles);
+  } catch (const Flaw& flaw) {
+    refuse(reading, flaw.what);
+  }
+}
+
+void save_scene(const std::string& path, const Scene& scene) {
+  const auto fail = [&](const std::string& what) {
+    throw LoadError(fmt::format("{}: {}. Nothing was written.", file_name(path), what));
+  };
+  if (const std::uint64_t bytes = encoded_bytes(scene); bytes > kMaxSceneFileBytes) {
+    fail(fmt::format("the scene needs {} bytes, limit {}", bytes, kMaxSceneFileBytes));
+  }
+  Encoder encoder(encoded_bytes(scene));
+  encoder.scene(scene);
+  const std::span<const std::byte> bytes = encoder.bytes();
+  try {
+    decode_scene_bytes(bytes.data(), bytes.size(), kMaxVertices);
+  } catch (const Flaw& flaw) {
+    fail(flaw.what);
+  }
+  if (const std::string failure = replace_file(path, bytes); !failure.empty()) {
+    fail(failure);
+  }
+}
+
+DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& limits) {
+  if (bytes.size() > limits.max_bytes) {
+    return {std::nullopt, fmt::format("{} bytes, limit {}", bytes.size(), limits.max_bytes)};
+  }
+  const AlignedBytes aligned(bytes.data(), bytes.size());
+  const auto* root = verified<format::Shape>(aligned.data(), bytes.size(), nullptr);
+  if (root == nullptr) {
+    return {std::nullopt, "not a shape, or a damaged one: its tables do not check out"};
+  }
+  try {
+    return {Decoder(bytes.size(), limits.max_triangles, limits.max_primitives).shape(*root), {}};
+  } catch (const Flaw& flaw) {
+    return {std::nullopt, flaw.what};
+  }
+}
+
+std::vector<std::byte> encode_shape(const Shape& shape) {
+  Encoder encoder(encoded_bytes(shape));
+  encoder.finish(encoder.shape(shape));
+  const std::span<const std::byte> bytes = encoder.bytes();
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace collided

@@ -1,0 +1,180 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "server/intake/byte_order.hpp"
+#include "server/intake/reading.hpp"
+#include "server/intake/text_cursor.hpp"
+#include "server/intake/triangulate.hpp"
+#include "server/intake/weld.hpp"
+
+namespace collided {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 84;    // 80 of anything, then the triangle count
+constexpr std::size_t kTriangleBytes = 50;  // normal, three corners, two bytes of anything
+
+std::uint64_t claimed_triangles(const Reading& reading) {
+  return number_at<std::uint32_t>(reading.begin() + 80, std::endian::little);
+}
+
+bool is_word(std::string_view word, std::string_view lower) {
+  return word.size() == lower.size() && std::equal(word.begin(), word.end(), lower.begin(), [](char a, char b) {
+           return std::tolower(static_cast<unsigned char>(a)) == b;
+         });
+}
+
+// Binary files often begin with "solid" as well. A size that fits the count to the byte settles it; else text is
+// what says "solid" and, within its next words, "facet" or "endsolid".
+bool is_text(const Reading& reading) {
+  if (reading.bytes.size() >= kHeaderBytes &&
+      reading.bytes.size() == kHeaderBytes + kTriangleBytes * claimed_triangles(reading)) {
+    return false;
+  }
+  constexpr std::size_t kLookBytes = 4096;
+  TextCursor cursor(reading, {reading.begin(), std::min(kLookBytes, reading.bytes.size())},
+                    TextCursor::LineEnd::newline, false);
+  if (!cursor.find_word() || !is_word(cursor.word(), "solid")) {
+    return false;
+  }
+  while (cursor.find_word()) {
+    const std::string_view word = cursor.word();
+    if (is_word(word, "facet") || is_word(word, "endsolid")) {
+      return true;
+    }
+  }
+  return reading.bytes.size() < kHeaderBytes;
+}
+
+Scene read_binary(const Reading& reading) {
+  if (reading.bytes.size() < kHeaderBytes) {
+    refuse(reading, fmt::format("{} bytes, a binary STL has at least {}", reading.bytes.size(), kHeaderBytes));
+  }
+  const std::uint64_t count = claimed_triangles(reading);
+  const std::uint64_t room = (reading.bytes.size() - kHeaderBytes) / kTriangleBytes;
+  if (count > room) {
+    refuse_byte(reading, 80, fmt::format("header claims {} triangles, the file has room for {}", count, room));
+  }
+  check_triangle_count(reading, count);
+  const std::uint64_t surplus = reading.bytes.size() - kHeaderBytes - kTriangleBytes * count;
+  if (surplus > 0) {
+    reading.report.warnings.push_back(
+        fmt::format("{} bytes after the {} triangles that the header counts were not read", surplus, count));
+  }
+  Scene scene;
+  check_vertex_count(reading, 3 * count);
+  scene.mesh.vertices.resize(3 * count);
+  scene.mesh.triangles.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t byte = kHeaderBytes + kTriangleBytes * i + 12;
+    for (std::size_t k = 0; k < 9; ++k) {
+      const auto value = number_at<float>(reading.begin() + byte + 4 * k, std::endian::little);
+      if (!std::isfinite(value)) {
+        refuse_byte(reading, byte + 4 * k,
+                    fmt::format("triangle {} of {}: coordinate {} is not finite", i + 1, count, value));
+      }
+      scene.mesh.vertices[3 * i + k / 3][static_cast<Eigen::Index>(k % 3)] = value;
+    }
+    const auto first = static_cast<std::uint32_t>(3 * i);
+    scene.mesh.triangles[i] = {first, first + 1, first + 2};
+    if (i % 0x40000 == 0) {
+      tell_progress(reading, 0.5 * static_cast<double>(i) / static_cast<double>(count));
+    }
+  }
+  scene.parts.push_back({.name = {}, .triangle_count = static_cast<std::uint32_t>(count)});
+  return scene;
+}
+
+/// solid NAME { facet normal . . . outer loop { vertex x y z } endloop endfacet } endsolid, any number of times.
+class StlTextReader {
+ public:
+  explicit StlTextReader(const Reading& reading)
+      : reading_(reading),
+        cursor_(reading, {reading.begin(), reading.bytes.size()}, TextCursor::LineEnd::newline, false) {}
+
+  Scene read() {
+    while (cursor_.find_word()) {
+      const std::string_view word = cursor_.word();
+      if (is_word(word, "vertex")) {
+        read_vertex();
+      } else if (is_word(word, "endloop")) {
+        end_loop();
+      } else if (is_word(word, "facet")) {
+        begin_facet();
+      } else if (is_word(word, "solid")) {
+        begin_solid();
+      } else if (is_word(word, "endsolid")) {
+        cursor_.next_line();
+      } else if (!is_word(word, "outer") && !is_word(word, "loop") && !is_word(word, "endfacet")) {
+        cursor_.complain(fmt::format("{} is no word of STL", quoted(word)));
+      }
+    }
+    if (!loop_.empty()) {
+      cursor_.complain("the file ends inside a facet");
+    }
+    return std::move(scene_);
+  }
+
+ private:
+  void begin_solid() {
+    scene_.parts.push_back({.name = std::string(cursor_.rest_of_line()),
+                            .first_triangle = static_cast<std::uint32_t>(scene_.mesh.triangles.size())});
+  }
+
+  // The normal is not read: it often is nonsense, and the corners' order says the same.
+  void begin_facet() {
+    if (!loop_.empty()) {
+      cursor_.complain("facet begins before 'endloop' of the one before");
+    }
+    if (scene_.parts.empty()) {
+      cursor_.complain("facet before 'solid'");
+    }
+    cursor_.next_line();
+  }
+
+  void read_vertex() {
+    Vec3 vertex;
+    for (int axis = 0; axis < 3; ++axis) {
+      vertex[axis] = cursor_.finite_number("vertex coordinate");
+    }
+    loop_.push_back(static_cast<std::uint32_t>(scene_.mesh.vertices.size()));
+    scene_.mesh.vertices.push_back(vertex);
+    check_vertex_count(reading_, scene_.mesh.vertices.size());
+  }
+
+  void end_loop() {
+    if (loop_.size() < 3 || scene_.parts.empty()) {
+      cursor_.complain(fmt::format("facet of {} corners, at least 3 are needed", loop_.size()));
+    }
+    const PolygonKind kind = triangulate(loop_, scene_.mesh.vertices, scene_.mesh.triangles);
+    if (kind == PolygonKind::crossing || kind == PolygonKind::too_long) {
+      cursor_.complain(fmt::format("facet of {} corners crosses itself or is too long to cut", loop_.size()));
+    }
+    check_triangle_count(reading_, scene_.mesh.triangles.size());
+    Part& part = scene_.parts.back();
+    part.triangle_count = static_cast<std::uint32_t>(scene_.mesh.triangles.size()) - part.first_triangle;
+    loop_.clear();
+    if (scene_.mesh.triangles.size() % 0x10000 == 0) {
+      tell_progress(reading_, 0.7 * static_cast<double>(cursor_.place() - reading_.begin()) /
+                                  static_cast<double>(reading_.bytes.size()));
+    }
+  }
+
+  const Reading& reading_;
+  TextCursor cursor_;
+  std::vector<std::uint32_t> loop_;
+  Scene scene_;
+};
+
+}  // namespace
+
+Scene read_stl(const Reading& reading) {
+  Scene scene = is_text(reading) ? StlTextReader(reading).read() : read_binary(reading);
+  // STL has no vertex numbers: corners with equal coordinates are what the format calls one vertex.
+  weld_equal_vertices(scene.mesh);
+  return scene;
+}
+
+}  // namespace collided

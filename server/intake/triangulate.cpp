@@ -1,0 +1,169 @@
+#include "server/intake/triangulate.hpp"
+
+#include <cmath>
+
+#include "server/intake/limits.hpp"
+#include "server/intake/planar.hpp"
+
+namespace collided {
+namespace {
+
+/// The polygon in the coordinate plane that sees most of it, turning to the left as a whole.
+std::vector<PlanePoint> flattened(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices) {
+  const Vec3& origin = vertices[corners[0]];
+  Vec3 normal = Vec3::Zero();
+  Vec3 seen = Vec3::Zero();  // of each coordinate plane; unlike the normal, lobes that turn both ways do not cancel
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 from = vertices[corners[i]] - origin;
+    const Vec3 to = vertices[corners[(i + 1) % corners.size()]] - origin;
+    const Vec3 fan_triangle = from.cross(to);
+    normal += fan_triangle;
+    seen += fan_triangle.cwiseAbs();
+  }
+  int drop = 0;
+  seen.maxCoeff(&drop);
+  const int u = (drop + 1) % 3;
+  const int v = (drop + 2) % 3;
+  std::vector<PlanePoint> points;
+  points.reserve(corners.size());
+  const double mirror = normal[drop] < 0 ? -1 : 1;
+  for (const std::uint32_t corner : corners) {
+    points.push_back({mirror * vertices[corner][u], vertices[corner][v]});
+  }
+  return points;
+}
+
+/// No corner turns right, and the direction goes round once: its height changes from falling to rising once.
+bool is_convex(const std::vector<PlanePoint>& points) {
+  const std::size_t count = points.size();
+  int swings = 0;
+  int last_rise = 0;
+  for (std::size_t i = 0; i < 2 * count; ++i) {
+    const PlanePoint& here = points[i % count];
+    const PlanePoint& next = points[(i + 1) % count];
+    if (i < count && turn(here, next, points[(i + 2) % count]) < 0) {
+      return false;
+    }
+    const double rise = next[1] != here[1] ? next[1] - here[1] : 0;
+    if (rise != 0) {
+      const int sign = rise > 0 ? 1 : -1;
+      swings += i >= count && sign != last_rise ? 1 : 0;
+      last_rise = sign;
+    }
+  }
+  return swings <= 2;
+}
+
+/// The polygon that is left while ears are clipped, as a ring of corners.
+class EarClipper {
+ public:
+  EarClipper(std::span<const std::uint32_t> corners, std::vector<PlanePoint> points)
+      : corners_(corners), points_(std::move(points)), previous_(corners.size()), next_(corners.size()) {
+    const std::size_t count = corners.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      previous_[i] = (i + count - 1) % count;
+      next_[i] = (i + 1) % count;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (turn_at(i) <= 0) {
+        reflex_.push_back(i);
+      }
+    }
+  }
+
+  /// True when each triangle was an ear; false when some had to be guessed.
+  bool clip(std::vector<TriangleCorners>& triangles) {
+    bool all_ears = true;
+    std::size_t at = 0;
+    std::size_t tried = 0;
+    for (std::size_t left = corners_.size(); left > 3;) {
+      const bool ear = is_ear(at);
+      if (!ear && ++tried <= left) {
+        at = next_[at];
+        continue;
+      }
+      all_ears = all_ears && ear;
+      triangles.push_back({corners_[previous_[at]], corners_[at], corners_[next_[at]]});
+      next_[previous_[at]] = next_[at];
+      previous_[next_[at]] = previous_[at];
+      std::erase(reflex_, at);
+      drop_if_convex(previous_[at]);
+      drop_if_convex(next_[at]);
+      at = next_[next_[at]];  // not the neighbour: going round evenly makes fewer slivers
+      tried = 0;
+      --left;
+    }
+    triangles.push_back({corners_[previous_[at]], corners_[at], corners_[next_[at]]});
+    return all_ears && turn_at(at) >= 0;
+  }
+
+ private:
+  int turn_at(std::size_t i) const { return turn(points_[previous_[i]], points_[i], points_[next_[i]]); }
+
+  void drop_if_convex(std::size_t i) {
+    if (turn_at(i) > 0) {
+      std::erase(reflex_, i);
+    }
+  }
+
+  /// A corner that turns left and whose triangle holds no other corner; one on a line with its neighbours between
+  /// them is clipped as a triangle without area.
+  bool is_ear(std::size_t i) const {
+    const PlanePoint& a = points_[previous_[i]];
+    const PlanePoint& b = points_[i];
+    const PlanePoint& c = points_[next_[i]];
+    const int side = turn(a, b, c);
+    if (side == 0) {
+      return lies_between(a, b, c);
+    }
+    if (side < 0) {
+      return false;
+    }
+    for (const std::size_t other : reflex_) {
+      const PlanePoint& p = points_[other];
+      if (other == previous_[i] || other == next_[i] || p == a || p == c) {
+        continue;
+      }
+      if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  static bool lies_between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
+    const auto within = [](double low, double x, double high) {
+      return (low <= x && x <= high) || (high <= x && x <= low);
+    };
+    return within(a[0], b[0], c[0]) && within(a[1], b[1], c[1]);
+  }
+
+  std::span<const std::uint32_t> corners_;
+  std::vector<PlanePoint> points_;
+  std::vector<std::size_t> previous_;
+  std::vector<std::size_t> next_;
+  std::vector<std::size_t> reflex_;
+};
+
+}  // namespace
+
+PolygonKind triangulate(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices,
+                        std::vector<TriangleCorners>& triangles) {
+  if (corners.size() == 3) {
+    triangles.push_back({corners[0], corners[1], corners[2]});
+    return PolygonKind::convex;
+  }
+  std::vector<PlanePoint> points = flattened(corners, vertices);
+  if (is_convex(points)) {
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+      triangles.push_back({corners[0], corners[i - 1], corners[i]});
+    }
+    return PolygonKind::convex;
+  }
+  if (corners.size() > kMaxConcaveCorners) {
+    return PolygonKind::too_long;
+  }
+  return EarClipper(corners, std::move(points)).clip(triangles) ? PolygonKind::concave : PolygonKind::crossing;
+}
+
+}  // namespace collided

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+namespace collided {
+
+/// Puts a file in place of what is at the path, whole or not at all: written beside it, brought to the disk, renamed.
+/// returns   what went wrong, or nothing
+std::string replace_file(const std::string& path, std::span<const std::byte> bytes);
+
+}  // namespace collided

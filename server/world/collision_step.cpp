@@ -1,0 +1,296 @@
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+
+#include "server/world/sweep.hpp"
+#include "server/world/world_state.hpp"
+
+namespace collided {
+namespace {
+
+using wire_contract::EndReason;
+using wire_contract::kNoTriangle;
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+/// One step at work: the writer's state, the snapshot that is being filled, and what subscribers want.
+struct Step {
+  World::State& s;
+  Snapshot& next;
+  StepWishes wishes;
+  std::int64_t world_time_ns;
+  WalkCost walk;
+
+  void end_removed();
+  void fill_snapshot();
+  void index_movers();
+  void moving_against_static();
+  void moving_against_moving();
+  void end_parted();
+
+  bool has_moved(std::uint32_t slot) const { return s.motion[slot] != Motion::none; }
+  Placed placed(std::uint32_t slot) const {
+    return {.info = (*s.objects)[slot].get(), .frame = &s.frames[slot], .bounds = s.bounds[slot]};
+  }
+  std::optional<MovingSphere> way_of(std::uint32_t slot) const;
+  std::optional<Sweep> sweep_between(std::uint32_t mover, std::uint32_t other);
+  void test_pair(std::uint32_t first, std::uint32_t second);
+  void test_scene(std::uint32_t mover, const StaticScene& scene);
+  void report(ObjectId a, ObjectId b, const Touch& touch, const Sweep* sweep, std::uint32_t mover);
+  void set_bracket(FoundContact& found, const Sweep* sweep, std::uint32_t mover) const;
+};
+
+/// Contacts of removed objects end before anything else is looked at: their slots may be used again from now on.
+void Step::end_removed() {
+  for (const auto& [id, reason] : s.removed) s.ledger.end_object(id, reason);
+  s.removed.clear();
+}
+
+/// Only what changed since this ring state was last filled is copied: moving 100 of 100,000 objects costs 100 copies.
+void Step::fill_snapshot() {
+  for (const std::uint32_t slot : s.moved_slots) {
+    s.changed[slot] = s.step_count;
+    if (s.posed_ns[slot] == kPosedAtStep) s.posed_ns[slot] = world_time_ns;
+  }
+  const std::size_t known = next.changed.size();
+  const std::size_t count = s.objects->size();
+  next.poses.resize(count);
+  next.frames.resize(count);
+  next.bounds.resize(count);
+  next.posed_ns.resize(count);
+  next.stale.resize(count);
+  next.changed.resize(count);
+  for (std::size_t slot = 0; slot < count; ++slot) {
+    if (slot < known && next.changed[slot] == s.changed[slot]) continue;
+    next.poses[slot] = s.poses[slot];
+    next.frames[slot] = s.frames[slot];
+    next.bounds[slot] = s.bounds[slot];
+    next.posed_ns[slot] = s.posed_ns[slot];
+    next.stale[slot] = s.stale[slot];
+    next.changed[slot] = s.changed[slot];
+  }
+  next.epoch = s.options.epoch;
+  next.version = s.version;
+  next.world_time_ns = world_time_ns;
+  next.scenes = s.scenes;
+  next.objects = s.objects;
+  next.table_version = s.table_version;
+  next.stale_count = s.stale_count;
+  s.objects_shared = true;
+}
+
+/// The grid holds each mover's whole way since its last pose, so that pairs that met on the way are candidates.
+void Step::index_movers() {
+  if (s.moved_slots.empty() && s.ring.current().grid) {
+    next.grid = s.ring.current().grid;
+    return;
+  }
+  s.swept_bounds.assign(s.bounds.begin(), s.bounds.end());
+  for (const std::uint32_t slot : s.moved_slots) {
+    const std::optional<MovingSphere> way = way_of(slot);
+    if (way) s.swept_bounds[slot].extend(bounds(*way));
+  }
+  if (!next.grid || next.grid.use_count() > 1) next.grid = std::make_shared<Grid>();
+  next.grid->rebuild(s.swept_bounds);
+}
+
+/// The way of a lone sphere between its last two poses; nothing for other objects, new ones and teleported ones.
+std::optional<MovingSphere> Step::way_of(std::uint32_t slot) const {
+  const ObjectInfo* info = (*s.objects)[slot].get();
+  if (info == nullptr || s.motion[slot] != Motion::moved) return std::nullopt;
+  const std::optional<Sphere> sphere = lone_sphere(*info);
+  if (!sphere) return std::nullopt;
+  return MovingSphere{.start = place(s.frames_before[slot], sphere->center),
+                      .end = place(s.frames[slot], sphere->center),
+                      .radius_m = sphere->radius_m};
+}
+
+void Step::moving_against_static() {
+  for (const std::uint32_t slot : s.moved_slots) {
+    const ObjectInfo* info = (*s.objects)[slot].get();
+    if (info == nullptr || !info->moving) continue;
+    for (const auto& scene : s.scenes) test_scene(slot, *scene);
+  }
+}
+
+void Step::test_scene(std::uint32_t mover, const StaticScene& scene) {
+  const Placed a = placed(mover);
+  const auto allowed = [&](std::uint32_t part) { return may_meet(a.info->filter, scene.parts[part].filter); };
+  s.part_touches.clear(wishes.contacts);
+  const auto test = [&](const auto& part_of_a, std::uint32_t a_triangle) {
+    visit_scene(scene, bounds(part_of_a), walk, allowed, [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
+      Touch& touch = s.part_touches.of(part);
+      if (!touch.done()) touch_parts(part_of_a, a_triangle, b, triangle - scene.parts[part].first_triangle, touch);
+      return true;
+    });
+  };
+  for (const Primitive& primitive : a.info->primitives) {
+    std::visit([&](const auto& own) { test(place(*a.frame, own), kNoTriangle); }, primitive);
+  }
+  if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) {
+    for (std::uint32_t t = 0; t < a.info->mesh->mesh->triangles.size(); ++t) {
+      test(place(*a.frame, a.info->mesh->mesh->triangle(t)), t);
+    }
+  }
+  const std::optional<MovingSphere> way = way_of(mover);
+  if (way) {
+    // Parts that are met on the way but not at its end need a place in the list too.
+    visit_scene(scene, bounds(*way), walk, allowed, [&](std::uint32_t, std::uint32_t part, const Triangle&) {
+      s.part_touches.of(part);
+      return true;
+    });
+  }
+  for (PartTouch& found : s.part_touches.list()) {
+    const ObjectId part_id = scene.part_objects[found.part];
+    s.cost.exact_tests += found.touch.exact_tests;
+    std::optional<Sweep> sweep;
+    if (way && !s.ledger.holds(std::min(a.info->id, part_id), std::max(a.info->id, part_id))) {
+      sweep = Sweep{.mover = *way, .width = s.options.sweep_width};
+      const Part& part = scene.parts[found.part];
+      visit_scene(scene, bounds(*way), walk, [&](std::uint32_t p) { return p == found.part; },
+                  [&](std::uint32_t triangle, std::uint32_t, const Triangle& b) {
+                    sweep_part(*sweep, b, triangle - part.first_triangle);
+                    return true;
+                  });
+    }
+    report(a.info->id, part_id, found.touch, sweep ? &*sweep : nullptr, mover);
+  }
+}
+
+void Step::moving_against_moving() {
+  const auto found = [](void* context, std::uint32_t first, std::uint32_t second) {
+    Step& step = *static_cast<Step*>(context);
+    if (!step.has_moved(first) && !step.has_moved(second)) return;
+    const ObjectInfo& a = *(*step.s.objects)[first];
+    const ObjectInfo& b = *(*step.s.objects)[second];
+    if ((a.moving || b.moving) && may_meet(a.filter, b.filter)) step.test_pair(first, second);
+  };
+  next.grid->pairs(found, this, walk);
+}
+
+void Step::test_pair(std::uint32_t first, std::uint32_t second) {
+  ++s.cost.candidate_pairs;
+  // Lower id first: the contact's normal points from a to b.
+  if ((*s.objects)[second]->id < (*s.objects)[first]->id) std::swap(first, second);
+  const Placed a = placed(first);
+  const Placed b = placed(second);
+  Touch touch;
+  touch.wanted = wishes.contacts;
+  if (overlaps(a.bounds, b.bounds)) touch_objects(a, b, touch, walk);
+  s.cost.exact_tests += touch.exact_tests;
+  std::optional<Sweep> sweep;
+  std::uint32_t mover = first;
+  if (!s.ledger.holds(a.info->id, b.info->id)) {
+    sweep = sweep_between(first, second);
+    if (!sweep) {
+      sweep = sweep_between(second, first);
+      mover = second;
+      if (sweep) sweep->contact.normal = -sweep->contact.normal;
+    }
+  }
+  report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr, has_moved(mover) ? mover : first + second - mover);
+}
+
+/// The mover's way as seen from the other object, which keeps its last orientation: its displacement is taken off.
+std::optional<Sweep> Step::sweep_between(std::uint32_t mover, std::uint32_t other) {
+  const ObjectInfo& info = *(*s.objects)[mover];
+  const std::optional<Sphere> sphere = lone_sphere(info);
+  if (!sphere || s.motion[mover] == Motion::placed || s.motion[other] == Motion::placed) return std::nullopt;
+  const bool other_moved = s.motion[other] == Motion::moved;
+  const Frame& before = s.motion[mover] == Motion::moved ? s.frames_before[mover] : s.frames[mover];
+  Sweep sweep{.mover = {.start = place(before, sphere->center),
+                        .end = place(s.frames[mover], sphere->center),
+                        .radius_m = sphere->radius_m},
+              .width = s.options.sweep_width};
+  if (other_moved) sweep.mover.start += s.frames[other].position - s.frames_before[other].position;
+  sweep_object(sweep, placed(other), walk);
+  return sweep;
+}
+
+/// For contacts first, for the time between: began now, began and parted on the way, or nothing new.
+void Step::report(ObjectId a, ObjectId b, const Touch& touch, const Sweep* sweep, std::uint32_t mover) {
+  if (sweep != nullptr) {
+    ++s.cost.swept;
+    s.cost.exact_tests += sweep->exact_tests;
+  }
+  if (touch.undecided && !touch.yes) ++s.cost.undecided;
+  const bool passed = sweep != nullptr && sweep->yes && !touch.yes;
+  if (!touch.yes && !passed) return;
+  FoundContact found{.a = a, .b = b, .a_triangle = touch.a_triangle, .b_triangle = touch.b_triangle,
+                     .contact = passed ? sweep->contact : touch.contact};
+  if (passed) found.b_triangle = sweep->triangle;
+  if (found.b < found.a) {
+    std::swap(found.a, found.b);
+    std::swap(found.a_triangle, found.b_triangle);
+    found.contact.normal = -found.contact.normal;
+  }
+  set_bracket(found, sweep, mover);
+  if (passed) {
+    s.ledger.touched_and_parted(found);
+  } else {
+    s.ledger.touches(found);
+  }
+}
+
+void Step::set_bracket(FoundContact& found, const Sweep* sweep, std::uint32_t mover) const {
+  const double end_s = static_cast<double>(world_time_ns - s.posed_ns[mover]) * 1e-9;
+  const double way_s = s.motion[mover] == Motion::moved
+                           ? static_cast<double>(s.posed_ns[mover] - s.posed_before_ns[mover]) * 1e-9
+                           : 0.0;
+  const bool timed = sweep != nullptr && sweep->yes;
+  found.bracket_low_s = std::max(0.0, end_s + way_s * (timed ? 1 - sweep->bracket.low : 1.0));
+  found.bracket_high_s = std::max(0.0, end_s + way_s * (timed ? 1 - sweep->bracket.high : 0.0));
+}
+
+/// A contact that was not found again although one of the two moved is over.
+void Step::end_parted() {
+  const auto reason = [&](const OpenContact& contact) {
+    const Motion a = s.motion[slot_of(contact.a)];
+    const Motion b = s.motion[slot_of(contact.b)];
+    if (a == Motion::none && b == Motion::none) return EndReason::none;
+    return std::max(a, b) == Motion::placed ? EndReason::teleported : EndReason::separated;
+  };
+  s.ledger.end_unfound(reason, static_cast<double>(world_time_ns - s.last_step_ns) * 1e-9);
+}
+
+}  // namespace
+
+bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWishes& wishes) {
+  State& s = *state_;
+  Snapshot* next = s.ring.writable();
+  if (next == nullptr) return false;
+  const std::int64_t started = now_ns();
+  s.version += batches;
+  ++s.step_count;
+  s.cost = {.moved = static_cast<std::uint32_t>(s.moved_slots.size())};
+  s.ledger.begin_step(world_time_ns, wishes.persisted);
+
+  Step step{.s = s, .next = *next, .wishes = wishes, .world_time_ns = world_time_ns, .walk = {}};
+  step.end_removed();
+  step.fill_snapshot();
+  const std::int64_t updated = now_ns();
+  step.index_movers();
+  const std::int64_t indexed = now_ns();
+  if (!s.moved_slots.empty()) {
+    step.moving_against_static();
+    step.moving_against_moving();
+    step.end_parted();
+  }
+  s.ledger.finish_step();
+  s.ring.publish();
+
+  for (const std::uint32_t slot : s.moved_slots) s.motion[slot] = Motion::none;
+  s.moved_slots.clear();
+  s.free_slots.insert(s.free_slots.end(), s.freed_this_step.begin(), s.freed_this_step.end());
+  s.freed_this_step.clear();
+  s.last_step_ns = world_time_ns;
+  s.cost.update_ns = updated - started;
+  s.cost.broad_ns = indexed - updated;
+  s.cost.exact_ns = now_ns() - indexed;
+  return true;
+}
+
+}  // namespace collided

@@ -1,0 +1,113 @@
+#include "server/world/contact_ledger.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <tuple>
+
+namespace collided {
+namespace {
+
+OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
+  return {.a = found.a,
+          .b = found.b,
+          .a_triangle = found.a_triangle,
+          .b_triangle = found.b_triangle,
+          .began_ns = world_time_ns - static_cast<std::int64_t>(found.bracket_high_s * 1e9),
+          .contact = found.contact};
+}
+
+}  // namespace
+
+std::size_t ContactLedger::PairHash::operator()(const Pair& pair) const {
+  // Multiplicative hashing (Knuth, TAOCP 3, 6.4) of both slots; generations differ only between uses of a slot.
+  const std::uint64_t mixed = (pair.a * 0x9e3779b97f4a7c15u) ^ ((pair.b + 0x7f4a7c15u) * 0xc2b2ae3d27d4eb4fu);
+  return static_cast<std::size_t>(mixed ^ (mixed >> 29));
+}
+
+void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted) {
+  events_.clear();
+  ++step_;
+  world_time_ns_ = world_time_ns;
+  persisted_wanted_ = persisted_wanted;
+}
+
+void ContactLedger::touches(const FoundContact& found) {
+  assert(found.a < found.b && "a pair is named by its lower id first");
+  const auto [place, is_new] = index_.try_emplace(Pair{found.a, found.b}, open_.size());
+  if (is_new) {
+    open_.push_back(opened(found, world_time_ns_));
+    found_in_step_.push_back(step_);
+    events_.push_back({.kind = wire_contract::EventKind::began,
+                       .of = open_.back(),
+                       .bracket_low_s = found.bracket_low_s,
+                       .bracket_high_s = found.bracket_high_s});
+    return;
+  }
+  OpenContact& open = open_[place->second];
+  found_in_step_[place->second] = step_;
+  open.contact = found.contact;
+  open.a_triangle = found.a_triangle;
+  open.b_triangle = found.b_triangle;
+  if (persisted_wanted_) events_.push_back({.kind = wire_contract::EventKind::persisted, .of = open});
+}
+
+void ContactLedger::touched_and_parted(const FoundContact& found) {
+  Event event{.kind = wire_contract::EventKind::began,
+              .of = opened(found, world_time_ns_),
+              .bracket_low_s = found.bracket_low_s,
+              .bracket_high_s = found.bracket_high_s};
+  events_.push_back(event);
+  event.kind = wire_contract::EventKind::ended;
+  event.reason = wire_contract::EndReason::separated;
+  // It parted some time between the first contact and the end of the step.
+  event.bracket_low_s = found.bracket_high_s;
+  event.bracket_high_s = 0;
+  events_.push_back(event);
+}
+
+void ContactLedger::end_object(ObjectId object, wire_contract::EndReason reason) {
+  for (std::size_t i = 0; i < open_.size();) {
+    if (open_[i].a == object || open_[i].b == object) {
+      end(i, reason, 0);
+    } else {
+      ++i;
+    }
+  }
+}
+
+void ContactLedger::end(std::size_t index, wire_contract::EndReason reason, double bracket_low_s) {
+  events_.push_back({.kind = wire_contract::EventKind::ended,
+                     .reason = reason,
+                     .of = open_[index],
+                     .bracket_low_s = bracket_low_s});
+  index_.erase({open_[index].a, open_[index].b});
+  if (index + 1 != open_.size()) {
+    open_[index] = open_.back();
+    found_in_step_[index] = found_in_step_.back();
+    index_[{open_[index].a, open_[index].b}] = index;
+  }
+  open_.pop_back();
+  found_in_step_.pop_back();
+}
+
+void ContactLedger::finish_step() {
+  // Within a pair: an old contact ends before a new one begins; a new one begins before it ends. Stable sorting keeps
+  // both, since each was pushed in that order.
+  std::stable_sort(events_.begin(), events_.end(), [](const Event& x, const Event& y) {
+    return std::tie(x.of.a, x.of.b) < std::tie(y.of.a, y.of.b);
+  });
+  std::uint64_t passing_episode = 0;
+  for (Event& event : events_) {
+    if (event.kind == wire_contract::EventKind::persisted) continue;
+    event.sequence = ++last_sequence_;
+    if (event.kind == wire_contract::EventKind::ended) {
+      if (event.of.episode == 0) event.of.episode = passing_episode;
+      continue;
+    }
+    event.of.episode = passing_episode = event.sequence;
+    const auto open = index_.find({event.of.a, event.of.b});
+    if (open != index_.end() && open_[open->second].episode == 0) open_[open->second].episode = event.sequence;
+  }
+}
+
+}  // namespace collided

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "server/world/events.hpp"
+
+namespace collided {
+
+/// Two touching objects as the exact phase found them; the contact's normal points from a to b, a < b.
+struct FoundContact {
+  ObjectId a = 0;
+  ObjectId b = 0;
+  std::uint32_t a_triangle = wire_contract::kNoTriangle;
+  std::uint32_t b_triangle = wire_contract::kNoTriangle;
+  Contact contact;
+  double bracket_low_s = 0;  // before the step's world time
+  double bracket_high_s = 0;
+};
+
+/// The contacts that hold, and the events that change them. Always: per pair began and ended alternate; sequences grow
+/// one by one; events of one step are ordered by pair, so they do not hang on the order of finding.
+/// Writer's thread only.
+class ContactLedger {
+ public:
+  void begin_step(std::int64_t world_time_ns, bool persisted_wanted);
+  /// The pair touches at the end of this step.
+  void touches(const FoundContact& found);
+  /// The pair touched within this step and is apart again.
+  void touched_and_parted(const FoundContact& found);
+  /// Every contact of the object ends.
+  void end_object(ObjectId object, wire_contract::EndReason reason);
+  /// Every contact for which reason_of(contact) is not `none` and that was not found again this step ends.
+  template <class ReasonOf>
+  void end_unfound(ReasonOf&& reason_of, double bracket_low_s) {
+    for (std::size_t i = 0; i < open_.size();) {
+      const auto reason = found_in_step_[i] == step_ ? wire_contract::EndReason::none : reason_of(open_[i]);
+      if (reason == wire_contract::EndReason::none) {
+        ++i;
+      } else {
+        end(i, reason, bracket_low_s);
+      }
+    }
+  }
+  /// Orders and numbers this step's events.
+  void finish_step();
+
+  bool holds(ObjectId a, ObjectId b) const { return index_.contains({a, b}); }
+  const std::vector<Event>& events() const { return events_; }
+  const std::vector<OpenContact>& open() const { return open_; }
+  std::uint64_t last_sequence() const { return last_sequence_; }
+
+ private:
+  struct Pair {
+    ObjectId a;
+    ObjectId b;
+    bool operator==(const Pair&) const = default;
+  };
+  struct PairHash {
+    std::size_t operator()(const Pair& pair) const;
+  };
+
+  void end(std::size_t index, wire_contract::EndReason reason, double bracket_low_s);
+
+  std::vector<OpenContact> open_;
+  std::vector<std::uint64_t> found_in_step_;  // beside open_
+  std::unordered_map<Pair, std::size_t, PairHash> index_;
+  std::vector<Event> events_;
+  std::uint64_t step_ = 0;
+  std::uint64_t last_sequence_ = 0;
+  std::int64_t world_time_ns_ = 0;
+  bool persisted_wanted_ = false;
+};
+
+}  // namespace collided

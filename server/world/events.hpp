@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "idl/topics.hpp"
+#include "server/exact_phase/contact.hpp"
+#include "server/world/object.hpp"
+
+namespace collided {
+
+/// One contact that holds: of objects a < b (by id), from `began` to `ended`.
+struct OpenContact {
+  ObjectId a = 0;
+  ObjectId b = 0;
+  std::uint32_t a_triangle = wire_contract::kNoTriangle;
+  std::uint32_t b_triangle = wire_contract::kNoTriangle;
+  std::uint64_t episode = 0;  // sequence of its `began`
+  std::int64_t began_ns = 0;  // world time
+  Contact contact;            // as last computed; normal from a to b
+};
+
+struct Event {
+  wire_contract::EventKind kind = wire_contract::EventKind::began;
+  wire_contract::EndReason reason = wire_contract::EndReason::none;
+  std::uint64_t sequence = 0;  // without gap within the epoch; 0 for persisted
+  OpenContact of;              // for `ended`: the contact as it last was
+  double bracket_low_s = 0;    // the change happened at world_time - low .. world_time - high (low >= high >= 0)
+  double bracket_high_s = 0;
+};
+
+}  // namespace collided

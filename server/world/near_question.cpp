@@ -1,0 +1,125 @@
+#include <cmath>
+
+#include "server/exact_phase/closest.hpp"
+#include "server/exact_phase/overlap.hpp"
+#include "server/world/question.hpp"
+
+namespace collided {
+namespace {
+
+/// The nearest objects so far: at most max_hits of them, one entry an object, ordered.
+struct NearWalk {
+  Question& question;
+  Vec3 point;
+  double within_m;
+  double limit_m2;
+
+  /// A square that no distance up to distance_m + error_m exceeds.
+  static double square_up(double distance_m, double error_m) {
+    const double reach_m = (distance_m + error_m) * (1 + 0x1p-50);
+    return reach_m * reach_m * (1 + 0x1p-50) + std::numeric_limits<double>::min();
+  }
+
+  template <class Part>
+  void test(const Part& part, ObjectId object, std::uint32_t triangle);
+  void keep(const AnswerHit& hit);
+  void walk_scene(const StaticScene& scene);
+  void walk_object(std::uint32_t slot);
+};
+
+template <class Part>
+void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
+  const Closest found = closest(point, part);
+  ++question.exact_tests;
+  if (!(found.distance_m - found.distance_error_m <= within_m)) return;
+  if (found.distance_m + found.distance_error_m > within_m) {
+    // The bound leaves it open whether it is within reach: a ball of that radius decides exactly.
+    const Verdict verdict = overlaps(Sphere{.center = point, .radius_m = within_m}, part);
+    question.count(verdict);
+    if (!verdict.yes()) return;
+  }
+  keep({.object = object,
+        .triangle = triangle,
+        .flags = question.flags_of(object),
+        .distance_m = found.distance_m,
+        .error_m = found.distance_error_m,
+        .point = found.point,
+        .normal = found.normal});
+}
+
+void NearWalk::keep(const AnswerHit& hit) {
+  std::vector<AnswerHit>& found = question.found;
+  const auto same = std::find_if(found.begin(), found.end(), [&](const AnswerHit& h) { return h.object == hit.object; });
+  if (same != found.end()) {
+    if (!nearer_first(hit, *same)) return;
+    found.erase(same);
+  } else if (found.size() == question.asked.max_hits) {
+    if (!nearer_first(hit, found.back())) return;
+    found.pop_back();
+  }
+  found.insert(std::upper_bound(found.begin(), found.end(), hit, nearer_first), hit);
+  if (found.size() == question.asked.max_hits) {
+    limit_m2 = std::min(limit_m2, square_up(found.back().distance_m, found.back().error_m));
+  }
+}
+
+void NearWalk::walk_scene(const StaticScene& scene) {
+  struct Context {
+    NearWalk& walk;
+    const StaticScene& scene;
+  } context{*this, scene};
+  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
+    Context& c = *static_cast<Context*>(raw);
+    const std::uint32_t part = c.scene.part_of(triangle);
+    const ObjectId object = c.scene.part_objects[part];
+    if (c.walk.question.allows(object)) {
+      c.walk.test(c.scene.mesh.triangle(triangle), object, triangle - c.scene.parts[part].first_triangle);
+    }
+    return c.walk.limit_m2;
+  };
+  scene.tree.walk_near(point, limit_m2, 0, candidate, &context, question.walk);
+}
+
+void NearWalk::walk_object(std::uint32_t slot) {
+  const ObjectInfo& info = question.object(slot);
+  if (!question.allows(info.id)) return;
+  const Frame& frame = question.snapshot.frames[slot];
+  for (const Primitive& primitive : info.primitives) {
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); }, primitive);
+  }
+  if (!info.mesh) return;
+  struct Context {
+    NearWalk& walk;
+    const ObjectInfo& info;
+    const Frame& frame;
+  } context{*this, info, frame};
+  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
+    Context& c = *static_cast<Context*>(raw);
+    c.walk.test(place(c.frame, c.info.mesh->mesh->triangle(triangle)), c.info.id, triangle);
+    return c.walk.limit_m2;
+  };
+  const Vec3 away = point - frame.position;
+  const double slack_m = placement_slack(frame, away.lpNorm<1>() + point.lpNorm<1>(), info.mesh->radius_m);
+  info.mesh->tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, &context, question.walk);
+}
+
+}  // namespace
+
+void ask_near(Question& question, const double* n) {
+  question.found.clear();
+  if (question.asked.max_hits == 0) return;
+  NearWalk walk{.question = question,
+                .point = {n[0], n[1], n[2]},
+                .within_m = n[3],
+                .limit_m2 = NearWalk::square_up(n[3], 0)};
+  for (const auto& scene : question.snapshot.scenes) walk.walk_scene(*scene);
+  if (!question.snapshot.grid) return;
+  const auto candidate = [](void* raw, std::uint32_t slot, double) {
+    NearWalk& w = *static_cast<NearWalk*>(raw);
+    w.walk_object(slot);
+    return w.limit_m2;
+  };
+  question.snapshot.grid->walk_near(walk.point, walk.limit_m2, candidate, &walk, question.walk);
+}
+
+}  // namespace collided

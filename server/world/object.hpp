@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "idl/topics.hpp"
+#include "server/broad_phase/bsp_tree.hpp"
+#include "server/geometry/pose.hpp"
+#include "server/geometry/shape.hpp"
+#include "server/intake/scene.hpp"
+
+namespace collided {
+
+/// Slot in the low 32 bits, generation in the high ones: a reused slot is another object.
+using ObjectId = std::uint64_t;
+
+inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id); }
+
+/// A mesh with its index, both in the mesh's own frame; shared by every object that has the mesh.
+struct IndexedMesh {
+  std::shared_ptr<const TriangleMesh> mesh;
+  BspTree tree;
+  double radius_m = 0;  // no vertex is farther from the frame's origin
+};
+
+/// What is known of an object besides where it is. Immutable: a new definition makes a new one.
+struct ObjectInfo {
+  ObjectId id = 0;
+  std::string name;
+  std::string scene;  // that it was loaded with; empty: added at run time
+  Filter filter;
+  bool moving = false;
+  wire_contract::LostPolicy lost_policy = wire_contract::LostPolicy::remove;
+  std::uint64_t publisher = 0;  // 0: the server's own
+  std::vector<Primitive> primitives;        // in the object's frame
+  std::shared_ptr<const IndexedMesh> mesh;  // in the object's frame; null for a part of a static scene
+  std::uint32_t scene_part = 0xffffffff;    // number of the part where the object is a run of static triangles
+  std::uint32_t part_triangles = 0;
+};
+
+/// One loaded file's static triangles with their index, in world coordinates.
+struct StaticScene {
+  std::string name;
+  TriangleMesh mesh;
+  BspTree tree;
+  std::vector<Part> parts;            // ordered by first_triangle, without gap
+  std::vector<ObjectId> part_objects; // one a part
+
+  std::uint32_t part_of(std::uint32_t triangle) const;
+  std::uint64_t bytes() const;
+};
+
+/// Every object by slot; a free slot is null. Immutable, replaced as a whole when a definition changes.
+using ObjectTable = std::vector<std::shared_ptr<const ObjectInfo>>;
+
+}  // namespace collided

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/world/snapshot.hpp"
+
+namespace collided {
+
+struct PlanRow {
+  std::string structure;
+  bool built = false;
+  std::string why;
+  std::string saves;
+};
+
+/// How a pair of kinds is decided, or that it is not offered.
+struct PairRow {
+  std::string a;
+  std::string b;
+  std::string how;
+};
+
+/// What this scene built and what it left out, with reasons.
+std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted);
+std::vector<PairRow> pair_table();
+
+}  // namespace collided

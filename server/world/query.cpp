@@ -1,0 +1,156 @@
+#include "server/world/query.hpp"
+
+#include <cmath>
+
+#include "server/world/question.hpp"
+
+namespace collided {
+namespace {
+
+using wire_contract::Answer;
+using wire_contract::QueryKind;
+using wire_contract::UndecidedReason;
+
+std::int64_t steady_now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+std::uint32_t numbers_of(QueryKind kind) {
+  switch (kind) {
+    case QueryKind::ray: return wire_contract::kRayNumbers;
+    case QueryKind::sphere: return wire_contract::kSphereNumbers;
+    case QueryKind::box: return wire_contract::kBoxNumbers;
+    case QueryKind::near: return wire_contract::kNearNumbers;
+    default: return 0;
+  }
+}
+
+/// Whether the numbers make a question: finite (a length may be infinite), a direction, sizes not negative, a unit
+/// quaternion. Written so that NaN fails.
+bool is_question(QueryKind kind, const double* n) {
+  const auto finite = [&](int from, int to) {
+    return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
+  };
+  switch (kind) {
+    case QueryKind::ray:
+      return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
+    case QueryKind::sphere:
+      return finite(0, 4) && n[3] >= 0;
+    case QueryKind::box: {
+      const double norm = std::sqrt(n[6] * n[6] + n[7] * n[7] + n[8] * n[8] + n[9] * n[9]);
+      return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && std::abs(norm - 1) <= 1e-6;
+    }
+    case QueryKind::near:
+      return finite(0, 3) && n[3] >= 0;
+    default:
+      return false;
+  }
+}
+
+/// Which objects may answer: layers and name patterns, worked out once for a table and a filter, not for each question.
+void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
+  const ObjectTable* table = snapshot.objects.get();
+  if (scratch.allowed_table == table && scratch.allowed_version == snapshot.table_version &&
+      scratch.allowed_mask == asked.mask && scratch.allowed_only == asked.only && scratch.allowed_skip == asked.skip) {
+    return;
+  }
+  scratch.allowed.assign(table->size(), 0);
+  for (std::size_t slot = 0; slot < table->size(); ++slot) {
+    const ObjectInfo* info = (*table)[slot].get();
+    if (info == nullptr || (info->filter.layers & asked.mask) == 0) continue;
+    if (!asked.only.empty() && !glob_matches(asked.only, info->name)) continue;
+    if (!asked.skip.empty() && glob_matches(asked.skip, info->name)) continue;
+    scratch.allowed[slot] = 1;
+  }
+  scratch.allowed_table = table;
+  scratch.allowed_version = snapshot.table_version;
+  scratch.allowed_mask = asked.mask;
+  scratch.allowed_only = asked.only;
+  scratch.allowed_skip = asked.skip;
+}
+
+void ask(Question& question, const double* numbers) {
+  switch (question.asked.kind) {
+    case QueryKind::ray: return ask_ray(question, numbers);
+    case QueryKind::sphere: return ask_sphere(question, numbers);
+    case QueryKind::box: return ask_box(question, numbers);
+    case QueryKind::near: return ask_near(question, numbers);
+    default: return;
+  }
+}
+
+void push_plain(Answers& answers, Answer answer, UndecidedReason reason) {
+  answers.answers.push_back(answer);
+  answers.reasons.push_back(reason);
+  answers.levels.push_back(0);
+  answers.hit_counts.push_back(0);
+  answers.nodes.push_back(0);
+  answers.exact_tests.push_back(0);
+}
+
+/// A certain hit is a hit, however many others are in doubt; a miss needs every test to have said no.
+void push_answer(Answers& answers, const Question& question) {
+  UndecidedReason reason = UndecidedReason::none;
+  Answer answer = question.found.empty() ? Answer::miss : Answer::hit;
+  const bool counts_matter = question.asked.kind != QueryKind::ray || question.asked.mode == wire_contract::RayMode::all;
+  if (question.undecided && (answer == Answer::miss || counts_matter ||
+                             question.asked.mode == wire_contract::RayMode::closest)) {
+    reason = UndecidedReason::numeric;
+  } else if (question.truncated) {
+    reason = UndecidedReason::truncated;
+  }
+  if (reason != UndecidedReason::none) answer = Answer::undecided;
+  push_plain(answers, answer, reason);
+  answers.levels.back() = static_cast<std::uint8_t>(question.level);
+  answers.hit_counts.back() = static_cast<std::uint32_t>(question.found.size());
+  answers.nodes.back() = question.walk.nodes;
+  answers.exact_tests.back() = question.exact_tests;
+  answers.hits.insert(answers.hits.end(), question.found.begin(), question.found.end());
+}
+
+void note_age(Answers& answers, const Question& question) {
+  for (const AnswerHit& hit : question.found) {
+    const std::int64_t posed_ns = question.snapshot.posed_ns[slot_of(hit.object)];
+    if (posed_ns == 0) continue;
+    answers.oldest_pose_ns = answers.oldest_pose_ns < 0 ? posed_ns : std::min(answers.oldest_pose_ns, posed_ns);
+  }
+}
+
+}  // namespace
+
+void Answers::clear() {
+  answers.clear();
+  reasons.clear();
+  levels.clear();
+  hit_counts.clear();
+  nodes.clear();
+  exact_tests.clear();
+  hits.clear();
+  oldest_pose_ns = -1;
+}
+
+void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch) {
+  answers.clear();
+  const std::uint32_t stride = numbers_of(questions.kind);
+  if (stride == 0) return;
+  fill_allowed(snapshot, questions, scratch);
+  const std::size_t count = questions.numbers.size() / stride;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double* numbers = questions.numbers.data() + i * stride;
+    if (!is_question(questions.kind, numbers)) {
+      push_plain(answers, Answer::invalid, UndecidedReason::none);
+      continue;
+    }
+    if (questions.deadline_ns != 0 && steady_now_ns() > questions.deadline_ns) {
+      push_plain(answers, Answer::undecided, UndecidedReason::deadline);
+      continue;
+    }
+    Question question{.snapshot = snapshot, .asked = questions, .allowed = scratch.allowed, .found = scratch.found};
+    ask(question, numbers);
+    push_answer(answers, question);
+    note_age(answers, question);
+  }
+}
+
+}  // namespace collided

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+
+#include "server/exact_phase/verdict.hpp"
+#include "server/world/query.hpp"
+#include "server/world/scene_touch.hpp"
+
+namespace collided {
+
+/// One question at work: what it may see, and what it has met so far. The kinds of questions (ray_question,
+/// overlap_question, near_question) fill `found`, ordered, and set the rest.
+struct Question {
+  const Snapshot& snapshot;
+  const Questions& asked;
+  const std::vector<std::uint8_t>& allowed;  // by slot
+  std::vector<AnswerHit>& found;             // cleared by the kind
+  WalkCost walk = {};
+  Level level = Level::filter;
+  std::uint32_t exact_tests = 0;
+  bool undecided = false;
+  bool truncated = false;
+  bool timed_out = false;
+
+  bool allows(ObjectId id) const { return allowed[slot_of(id)] != 0; }
+  bool allows_part(const StaticScene& scene, std::uint32_t part) const { return allows(scene.part_objects[part]); }
+  const ObjectInfo& object(std::uint32_t slot) const { return *(*snapshot.objects)[slot]; }
+  Placed placed(std::uint32_t slot) const {
+    return {.info = &object(slot), .frame = &snapshot.frames[slot], .bounds = snapshot.bounds[slot]};
+  }
+  std::uint8_t flags_of(ObjectId id) const {
+    return snapshot.stale[slot_of(id)] != 0 ? std::uint8_t{wire_contract::kStale} : std::uint8_t{0};
+  }
+  void count(const Verdict& verdict) {
+    ++exact_tests;
+    level = std::max(level, verdict.level);
+    if (verdict.decision == Decision::undecided) undecided = true;
+  }
+};
+
+/// Numbers as in Query.numbers; they have been checked.
+void ask_ray(Question& question, const double* numbers);
+void ask_sphere(Question& question, const double* numbers);
+void ask_box(Question& question, const double* numbers);
+void ask_near(Question& question, const double* numbers);
+
+/// Order of hits along a ray and of near objects: (distance, object, triangle).
+inline bool nearer_first(const AnswerHit& a, const AnswerHit& b) {
+  if (a.distance_m != b.distance_m) return a.distance_m < b.distance_m;
+  return a.object != b.object ? a.object < b.object : a.triangle < b.triangle;
+}
+
+}  // namespace collided

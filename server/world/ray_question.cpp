@@ -1,0 +1,177 @@
+#include <cmath>
+#include <type_traits>
+
+#include "server/exact_phase/ray_cast.hpp"
+#include "server/world/question.hpp"
+
+namespace collided {
+namespace {
+
+using wire_contract::RayMode;
+
+/// A ray on its way through the world. Scenes and movers share the limit, so that a near hit in one saves work in the
+/// others. Distances along the ray are s * |direction|; the walks want s.
+struct RayWalk {
+  Question& question;
+  Ray ray;
+  double direction_m = 0;  // |direction|, rounded to nearest
+  double limit = 0;        // in s, never below the best hit
+  Triangle best_triangle = {};
+  bool best_is_triangle = false;
+
+  double rounded_up(double distance_m) const { return distance_m / direction_m * (1 + 0x1p-50); }
+  bool closest() const { return question.asked.mode == RayMode::closest; }
+  bool over() const { return limit < 0; }
+
+  template <class Part>
+  void test(const Part& part, ObjectId object, std::uint32_t triangle);
+  void keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners);
+  bool is_nearer(const AnswerHit& hit, const Triangle* corners) const;
+  void walk_scene(const StaticScene& scene);
+  void walk_object(std::uint32_t slot);
+  void walk_mesh(const IndexedMesh& mesh, const Frame& frame, ObjectId object);
+};
+
+template <class Part>
+void RayWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
+  RayHit hit;
+  const Verdict verdict = cast_ray(ray, part, hit);
+  question.count(verdict);
+  if (!verdict.yes()) return;
+  if constexpr (std::is_same_v<Part, Triangle>) {
+    keep(hit, object, triangle, &part);
+  } else {
+    keep(hit, object, triangle, nullptr);
+  }
+}
+
+/// Intervals that do not meet decide; else two triangles are compared exactly; ties go to the lower object, triangle.
+bool RayWalk::is_nearer(const AnswerHit& hit, const Triangle* corners) const {
+  const AnswerHit& best = question.found.front();
+  if (hit.distance_m + hit.error_m < best.distance_m - best.error_m) return true;
+  if (best.distance_m + best.error_m < hit.distance_m - hit.error_m) return false;
+  if (corners != nullptr && best_is_triangle) {
+    const int order = compare_hits(ray, *corners, best_triangle);
+    if (order != 0) return order < 0;
+  } else if (hit.distance_m != best.distance_m) {
+    return hit.distance_m < best.distance_m;
+  }
+  return hit.object != best.object ? hit.object < best.object : hit.triangle < best.triangle;
+}
+
+void RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) {
+  const AnswerHit kept{.object = object,
+                       .triangle = triangle,
+                       .flags = static_cast<std::uint8_t>(question.flags_of(object) |
+                                                          (hit.inside ? wire_contract::kInside : 0)),
+                       .distance_m = hit.distance_m,
+                       .error_m = hit.distance_error_m,
+                       .exit_m = hit.exit_m,
+                       .point = hit.point,
+                       .normal = hit.normal,
+                       .weights = hit.weights};
+  if (!closest()) {
+    question.found.push_back(kept);
+    if (question.asked.mode == RayMode::any) limit = -1;
+    return;
+  }
+  if (!question.found.empty() && !is_nearer(kept, corners)) return;
+  question.found.assign(1, kept);
+  best_is_triangle = corners != nullptr;
+  if (best_is_triangle) best_triangle = *corners;
+  const double reach = rounded_up(kept.distance_m + kept.error_m);
+  if (reach < limit) limit = reach;
+}
+
+void RayWalk::walk_scene(const StaticScene& scene) {
+  struct Context {
+    RayWalk& walk;
+    const StaticScene& scene;
+  } context{*this, scene};
+  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
+    Context& c = *static_cast<Context*>(raw);
+    const std::uint32_t part = c.scene.part_of(triangle);
+    const ObjectId object = c.scene.part_objects[part];
+    if (c.walk.question.allows(object)) {
+      c.walk.test(c.scene.mesh.triangle(triangle), object, triangle - c.scene.parts[part].first_triangle);
+    }
+    return c.walk.limit;
+  };
+  scene.tree.walk_ray(ray, limit, 0, candidate, &context, question.walk);
+}
+
+void RayWalk::walk_mesh(const IndexedMesh& mesh, const Frame& frame, ObjectId object) {
+  struct Context {
+    RayWalk& walk;
+    const IndexedMesh& mesh;
+    const Frame& frame;
+    ObjectId object;
+  } context{*this, mesh, frame, object};
+  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
+    Context& c = *static_cast<Context*>(raw);
+    c.walk.test(place(c.frame, c.mesh.mesh->triangle(triangle)), c.object, triangle);
+    return c.walk.limit;
+  };
+  const Vec3 away = ray.origin - frame.position;
+  const Ray local{.origin = frame.rotation.transpose() * away, .direction = frame.rotation.transpose() * ray.direction};
+  const double slack_m = placement_slack(frame, away.lpNorm<1>() + ray.origin.lpNorm<1>(), mesh.radius_m);
+  // Only a finite view of the ray can be walked; beyond it every triangle is a candidate.
+  if (local.origin.allFinite() && local.direction.allFinite() && std::isfinite(slack_m)) {
+    // The limit is in s, which turning keeps up to the rounding of the matrix.
+    mesh.tree.walk_ray(local, limit * (1 + 0x1p-48), slack_m, candidate, &context, question.walk);
+    return;
+  }
+  for (std::uint32_t t = 0; t < mesh.mesh->triangles.size() && !over(); ++t) candidate(&context, t, limit);
+}
+
+void RayWalk::walk_object(std::uint32_t slot) {
+  const ObjectInfo& info = question.object(slot);
+  if (!question.allows(info.id)) return;
+  const Frame& frame = question.snapshot.frames[slot];
+  for (const Primitive& primitive : info.primitives) {
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); }, primitive);
+    if (over()) return;
+  }
+  if (info.mesh) walk_mesh(*info.mesh, frame, info.id);
+}
+
+/// Several hits: ordered, each triangle once (a clipped split may offer it twice), cut at the limit asked for.
+void finish_all(Question& question) {
+  std::vector<AnswerHit>& found = question.found;
+  std::sort(found.begin(), found.end(), nearer_first);
+  const auto same = [](const AnswerHit& a, const AnswerHit& b) {
+    return a.object == b.object && a.triangle == b.triangle && a.distance_m == b.distance_m &&
+           a.triangle != wire_contract::kNoTriangle;
+  };
+  found.erase(std::unique(found.begin(), found.end(), same), found.end());
+  if (found.size() > question.asked.max_hits) {
+    found.resize(question.asked.max_hits);
+    question.truncated = true;
+  }
+}
+
+}  // namespace
+
+void ask_ray(Question& question, const double* n) {
+  question.found.clear();
+  RayWalk walk{.question = question,
+               .ray = {.origin = {n[0], n[1], n[2]}, .direction = {n[3], n[4], n[5]}, .length_m = n[6]}};
+  walk.direction_m = walk.ray.direction.stableNorm();
+  walk.limit = walk.rounded_up(n[6]);
+  // A length over a denormal direction may overflow: then there is no limit.
+  if (!std::isfinite(walk.limit)) walk.limit = std::numeric_limits<double>::infinity();
+  for (const auto& scene : question.snapshot.scenes) {
+    if (!walk.over()) walk.walk_scene(*scene);
+  }
+  if (!walk.over() && question.snapshot.grid && question.snapshot.grid->size() > 0) {
+    const auto candidate = [](void* raw, std::uint32_t slot, double) {
+      RayWalk& w = *static_cast<RayWalk*>(raw);
+      w.walk_object(slot);
+      return w.limit;
+    };
+    question.snapshot.grid->walk_ray(walk.ray, walk.limit, candidate, &walk, question.walk);
+  }
+  if (question.asked.mode == RayMode::all) finish_all(question);
+}
+
+}  // namespace collided

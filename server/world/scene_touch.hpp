@@ -1,0 +1,59 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "server/world/touch.hpp"
+
+namespace collided {
+
+/// One part of a static scene that was touched, or may have been (touch.undecided).
+struct PartTouch {
+  std::uint32_t part = 0;
+  Touch touch;
+};
+
+/// The touched parts of a scene, in the order of first candidate.
+class PartTouches {
+ public:
+  explicit PartTouches(bool contacts_wanted) : wanted_(contacts_wanted) {}
+
+  void clear(bool contacts_wanted) {
+    wanted_ = contacts_wanted;
+    list_.clear();
+  }
+  Touch& of(std::uint32_t part) {
+    // Neighbouring triangles are of the same part, so the last one asked for is mostly right.
+    if (!list_.empty() && list_.back().part == part) return list_.back().touch;
+    const auto found = std::find_if(list_.begin(), list_.end(), [&](const PartTouch& t) { return t.part == part; });
+    if (found != list_.end()) return found->touch;
+    list_.push_back({.part = part, .touch = {}});
+    list_.back().touch.wanted = wanted_;
+    return list_.back().touch;
+  }
+  const std::vector<PartTouch>& list() const { return list_; }
+  std::vector<PartTouch>& list() { return list_; }
+
+ private:
+  bool wanted_;
+  std::vector<PartTouch> list_;
+};
+
+/// Calls visit(triangle, part, corners) for each static triangle near the box whose part is allowed.
+/// allowed(part) -> bool; visit -> bool, false ends the walk.
+template <class Allowed, class Visit>
+void visit_scene(const StaticScene& scene, const Aabb& near, WalkCost& cost, Allowed&& allowed, Visit&& visit) {
+  struct Context {
+    const StaticScene& scene;
+    Allowed& allowed;
+    Visit& visit;
+  } context{scene, allowed, visit};
+  const auto candidate = [](void* raw, std::uint32_t triangle) {
+    Context& c = *static_cast<Context*>(raw);
+    const std::uint32_t part = c.scene.part_of(triangle);
+    return !c.allowed(part) || c.visit(triangle, part, c.scene.mesh.triangle(triangle));
+  };
+  scene.tree.walk_box(near, candidate, &context, cost);
+}
+
+}  // namespace collided

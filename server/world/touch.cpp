@@ -1,0 +1,129 @@
+#include "server/world/touch.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace collided {
+namespace {
+
+/// Roundings between a mesh point in its own frame and the same point placed and seen back, in units of 2^-53 of the
+/// largest length met. Placing: three products, three sums, and a matrix that is orthonormal to 6 roundings a row;
+/// seeing back: one difference and the same again. Twice the sum (26) is taken.
+/// At zero, MovingMesh.FarFromOriginIsStillFound fails.
+constexpr double kPlacementRoundoffs = 52;
+constexpr double kRoundoff = 0x1p-53;
+
+/// The triangles of a mesh, in its frame, near a box in world coordinates.
+template <class Visit>
+void near_triangles(const IndexedMesh& mesh, const Frame& frame, const Aabb& world, WalkCost& cost, Visit&& visit) {
+  const auto candidate = [](void* context, std::uint32_t triangle) {
+    return (*static_cast<std::remove_reference_t<Visit>*>(context))(triangle);
+  };
+  mesh.tree.walk_box(seen_from(frame, world, mesh.radius_m), candidate, &visit, cost);
+}
+
+Contact flipped(Contact contact) {
+  contact.normal = -contact.normal;
+  return contact;
+}
+
+void touch_mesh(const Primitive& a, const IndexedMesh& mesh, const Frame& frame, Touch& touch, WalkCost& cost) {
+  near_triangles(mesh, frame, bounds(a), cost, [&](std::uint32_t triangle) {
+    touch_parts(a, wire_contract::kNoTriangle, place(frame, mesh.mesh->triangle(triangle)), triangle, touch);
+    return !touch.done();
+  });
+}
+
+void touch_meshes(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  const IndexedMesh& mesh_a = *a.info->mesh;
+  const IndexedMesh& mesh_b = *b.info->mesh;
+  near_triangles(mesh_a, *a.frame, b.bounds, cost, [&](std::uint32_t triangle_a) {
+    const Triangle placed_a = place(*a.frame, mesh_a.mesh->triangle(triangle_a));
+    near_triangles(mesh_b, *b.frame, bounds(placed_a), cost, [&](std::uint32_t triangle_b) {
+      touch_parts(placed_a, triangle_a, place(*b.frame, mesh_b.mesh->triangle(triangle_b)), triangle_b, touch);
+      return !touch.done();
+    });
+    return !touch.done();
+  });
+}
+
+/// a's mesh against b's primitives: the exact phase has the primitive first, so the contact is turned round.
+void touch_mesh_primitives(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  for (const Primitive& primitive : b.info->primitives) {
+    Touch turned;
+    turned.wanted = touch.wanted;
+    touch_mesh(place(*b.frame, primitive), *a.info->mesh, *a.frame, turned, cost);
+    touch.exact_tests += turned.exact_tests;
+    touch.level = std::max(touch.level, turned.level);
+    touch.undecided = touch.undecided || turned.undecided;
+    if (!turned.yes) continue;
+    const Contact contact = flipped(turned.contact);
+    if (touch.wanted && deeper(contact, turned.b_triangle, wire_contract::kNoTriangle, touch)) {
+      touch.contact = contact;
+      touch.a_triangle = turned.b_triangle;
+      touch.b_triangle = wire_contract::kNoTriangle;
+    }
+    touch.yes = true;
+    if (touch.done()) return;
+  }
+}
+
+}  // namespace
+
+double placement_slack(const Frame& frame, double distance_m, double reach_m) {
+  const double largest_m = frame.position.lpNorm<1>() + distance_m + 2 * reach_m;
+  return kPlacementRoundoffs * kRoundoff * largest_m + std::numeric_limits<double>::min();
+}
+
+Aabb bounds_of(const ObjectInfo& info, const Frame& frame) {
+  Aabb all;
+  for (const Primitive& primitive : info.primitives) all.extend(bounds(place(frame, primitive)));
+  if (!info.mesh || info.mesh->mesh->triangles.empty()) return all;
+  const Aabb& own = info.mesh->tree.bounds();
+  const Vec3 center = 0.5 * own.low + 0.5 * own.high;
+  const Vec3 half = (own.high - center).cwiseMax(center - own.low);
+  const Vec3 slack = Vec3::Constant(placement_slack(frame, center.lpNorm<1>() + half.lpNorm<1>(), info.mesh->radius_m));
+  const Vec3 placed_center = place(frame, center);
+  const Vec3 placed_half = frame.rotation.cwiseAbs() * half + slack;
+  all.extend(Aabb{.low = placed_center - placed_half, .high = placed_center + placed_half});
+  return all;
+}
+
+Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
+  // Halves first: the sum of two finite corners may overflow.
+  const Vec3 center = 0.5 * world.low + 0.5 * world.high;
+  const Vec3 half = (world.high - center).cwiseMax(center - world.low);
+  const Vec3 away = center - frame.position;
+  const Mat3 back = frame.rotation.transpose();
+  const Vec3 local = back * away;
+  const double slack_m = placement_slack(frame, away.lpNorm<1>() + center.lpNorm<1>() + half.lpNorm<1>(), reach_m);
+  const Vec3 local_half = back.cwiseAbs() * half + Vec3::Constant(slack_m);
+  Aabb seen{.low = local - local_half, .high = local + local_half};
+  // Overflow on the way: nothing is known of where it lies, so everything is a candidate.
+  if (!seen.low.allFinite() || !seen.high.allFinite()) {
+    seen.low.setConstant(-std::numeric_limits<double>::infinity());
+    seen.high.setConstant(std::numeric_limits<double>::infinity());
+  }
+  return seen;
+}
+
+void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  for (const Primitive& primitive : b.info->primitives) {
+    touch_parts(a, wire_contract::kNoTriangle, place(*b.frame, primitive), wire_contract::kNoTriangle, touch);
+    if (touch.done()) return;
+  }
+  if (b.info->mesh) touch_mesh(a, *b.info->mesh, *b.frame, touch, cost);
+}
+
+void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  for (const Primitive& primitive : a.info->primitives) {
+    touch_object(place(*a.frame, primitive), b, touch, cost);
+    if (touch.done()) return;
+  }
+  if (!a.info->mesh) return;
+  touch_mesh_primitives(a, b, touch, cost);
+  if (!touch.done() && b.info->mesh) touch_meshes(a, b, touch, cost);
+}
+
+}  // namespace collided

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "idl/topics.hpp"
+#include "server/exact_phase/contact.hpp"
+#include "server/exact_phase/overlap.hpp"
+#include "server/geometry/aabb.hpp"
+#include "server/geometry/pose.hpp"
+#include "server/world/object.hpp"
+
+namespace collided {
+
+/// An object at its pose.
+struct Placed {
+  const ObjectInfo* info = nullptr;
+  const Frame* frame = nullptr;
+  Aabb bounds;
+};
+
+/// What testing two objects part by part has found so far. A part is a primitive or a triangle. The contact is that of
+/// the deepest pair of parts (ties: lowest triangles), so it does not hang on the order of testing.
+struct Touch {
+  bool wanted = true;  // contacts are computed, and all pairs of parts looked at; else the first yes ends the search
+  bool yes = false;
+  bool undecided = false;
+  Level level = Level::filter;
+  std::uint32_t exact_tests = 0;
+  std::uint32_t a_triangle = wire_contract::kNoTriangle;
+  std::uint32_t b_triangle = wire_contract::kNoTriangle;
+  Contact contact;
+
+  bool done() const { return yes && !wanted; }
+};
+
+
+/// Two parts in world coordinates; a triangle names itself, a primitive is kNoTriangle.
+template <class A, class B>
+void touch_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, Touch& touch);
+
+/// A primitive in world coordinates against an object.
+void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost);
+
+/// Two objects, a's contact normal towards b.
+void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost);
+
+/// Contains every point of the object at the frame.
+Aabb bounds_of(const ObjectInfo& info, const Frame& frame);
+
+/// A box around everything that `world` may hold, seen from the frame: generous by the rounding of placing points.
+/// reach_m: how far from the frame's origin the local things are.
+Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m);
+
+/// Rounding of placing and of seeing from a frame, metres: what local bounds must grow by so that no placed point is
+/// lost (derivation at kPlacementRoundoffs).
+double placement_slack(const Frame& frame, double distance_m, double reach_m);
+
+/// Whether this contact names the pair of parts better than the one that `best` holds.
+inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32_t b_triangle, const Touch& best) {
+  if (!best.yes || contact.depth_m != best.contact.depth_m) return !best.yes || contact.depth_m > best.contact.depth_m;
+  return a_triangle != best.a_triangle ? a_triangle < best.a_triangle : b_triangle < best.b_triangle;
+}
+
+template <class A, class B>
+void touch_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, Touch& touch) {
+  const Verdict verdict = overlaps(a, b);
+  ++touch.exact_tests;
+  touch.level = std::max(touch.level, verdict.level);
+  if (verdict.decision == Decision::undecided) touch.undecided = true;
+  if (!verdict.yes()) return;
+  if (touch.wanted) {
+    const Contact found = contact(a, b);
+    if (deeper(found, a_triangle, b_triangle, touch)) {
+      touch.contact = found;
+      touch.a_triangle = a_triangle;
+      touch.b_triangle = b_triangle;
+    }
+  }
+  touch.yes = true;
+}
+
+}  // namespace collided

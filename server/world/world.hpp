@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+#include "server/intake/scene.hpp"
+#include "server/world/events.hpp"
+#include "server/world/object.hpp"
+#include "server/world/snapshot.hpp"
+
+namespace collided {
+
+struct WorldOptions {
+  std::uint64_t epoch = 1;
+  std::uint32_t max_objects = 100'000;  // static parts and moving objects together
+  double sweep_width = 1e-9;            // of the bracket of a first contact, as a fraction of the step
+};
+
+struct ObjectDefinition {
+  std::string name;
+  std::string scene;
+  Shape shape;
+  Pose pose;
+  Filter filter;
+  bool moving = true;
+  wire_contract::LostPolicy lost_policy = wire_contract::LostPolicy::remove;
+  std::uint64_t publisher = 0;
+};
+
+/// Why something was refused, as a sentence for the user.
+struct Refusal {
+  std::string reason;
+};
+
+/// How long the stages of a step took and what they met.
+struct StepCost {
+  std::uint32_t moved = 0;
+  std::uint32_t candidate_pairs = 0;
+  std::uint32_t exact_tests = 0;
+  std::uint32_t undecided = 0;
+  std::uint32_t swept = 0;
+  std::int64_t update_ns = 0;
+  std::int64_t broad_ns = 0;
+  std::int64_t exact_ns = 0;
+};
+
+/// What the subscribers want; what nobody wants is not computed.
+struct StepWishes {
+  bool contacts = true;    // points, normals, depths
+  bool persisted = false;  // an event for each contact that goes on and whose objects moved
+};
+
+/// The state of the world and the one way to change it. One thread writes (everything but newest()); any thread reads
+/// snapshots. Changes collect until step(), which finds what began and ended and publishes the next snapshot.
+class World {
+ public:
+  struct State;  // world_state.hpp: the writer's own memory
+
+  explicit World(const WorldOptions& options);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Takes the triangles out of a loaded scene and indexes them (slow: call it on a loading thread); add_scene makes
+  /// them part of the world.
+  static std::shared_ptr<StaticScene> index_scene(Scene& scene, const BspOptions& options);
+  /// Static triangles and the scene's objects. All or nothing: a clash of names refuses the scene.
+  std::variant<std::uint32_t, Refusal> add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed);
+  /// Number of objects removed; their contacts end with geometry_changed.
+  std::uint32_t remove_scene(std::string_view name);
+
+  std::variant<ObjectId, Refusal> define(const ObjectDefinition& definition);
+  /// The object's contacts end with the reason at the next step. False: no such object.
+  bool remove(ObjectId id, wire_contract::EndReason reason);
+  /// The pose must be finite with a unit quaternion (the border has checked and normalised). One pose an object and
+  /// step: has_moved() tells that a step must come first. False: no such object.
+  bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport);
+  bool has_moved(ObjectId id) const;
+  void set_stale(ObjectId id, bool stale);
+
+  /// The collision step (collision_step.cpp): all changes since the last become events and a new snapshot. batches:
+  /// how many applied batches this step stands for (the version grows by it). Events are valid until the next call.
+  /// Does nothing and returns false while readers hold every free snapshot; the changes stay for the next call.
+  bool step(std::int64_t world_time_ns, std::uint64_t batches, const StepWishes& wishes);
+  const std::vector<Event>& events() const;
+  const StepCost& cost() const;
+  const std::vector<OpenContact>& contacts() const;  // those that hold, in no order
+  std::uint64_t last_event_sequence() const;
+
+  std::optional<ObjectId> find(std::string_view name) const;
+  const ObjectInfo* info(ObjectId id) const;
+  const ObjectTable& objects() const;
+
+  /// Any thread.
+  SnapshotRing::Lease newest() const;
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace collided

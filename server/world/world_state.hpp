@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "server/world/contact_ledger.hpp"
+#include "server/world/scene_touch.hpp"
+#include "server/world/world.hpp"
+
+namespace collided {
+
+/// How an object came to where it is since the last step.
+enum class Motion : std::uint8_t { none, moved, placed };  // placed: new or teleported, so there is no way between
+
+/// In posed_ns: the pose came with the definition and takes the time of the step that shows it first.
+inline constexpr std::int64_t kPosedAtStep = -1;
+
+/// What the writer keeps; the snapshots are copies of the first group. By slot unless said otherwise.
+struct World::State {
+  WorldOptions options;
+  SnapshotRing ring;
+
+  std::vector<std::shared_ptr<const StaticScene>> scenes;  // in order of loading
+  std::shared_ptr<ObjectTable> objects;                    // replaced when a definition changes
+  std::vector<Pose> poses;
+  std::vector<Frame> frames;
+  std::vector<Aabb> bounds;
+  std::vector<std::int64_t> posed_ns;
+  std::vector<std::uint8_t> stale;
+  std::uint32_t stale_count = 0;
+  std::vector<std::uint64_t> changed;  // step of the last change
+
+  std::uint64_t table_version = 0;
+  bool objects_shared = false;  // a snapshot holds the table: copy before the next change
+  std::vector<std::uint32_t> generations;
+  std::vector<std::uint32_t> free_slots;
+  std::vector<std::uint32_t> freed_this_step;  // free only after the step that ended their contacts
+  std::unordered_map<std::string, ObjectId> names;
+  std::unordered_map<const TriangleMesh*, std::weak_ptr<const IndexedMesh>> meshes;
+
+  std::vector<Motion> motion;
+  std::vector<Frame> frames_before;
+  std::vector<std::int64_t> posed_before_ns;
+  std::vector<std::uint32_t> moved_slots;
+  std::vector<std::pair<ObjectId, wire_contract::EndReason>> removed;
+  std::uint64_t version = 0;
+  std::uint64_t step_count = 0;
+  std::int64_t last_step_ns = 0;
+
+  ContactLedger ledger;
+  StepCost cost;
+  PartTouches part_touches{true};
+  std::vector<Aabb> swept_bounds;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+
+  ObjectTable& table();  // for changing
+  const ObjectInfo* info(ObjectId id) const;
+  void mark(std::uint32_t slot, Motion how);
+  ObjectId take_slot();
+};
+
+}  // namespace collided

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Fails on an include that runs against the arrows:
+#   geometry <- intake, broad_phase, exact_phase <- world <- service <- main;  client -> idl, never server.
+# usage: check.sh REPOSITORY_ROOT
+set -euo pipefail
+cd "${1:?repository root}"
+
+declare -A may=(
+  [server/geometry]="server/geometry"
+  [server/intake]="server/intake server/geometry idl"
+  [server/broad_phase]="server/broad_phase server/geometry"
+  [server/exact_phase]="server/exact_phase server/geometry"
+  [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry idl"
+  [server/service]="server/service server/world server/exact_phase server/broad_phase server/intake server/geometry idl"
+  [client]="client collided idl"
+  [idl]="idl"
+)
+violations=0
+files=0
+for room in "${!may[@]}"; do
+  while IFS=: read -r file _ include; do
+    target=$(sed -E 's/^ *#include "([^"]+)".*/\1/' <<<"$include")
+    allowed=no
+    for prefix in ${may[$room]}; do [[ $target == "$prefix"/* ]] && allowed=yes; done
+    if [[ $allowed == no ]]; then
+      echo "$file includes \"$target\": $room may include only: ${may[$room]}"
+      violations=$((violations + 1))
+    fi
+  done < <(grep -rnE '^ *#include "' "$room" --include='*.hpp' --include='*.cpp' || true)
+  files=$((files + $(find "$room" -name '*.hpp' -o -name '*.cpp' | wc -l)))
+done
+# One door a package.
+door() { # PATTERN ALLOWED_REGEX NAME
+  while IFS= read -r file; do
+    [[ $file =~ $2 ]] || { echo "$file includes $3 past its door"; violations=$((violations + 1)); }
+  done < <(grep -rlE "$1" server client idl --include='*.hpp' --include='*.cpp' || true)
+}
+door '#include [<"]fcl/' '^server/exact_phase/fcl_contact\.cpp$' FCL
+door '#include [<"]dds/' '^idl/dds' 'Cyclone DDS'
+door '#include [<"](flatbuffers/|idl/scene_generated)' '^(server/intake/scene_file|client/library/shape_encoding)\.cpp$' FlatBuffers
+door '#include <assimp/' '^server/intake/import/' Assimp
+echo "$files files, $violations includes against the arrows"
+[[ $files -gt 20 && $violations -eq 0 ]]

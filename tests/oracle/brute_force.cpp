@@ -1,0 +1,215 @@
+#include "tests/oracle/brute_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "server/exact_phase/closest.hpp"
+#include "server/exact_phase/contact.hpp"
+#include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/ray_cast.hpp"
+
+namespace collided::oracle {
+namespace {
+
+using wire_contract::Answer;
+using wire_contract::QueryKind;
+using wire_contract::RayMode;
+using wire_contract::UndecidedReason;
+
+bool may_answer(const Snapshot& snapshot, const Questions& questions, ObjectId id) {
+  return ((*snapshot.objects)[slot_of(id)]->filter.layers & questions.mask) != 0;
+}
+
+struct RayFound {
+  AnswerHit hit;
+  const Part* part;
+};
+
+bool earlier(const Ray& ray, const RayFound& a, const RayFound& b) {
+  const auto* ta = std::get_if<Triangle>(&a.part->shape);
+  const auto* tb = std::get_if<Triangle>(&b.part->shape);
+  const bool apart = a.hit.distance_m + a.hit.error_m < b.hit.distance_m - b.hit.error_m ||
+                     b.hit.distance_m + b.hit.error_m < a.hit.distance_m - a.hit.error_m;
+  if (!apart && ta != nullptr && tb != nullptr) {
+    const int order = compare_hits(ray, *ta, *tb);
+    if (order != 0) return order < 0;
+  } else if (a.hit.distance_m != b.hit.distance_m) {
+    return a.hit.distance_m < b.hit.distance_m;
+  }
+  return std::pair(a.hit.object, a.hit.triangle) < std::pair(b.hit.object, b.hit.triangle);
+}
+
+std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snapshot, const Questions& questions,
+                           const double* n) {
+  const Ray asked{.origin = {n[0], n[1], n[2]}, .direction = {n[3], n[4], n[5]}, .length_m = n[6]};
+  std::vector<RayFound> found;
+  for (const Part& part : parts) {
+    if (!may_answer(snapshot, questions, part.object)) continue;
+    RayHit hit;
+    const Verdict verdict = std::visit([&](const auto& shape) { return cast_ray(asked, shape, hit); }, part.shape);
+    if (!verdict.yes()) continue;
+    AnswerHit answer{.object = part.object, .triangle = part.triangle};
+    answer.flags = hit.inside ? wire_contract::kInside : 0;
+    answer.distance_m = hit.distance_m;
+    answer.error_m = hit.distance_error_m;
+    answer.exit_m = hit.exit_m;
+    answer.point = hit.point;
+    answer.normal = hit.normal;
+    answer.weights = hit.weights;
+    found.push_back({answer, &part});
+  }
+  std::vector<AnswerHit> hits;
+  if (questions.mode == RayMode::closest) {
+    const auto first = std::min_element(found.begin(), found.end(),
+                                        [&](const auto& a, const auto& b) { return earlier(asked, a, b); });
+    if (first != found.end()) hits.push_back(first->hit);
+    return hits;
+  }
+  for (const RayFound& f : found) hits.push_back(f.hit);
+  std::sort(hits.begin(), hits.end(), [](const AnswerHit& a, const AnswerHit& b) {
+    return std::tuple(a.distance_m, a.object, a.triangle) < std::tuple(b.distance_m, b.object, b.triangle);
+  });
+  return hits;
+}
+
+template <class Asked>
+std::vector<AnswerHit> overlap(const std::vector<Part>& parts, const Snapshot& snapshot, const Questions& questions,
+                               const Asked& asked) {
+  std::map<ObjectId, AnswerHit> deepest;
+  for (const Part& part : parts) {
+    if (!may_answer(snapshot, questions, part.object)) continue;
+    std::visit(
+        [&](const auto& shape) {
+          const Primitive primitive = asked;
+          using Shape = std::decay_t<decltype(shape)>;
+          Contact touched;
+          if constexpr (std::is_same_v<Shape, Triangle>) {
+            if (!overlaps(primitive, shape).yes()) return;
+            touched = contact(primitive, shape);
+          } else {
+            if (!overlaps(primitive, Primitive(shape)).yes()) return;
+            touched = contact(primitive, Primitive(shape));
+          }
+          AnswerHit hit{.object = part.object, .triangle = part.triangle};
+          hit.distance_m = touched.depth_m;
+          hit.error_m = touched.depth_error_m;
+          hit.point = touched.point;
+          hit.normal = touched.normal;
+          const auto [place, is_new] = deepest.emplace(part.object, hit);
+          const bool deeper = hit.distance_m > place->second.distance_m ||
+                              (hit.distance_m == place->second.distance_m && hit.triangle < place->second.triangle);
+          if (!is_new && deeper) place->second = hit;
+        },
+        part.shape);
+  }
+  std::vector<AnswerHit> hits;
+  for (const auto& [object, hit] : deepest) hits.push_back(hit);
+  std::stable_sort(hits.begin(), hits.end(),
+                   [](const AnswerHit& a, const AnswerHit& b) { return a.distance_m > b.distance_m; });
+  return hits;
+}
+
+std::vector<AnswerHit> near(const std::vector<Part>& parts, const Snapshot& snapshot, const Questions& questions,
+                            const double* n) {
+  std::map<ObjectId, AnswerHit> nearest;
+  const Vec3 point{n[0], n[1], n[2]};
+  for (const Part& part : parts) {
+    if (!may_answer(snapshot, questions, part.object)) continue;
+    const Closest found = std::visit([&](const auto& shape) { return closest(point, shape); }, part.shape);
+    const bool within = std::visit(
+        [&](const auto& shape) {
+          return std::isinf(n[3]) || overlaps(Sphere{.center = point, .radius_m = n[3]}, shape).yes();
+        },
+        part.shape);
+    if (!within) continue;
+    AnswerHit hit{.object = part.object, .triangle = part.triangle};
+    hit.distance_m = found.distance_m;
+    hit.error_m = found.distance_error_m;
+    hit.point = found.point;
+    hit.normal = found.normal;
+    const auto [place, is_new] = nearest.emplace(part.object, hit);
+    if (!is_new && std::pair(hit.distance_m, hit.triangle) < std::pair(place->second.distance_m, place->second.triangle)) {
+      place->second = hit;
+    }
+  }
+  std::vector<AnswerHit> hits;
+  for (const auto& [object, hit] : nearest) hits.push_back(hit);
+  std::stable_sort(hits.begin(), hits.end(),
+                   [](const AnswerHit& a, const AnswerHit& b) { return a.distance_m < b.distance_m; });
+  if (hits.size() > questions.max_hits) hits.resize(questions.max_hits);
+  return hits;
+}
+
+}  // namespace
+
+std::vector<Part> all_parts(const Snapshot& snapshot) {
+  std::vector<Part> parts;
+  for (const auto& scene : snapshot.scenes) {
+    for (std::uint32_t t = 0; t < scene->mesh.triangles.size(); ++t) {
+      std::uint32_t number = 0;
+      while (t >= scene->parts[number].first_triangle + scene->parts[number].triangle_count) ++number;
+      parts.push_back({scene->part_objects[number], t - scene->parts[number].first_triangle, scene->mesh.triangle(t)});
+    }
+  }
+  for (const auto& info : *snapshot.objects) {
+    if (!info) continue;
+    const Frame& frame = snapshot.frames[slot_of(info->id)];
+    for (const Primitive& primitive : info->primitives) {
+      std::visit(
+          [&](const auto& own) { parts.push_back({info->id, wire_contract::kNoTriangle, place(frame, own)}); }, primitive);
+    }
+    if (!info->mesh) continue;
+    for (std::uint32_t t = 0; t < info->mesh->mesh->triangles.size(); ++t) {
+      parts.push_back({info->id, t, place(frame, info->mesh->mesh->triangle(t))});
+    }
+  }
+  return parts;
+}
+
+void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers) {
+  answers.clear();
+  const std::vector<Part> parts = all_parts(snapshot);
+  const std::size_t stride = questions.kind == QueryKind::ray      ? wire_contract::kRayNumbers
+                             : questions.kind == QueryKind::sphere ? wire_contract::kSphereNumbers
+                             : questions.kind == QueryKind::box    ? wire_contract::kBoxNumbers
+                                                                   : wire_contract::kNearNumbers;
+  for (const double* n = questions.numbers.data(); n != questions.numbers.data() + questions.numbers.size(); n += stride) {
+    std::vector<AnswerHit> hits;
+    if (questions.kind == QueryKind::ray) {
+      hits = ray(parts, snapshot, questions, n);
+    } else if (questions.kind == QueryKind::sphere) {
+      hits = overlap(parts, snapshot, questions, Sphere{.center = {n[0], n[1], n[2]}, .radius_m = n[3]});
+    } else if (questions.kind == QueryKind::box) {
+      const Pose pose{.position = {n[0], n[1], n[2]}, .rotation = Quat(n[6], n[7], n[8], n[9])};
+      hits = overlap(parts, snapshot, questions,
+                     Box{.center = pose.position, .axes = frame_of(pose).rotation, .half_m = {n[3], n[4], n[5]}});
+    } else {
+      hits = near(parts, snapshot, questions, n);
+    }
+    answers.answers.push_back(hits.empty() ? Answer::miss : Answer::hit);
+    answers.reasons.push_back(UndecidedReason::none);
+    answers.hit_counts.push_back(static_cast<std::uint32_t>(hits.size()));
+    answers.hits.insert(answers.hits.end(), hits.begin(), hits.end());
+  }
+}
+
+std::set<std::pair<ObjectId, ObjectId>> touching_pairs(const Snapshot& snapshot) {
+  const std::vector<Part> parts = all_parts(snapshot);
+  std::set<std::pair<ObjectId, ObjectId>> pairs;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t j = i + 1; j < parts.size(); ++j) {
+      const ObjectId a = std::min(parts[i].object, parts[j].object);
+      const ObjectId b = std::max(parts[i].object, parts[j].object);
+      const ObjectInfo& info_a = *(*snapshot.objects)[slot_of(a)];
+      const ObjectInfo& info_b = *(*snapshot.objects)[slot_of(b)];
+      if (a == b || (!info_a.moving && !info_b.moving) || !may_meet(info_a.filter, info_b.filter)) continue;
+      const bool touching = std::visit([](const auto& x, const auto& y) { return overlaps(x, y).yes(); },
+                                       parts[i].shape, parts[j].shape);
+      if (touching) pairs.emplace(a, b);
+    }
+  }
+  return pairs;
+}
+
+}  // namespace collided::oracle

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "server/world/query.hpp"
+#include "server/world/snapshot.hpp"
+
+namespace collided::oracle {
+
+/// Every part of every object, in world coordinates: what the index is an index of.
+struct Part {
+  ObjectId object = 0;
+  std::uint32_t triangle = wire_contract::kNoTriangle;
+  std::variant<Sphere, Box, Capsule, Triangle> shape;
+};
+
+std::vector<Part> all_parts(const Snapshot& snapshot);
+
+/// The slow and sure twin of answer(): every part is tested, nothing is indexed, nothing is skipped.
+/// Filters: the mask only.
+void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers);
+
+/// The pairs of objects (lower id first) that touch now and may meet, at least one of them moving.
+std::set<std::pair<ObjectId, ObjectId>> touching_pairs(const Snapshot& snapshot);
+
+}  // namespace collided::oracle

@@ -1,0 +1,50 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/intake_loading.hpp"
+
+namespace collided {
+namespace {
+
+using test::complaint;
+using test::load;
+
+TEST(IntakeOff, CommentsColoursAndPolygonsAreRead) {
+  const std::string text =
+      "COFF # colours\n# counts next\n4 2 0\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n\n1 1 0.1 255 0 0 255\n"
+      "0 1 0.1 255 0 0 255\n3 0 1 2 0.5 0.5 0.5\n4 0 1 2 3\n";
+  const test::Loaded loaded = load("c.off", text);
+  EXPECT_EQ(loaded.scene.mesh.triangles.size(), 3u);
+  EXPECT_EQ(loaded.scene.mesh.vertices[2], Vec3(1, 1, 0.1));
+}
+
+TEST(IntakeOff, CountsMayShareTheFirstLineAndTheWordMayBeMissing) {
+  EXPECT_EQ(load("a.off", "OFF 3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").scene.mesh.triangles.size(), 1u);
+  EXPECT_EQ(load("b.off", "3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").scene.mesh.triangles.size(), 1u);
+}
+
+TEST(IntakeOff, FacesOfTwoCornersAreLeftOutAndTold) {
+  const std::string text = "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n";
+  const test::Loaded loaded = load("e.off", text);
+  ASSERT_EQ(loaded.report.refused.size(), 1u);
+  EXPECT_EQ(complaint("e.off", text, {.strict = true}),
+            "e.off: line 7: face of 2 corners, at least 3 are needed. Nothing was loaded.");
+}
+
+TEST(IntakeOff, ComplaintsNameThePlace) {
+  EXPECT_EQ(complaint("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+            "a.off: line 6: vertex number 3, allowed 0 to 2. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.off", "OFF\n1000000000 1 0\n"),
+            "a.off: line 2: vertex count 1000000000, the file has room for 4. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n"),
+            "a.off: line 5: the file ends after 2 of 3 vertices. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n999999999999 0 1 2\n"),
+            "a.off: line 6: vertex number is missing. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.off", "4OFF\n1 1 0\n").substr(0, 22), "a.off: line 1: '4OFF' ");
+  EXPECT_EQ(complaint("a.off", "OFF BINARY\n"),
+            "a.off: line 1: binary OFF is not read; write it as text. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.off", "OFF\n-1 1 0\n"),
+            "a.off: line 2: vertex count -1, the file has room for 2. Nothing was loaded.");
+}
+
+}  // namespace
+}  // namespace collided
