@@ -47,4 +47,9 @@ inline constexpr double kRefineDirection = 0x1p-36;
 /// At zero, ExactContact.DepthBoundsHoldOnRandomPairs fails.
 inline constexpr double kWitnessError = 32 * kRoundoff;
 
+/// Slack of the half-spaces that look for a point of both sets, relative to their extent: 64 roundings, so that the
+/// only common point of two sets that touch is not lost. It places a contact point and decides nothing. No unit.
+/// At zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
+inline constexpr double kClipSlack = 0x1p-46;
+
 }  // namespace collided
