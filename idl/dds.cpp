@@ -134,7 +134,7 @@ std::string domain_config(const ParticipantOptions& options) {
          "<ExternalDomainId>" + std::to_string(options.domain) + "</ExternalDomainId>" +
          "<ParticipantIndex>" + index + "</ParticipantIndex><MaxAutoParticipantIndex>" +
          std::to_string(wire_contract::kMaxParticipantIndex) + "</MaxAutoParticipantIndex>" + peers_config(options) +
-         "<SPDPInterval>2s</SPDPInterval><LeaseDuration>10s</LeaseDuration></Discovery><Internal>"
+         "<SPDPInterval>1s</SPDPInterval><LeaseDuration>10s</LeaseDuration></Discovery><Internal>"
          // A sample is put together in memory before anybody can refuse it, so its size is limited here.
          "<MaxSampleSize>" + std::to_string(wire_contract::kMaxMessageBytes) + "B</MaxSampleSize>"
          // max only asks; min would stop the start on a machine with small limits.
@@ -188,7 +188,7 @@ void Participant::set_deaf_mute(bool deaf, bool mute, std::int64_t nanoseconds) 
 
 TopicBase::TopicBase(const Participant& participant, std::string_view name_space, const TopicQos& row,
                      const dds_topic_descriptor_t* descriptor)
-    : participant_(participant.get()), name_(wire_contract::topic_name(name_space, row)) {
+    : participant_(participant.get()), name_(wire_contract::topic_name(name_space, row)), row_(row) {
   topic_ = Entity(check(dds_create_topic(participant_, descriptor, name_.c_str(), nullptr, nullptr),
                         name_ + ": create topic"));
 }
@@ -259,6 +259,16 @@ std::uint32_t ReaderBase::matched_writers() const {
   dds_subscription_matched_status_t status;
   check(dds_get_subscription_matched_status(get(), &status), "matched writers");
   return status.current_count;
+}
+
+std::vector<dds_instance_handle_t> ReaderBase::matched_writer_handles() const {
+  std::vector<dds_instance_handle_t> handles(16);
+  while (true) {
+    const dds_return_t count = check(dds_get_matched_publications(get(), handles.data(), handles.size()), "matched writers");
+    const bool all = static_cast<std::size_t>(count) <= handles.size();
+    handles.resize(static_cast<std::size_t>(count));
+    if (all) return handles;
+  }
 }
 
 WaitSet::WaitSet(const Participant& participant)

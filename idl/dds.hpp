@@ -102,7 +102,9 @@ class Sample {
  public:
   Sample() { std::memset(&value_, 0, sizeof value_); }
   ~Sample() { dds_sample_free(&value_, WireType<T>::descriptor, DDS_FREE_CONTENTS); }
-  Sample(Sample&& other) noexcept : value_(other.value_) { std::memset(&other.value_, 0, sizeof value_); }
+  Sample(Sample&& other) noexcept : value_(other.value_), info_(other.info_) {
+    std::memset(&other.value_, 0, sizeof value_);
+  }
   Sample& operator=(Sample&& other) noexcept {
     std::swap(value_, other.value_);
     std::swap(info_, other.info_);
@@ -217,6 +219,7 @@ class TopicBase {
   dds_entity_t get() const { return topic_.get(); }
   dds_entity_t participant() const { return participant_; }
   const std::string& name() const { return name_; }
+  const wire_contract::TopicQos& row() const { return row_; }
 
  protected:
   TopicBase(const Participant& participant, std::string_view name_space, const wire_contract::TopicQos& row,
@@ -225,6 +228,7 @@ class TopicBase {
  private:
   dds_entity_t participant_;
   std::string name_;
+  const wire_contract::TopicQos& row_;
   Entity topic_;
 };
 
@@ -232,8 +236,10 @@ class TopicBase {
 template <class T>
 class Topic : public TopicBase {
  public:
-  Topic(const Participant& participant, std::string_view name_space)
-      : TopicBase(participant, name_space, WireType<T>::row, WireType<T>::descriptor) {}
+  /// row  of topics.hpp, where a type travels on more than one topic
+  Topic(const Participant& participant, std::string_view name_space,
+        const wire_contract::TopicQos& row = WireType<T>::row)
+      : TopicBase(participant, name_space, row, WireType<T>::descriptor) {}
 };
 
 /// Liveliness of the writers that a reader meets.
@@ -288,7 +294,7 @@ template <class T>
 class Writer : public WriterBase {
  public:
   explicit Writer(const Topic<T>& topic, WriterOptions options = {})
-      : WriterBase(topic, WireType<T>::row, std::move(options)) {}
+      : WriterBase(topic, topic.row(), std::move(options)) {}
   /// False: timed out after max_blocking_ns because a reader is full.
   [[nodiscard]] bool write(const T& sample) { return write_sample(&sample); }
   /// Ends the instance of sample's key.
@@ -326,21 +332,46 @@ class Loans {
   dds_sample_info_t infos_[kMost];
 };
 
+/// What a take returned as a count. A callback may run while its reader is being deleted: there is nothing to take then.
+inline std::size_t taken_count(dds_return_t code) {
+  if (code == DDS_RETCODE_BAD_PARAMETER || code == DDS_RETCODE_ALREADY_DELETED) {
+    return 0;
+  }
+  return static_cast<std::size_t>(check(code, "take"));
+}
+
 /// Takes from a reader; cheap to copy; valid as long as the reader.
 template <class T>
 class Taker {
  public:
   explicit Taker(dds_entity_t reader) : reader_(reader) {}
+  dds_entity_t reader() const { return reader_; }
 
   /// The next sample into memory that is reused; false when there is none.
   [[nodiscard]] bool take(Sample<T>& sample) const {
     void* buffer = &sample.value_;
-    return check(dds_take(reader_, &buffer, &sample.info_, 1, 1), "take") > 0;
+    return taken_count(dds_take(reader_, &buffer, &sample.info_, 1, 1)) > 0;
+  }
+  /// As many as wait, at most samples.size(), in one call; fewer than that means that none are left.
+  [[nodiscard]] std::size_t take(std::span<Sample<T>* const> samples) const {
+    constexpr std::size_t kMost = 16;
+    void* buffers[kMost];
+    dds_sample_info_t infos[kMost];
+    const std::size_t most = std::min(samples.size(), kMost);
+    for (std::size_t i = 0; i < most; ++i) {
+      buffers[i] = &samples[i]->value_;
+    }
+    const std::size_t count = taken_count(dds_take(reader_, buffers, infos, most, static_cast<std::uint32_t>(most)));
+    for (std::size_t i = 0; i < count; ++i) {
+      samples[i]->info_ = infos[i];
+    }
+    return count;
   }
   /// Up to 32 lent samples; call again until none come.
   Loans<T> take_loans() const {
     Loans<T> loans(reader_);
-    loans.count_ = check(dds_take(reader_, loans.samples_, loans.infos_, Loans<T>::kMost, Loans<T>::kMost), "take");
+    loans.count_ = static_cast<std::int32_t>(
+        taken_count(dds_take(reader_, loans.samples_, loans.infos_, Loans<T>::kMost, Loans<T>::kMost)));
     return loans;
   }
 
@@ -361,6 +392,8 @@ class ReaderBase {
  public:
   dds_entity_t get() const { return reader_.get(); }
   std::uint32_t matched_writers() const;
+  /// == publication_handle in the info of their samples.
+  std::vector<dds_instance_handle_t> matched_writer_handles() const;
 
  protected:
   ReaderBase(const TopicBase& topic, const wire_contract::TopicQos& row, const std::string& partition,
@@ -376,7 +409,7 @@ template <class T>
 class Reader : public ReaderBase {
  public:
   explicit Reader(const Topic<T>& topic, ReaderOptions<T> options = {})
-      : ReaderBase(topic, WireType<T>::row, options.partition,
+      : ReaderBase(topic, topic.row(), options.partition,
                    {.data = on_data(std::move(options.data)),
                     .matched = std::move(options.matched),
                     .liveliness = std::move(options.liveliness)}) {}

@@ -47,6 +47,8 @@ inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;
 inline constexpr std::uint32_t kMaxNameBytes = 255;
 inline constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
 inline constexpr std::uint32_t kContactShards = 64;
+/// Poses bring |q| = 1 to this: a quaternion of floats, multiplied a few times, passes; a scaled one does not.
+inline constexpr double kUnitQuaternionSlack = 1e-6;
 inline constexpr int kMaxParticipantIndex = 120;
 
 enum class Reliability : std::uint8_t { best_effort, reliable };
@@ -67,6 +69,8 @@ inline constexpr TopicQos kPoseTopic{"pose", Reliability::reliable, Durability::
 inline constexpr TopicQos kQueryTopic{"query", Reliability::reliable, Durability::volatile_data, 0, 4'096, false};
 inline constexpr TopicQos kReplyTopic{"reply", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kEventTopic{"event", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
+/// Contacts that go on, for who draws them: EventFrames of `persisted` only, first_sequence 0; written while it has readers.
+inline constexpr TopicQos kPersistedTopic{"persisted", Reliability::best_effort, Durability::volatile_data, 64, 0, false};
 inline constexpr TopicQos kContactTopic{"contact", Reliability::reliable, Durability::transient_local, 1, 0, false};
 inline constexpr TopicQos kStatusTopic{"status", Reliability::reliable, Durability::transient_local, 1, 0, false};
 

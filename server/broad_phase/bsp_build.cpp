@@ -95,8 +95,9 @@ Node empty_node() {
 
 class Builder {
  public:
-  Builder(const TriangleMesh& mesh, const LocalFrame& frame, std::span<Primitive> primitives, Watch& watch)
-      : mesh_(mesh), frame_(frame), primitives_(primitives), watch_(watch) {}
+  /// Reads of the layout only how triangles are stored.
+  Builder(const TriangleMesh& mesh, const Layout& layout, std::span<Primitive> primitives, Watch& watch)
+      : mesh_(mesh), layout_(layout), primitives_(primitives), watch_(watch) {}
 
   /// The subtree over the range. Ranges of at most job_size are left in jobs, if given.
   Ref build(const Range& range, std::uint32_t depth, bool callers_thread, Piece& piece, std::uint32_t job_size,
@@ -121,21 +122,33 @@ class Builder {
   }
 
  private:
-  /// Cuts the child of largest surface until there are eight or none is larger than a leaf.
+  /// Which child to cut next: the one of largest surface, or of most triangles where only the count still divides;
+  /// -1 when each fits a leaf.
+  static int next_cut(const Range (&children)[kWidth], int count, bool by_count) {
+    int next = -1;
+    for (int i = 0; i < count; ++i) {
+      if (children[i].size() <= kWidth) continue;
+      if (next < 0) {
+        next = i;
+        continue;
+      }
+      const float area = by_count ? 0.0f : children[i].bounds.half_area();
+      const float best = by_count ? 0.0f : children[next].bounds.half_area();
+      if (area > best || (area == best && children[i].size() > children[next].size())) next = i;
+    }
+    return next;
+  }
+
+  /// Cuts until there are eight children or none is larger than a leaf.
   int cut(const Range& range, std::uint32_t depth, Range (&children)[kWidth]) const {
+    const bool by_count = depth >= kMaxHeuristicDepth;
     int count = 1;
     children[0] = range;
     while (count < kWidth) {
-      int largest = -1;
-      float area = -1;
-      for (int i = 0; i < count; ++i) {
-        if (children[i].size() <= kWidth || children[i].bounds.half_area() <= area) continue;
-        area = children[i].bounds.half_area();
-        largest = i;
-      }
-      if (largest < 0) break;
-      const Range whole = children[largest];
-      split(primitives_, whole, depth >= kMaxHeuristicDepth, children[largest], children[count]);
+      const int next = next_cut(children, count, by_count);
+      if (next < 0) break;
+      const Range whole = children[next];
+      split(primitives_, whole, by_count, children[next], children[count]);
       ++count;
     }
     return count;
@@ -146,13 +159,14 @@ class Builder {
     for (std::uint32_t lane = 0; lane < range.size(); ++lane) {
       const std::uint32_t number = primitives_[range.begin + lane].triangle();
       const Triangle world = mesh_.triangle(number);
-      const Vec3 corner = frame_.to_local(world.a);
-      const Vec3 edge1 = frame_.to_local(world.b) - corner;
-      const Vec3 edge2 = frame_.to_local(world.c) - corner;
+      const Vec3 first = layout_.frame.to_local(world.a);
+      const Vec3 base = layout_.has_corners ? Vec3::Zero() : first;
+      const Vec3 second = layout_.frame.to_local(world.b) - base;
+      const Vec3 third = layout_.frame.to_local(world.c) - base;
       for (int axis = 0; axis < 3; ++axis) {
-        leaf.corner[axis][lane] = static_cast<float>(corner[axis]);
-        leaf.edge1[axis][lane] = static_cast<float>(edge1[axis]);
-        leaf.edge2[axis][lane] = static_cast<float>(edge2[axis]);
+        leaf.a[axis][lane] = static_cast<float>(first[axis]);
+        leaf.b[axis][lane] = static_cast<float>(second[axis]);
+        leaf.c[axis][lane] = static_cast<float>(third[axis]);
       }
       leaf.triangle[lane] = number;
     }
@@ -161,7 +175,7 @@ class Builder {
   }
 
   const TriangleMesh& mesh_;
-  const LocalFrame& frame_;
+  const Layout& layout_;
   std::span<Primitive> primitives_;
   Watch& watch_;
 };
@@ -265,7 +279,11 @@ Layout build_layout(const TriangleMesh& mesh, const BspOptions& options, BspRepo
   PlainArray<Primitive> storage(count);
   const std::span<Primitive> primitives(storage.data(), count);
   const Range all = make_primitives(mesh, layout.frame, threads, primitives);
-  const Builder builder(mesh, layout.frame, primitives, watch);
+  layout.has_corners = std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const TriangleCorners& corners) {
+    return layout.frame.is_float(mesh.vertices[corners[0]]) && layout.frame.is_float(mesh.vertices[corners[1]]) &&
+           layout.frame.is_float(mesh.vertices[corners[2]]);
+  });
+  const Builder builder(mesh, layout, primitives, watch);
 
   const std::uint32_t job_size = threads == 1 ? 0 : std::max(kLeastJob, all.size() / (threads * 8));
   std::vector<Job> jobs;

@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t kHugePage = std::size_t{2} << 20;
 constexpr std::size_t kCacheLine = 64;
 
+std::size_t mapped_length(std::size_t bytes) { return (bytes + kHugePage - 1) / kHugePage * kHugePage; }
+
 /// A number near center on a lattice of 1/16 of the scene's size: zero while that lies close enough, so that
 /// coordinates given as floats stay floats.
 double lattice_origin(double center, int size_exponent) {
@@ -39,6 +41,7 @@ LocalFrame local_frame(const Aabb& bounds) {
   // Below 2^-1000 the inverse scale would overflow; such a scene stays small in local coordinates, which is legal.
   frame.scale_exponent = -std::max(reach_exponent, -1000);
   frame.scale = std::ldexp(1.0, frame.scale_exponent);
+  frame.inverse_scale = std::ldexp(1.0, -frame.scale_exponent);
   return frame;
 }
 
@@ -55,15 +58,31 @@ float round_up(double value) {
 }
 
 void* allocate_pages(std::size_t bytes) {
-  const std::size_t alignment = bytes >= kHugePage ? kHugePage : kCacheLine;
-  const std::size_t rounded = std::max((bytes + alignment - 1) / alignment * alignment, alignment);
-  void* memory = std::aligned_alloc(alignment, rounded);
-  if (memory == nullptr) throw std::bad_alloc();
+  if (bytes < kHugePage) {
+    void* memory = std::aligned_alloc(kCacheLine, (bytes + kCacheLine) / kCacheLine * kCacheLine);
+    if (memory == nullptr) throw std::bad_alloc();
+    return memory;
+  }
+  // A mapping of its own: memory that malloc hands out again has small pages already.
+  const std::size_t length = mapped_length(bytes);
+  void* mapping = mmap(nullptr, length + kHugePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (mapping == MAP_FAILED) throw std::bad_alloc();
+  auto* first = static_cast<char*>(mapping);
+  const std::size_t before = (kHugePage - reinterpret_cast<std::uintptr_t>(first) % kHugePage) % kHugePage;
+  char* memory = first + before;
+  if (before > 0) munmap(first, before);
+  munmap(memory + length, kHugePage - before);
   // Advice only: where the system refuses, the tree is slower, not wrong.
-  if (alignment == kHugePage) (void)madvise(memory, rounded, MADV_HUGEPAGE);
+  (void)madvise(memory, length, MADV_HUGEPAGE);
   return memory;
 }
 
-void free_pages(void* memory) { std::free(memory); }
+void free_pages(void* memory, std::size_t bytes) {
+  if (bytes < kHugePage) {
+    std::free(memory);
+  } else {
+    munmap(memory, mapped_length(bytes));
+  }
+}
 
 }  // namespace collided::bsp

@@ -39,12 +39,13 @@ struct alignas(64) Node {
 };
 static_assert(sizeof(Node) == 256);
 
-/// Up to eight triangles in local coordinates: a corner and the two edges that leave it. Each float is the nearest
-/// to the exact value, so a corner is off by at most 2^-24 and an edge by 2^-24 of its largest component.
+/// Up to eight triangles in local coordinates. Where every vertex of the mesh is a float there, as most imported
+/// meshes are, a, b, c are the corners, exactly. Else a is the first corner and b, c are the edges that leave it, each
+/// the nearest float: a corner is off by at most 2^-24, an edge by 2^-24 of its largest component.
 struct alignas(64) Leaf {
-  float corner[3][kWidth];
-  float edge1[3][kWidth];
-  float edge2[3][kWidth];
+  float a[3][kWidth];
+  float b[3][kWidth];
+  float c[3][kWidth];
   std::uint32_t triangle[kWidth];
 };
 static_assert(sizeof(Leaf) == 320);
@@ -54,15 +55,27 @@ static_assert(sizeof(Leaf) == 320);
 struct LocalFrame {
   Vec3 origin = Vec3::Zero();
   double scale = 1;
+  double inverse_scale = 1;
   int scale_exponent = 0;  // scale = 2^scale_exponent
 
   Vec3 to_local(const Vec3& world) const { return (world - origin) * scale; }
+  double to_world(float local, int axis) const { return static_cast<double>(local) * inverse_scale + origin[axis]; }
+  /// Whether the point survives the way to local floats and back.
+  bool is_float(const Vec3& world) const {
+    const Vec3 local = to_local(world);
+    bool same = true;
+    for (int axis = 0; axis < 3; ++axis) same = same && to_world(static_cast<float>(local[axis]), axis) == world[axis];
+    return same;
+  }
 };
 
 LocalFrame local_frame(const Aabb& bounds);
 
 float round_down(double value);
 float round_up(double value);
+
+void* allocate_pages(std::size_t bytes);
+void free_pages(void* memory, std::size_t bytes);
 
 /// Memory for many plain records, aligned for SIMD, on huge pages where it is long: an incoherent ray touches pages
 /// all over the tree and would otherwise wait for address translation as well as for the data.
@@ -72,37 +85,27 @@ class PlainArray {
 
  public:
   PlainArray() = default;
-  explicit PlainArray(std::size_t size);
+  explicit PlainArray(std::size_t size)
+      : data_(static_cast<T*>(allocate_pages(size * sizeof(T))), Free{size * sizeof(T)}) {}
   T* data() { return data_.get(); }
   const T* data() const { return data_.get(); }
   T& operator[](std::size_t i) { return data_.get()[i]; }
   const T& operator[](std::size_t i) const { return data_.get()[i]; }
-  std::size_t size() const { return size_; }
-  std::size_t bytes() const { return size_ * sizeof(T); }
+  std::size_t bytes() const { return data_.get_deleter().bytes; }
+  std::size_t size() const { return bytes() / sizeof(T); }
 
  private:
   struct Free {
-    void operator()(T* memory) const;
+    std::size_t bytes = 0;
+    void operator()(T* memory) const { free_pages(memory, bytes); }
   };
   std::unique_ptr<T[], Free> data_;
-  std::size_t size_ = 0;
 };
-
-void* allocate_pages(std::size_t bytes);
-void free_pages(void* memory);
-
-template <typename T>
-PlainArray<T>::PlainArray(std::size_t size)
-    : data_(static_cast<T*>(allocate_pages(size * sizeof(T)))), size_(size) {}
-
-template <typename T>
-void PlainArray<T>::Free::operator()(T* memory) const {
-  free_pages(memory);
-}
 
 /// The finished tree. An empty one has root kNothing.
 struct Layout {
   LocalFrame frame;
+  bool has_corners = false;  // else leaves hold edges
   float root_low[3] = {1, 1, 1};
   float root_high[3] = {-1, -1, -1};
   Ref root = kNothing;

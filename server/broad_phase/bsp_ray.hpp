@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "server/broad_phase/bsp_layout.hpp"
@@ -14,17 +18,19 @@ namespace collided::bsp {
 /// slabs   near side of axis k: plane * inverse[k] - near_offset[k] is at most the true parameter; far side: at least
 /// leaves  the signs U, V, W of a triangle are trusted beyond sign_slope * E + sign_floor, its parameter beyond
 ///         (entry_slope * E + entry_linear) * E + entry_floor; E the largest edge component (derived in bsp_ray.cpp)
-struct RayFrame {
-  float inverse[3];
-  float near_offset[3];
-  float far_offset[3];
+struct alignas(16) RayFrame {
+  // Three axes and a lane for SIMD stores.
+  float inverse[4];
+  float near_offset[4];
+  float far_offset[4];
+  float origin[4];
+  float direction[4];
   std::uint32_t near_plane[3];  // byte offset in Node
   std::uint32_t far_plane[3];
-  float origin[3];
-  float direction[3];
   float sign_slope, sign_floor;
   float entry_slope, entry_linear, entry_floor;
   float parameter_cap;  // no triangle is met beyond it
+  bool is_moved = false;
 
   /// Local parameter of a world parameter, rounded up; negative: the walk ends.
   float local_limit(double limit) const;
@@ -33,7 +39,128 @@ struct RayFrame {
   double moved[3];
 };
 
-/// False: the ray surely misses the scene within the limit.
-bool prepare_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, RayFrame& frame);
+
+namespace ray_detail {
+
+inline constexpr double kUnit = 0x1p-24;
+inline constexpr double kTiny = 0x1p-120;
+/// Slabs of an axis across which the direction is smaller than this are as good as parallel: over the longest
+/// path (parameter 16) the ray drifts by 2^-55, half of kLeastSlack.
+inline constexpr double kLeastDirection = 0x1p-60;
+inline constexpr double kLeastSlack = 0x1p-54;
+/// A start farther out than this is moved up to the scene first, so that floats resolve the scene, not the way.
+inline constexpr double kNear = 4;
+inline constexpr double kEverything = 0x1p40;
+
+struct LocalRay {
+  double origin[3];
+  double direction[3];     // the largest component in [1, 2)
+  double origin_error[3];  // by which the origin may be off
+  double slack;
+};
+
+/// A float at least / at most the value.
+inline float above(double value) { return static_cast<float>(value + 0x1p-23 * std::abs(value) + kTiny); }
+inline float below(double value) { return static_cast<float>(value - 0x1p-23 * std::abs(value) - kTiny); }
+
+inline void set_planes(bool forward, int axis, RayFrame& out) {
+  const auto low = static_cast<std::uint32_t>(offsetof(Node, low) + sizeof(float) * kWidth * axis);
+  const auto high = static_cast<std::uint32_t>(offsetof(Node, high) + sizeof(float) * kWidth * axis);
+  out.near_plane[axis] = forward ? low : high;
+  out.far_plane[axis] = forward ? high : low;
+}
+
+/// worst_error: of any axis; it lengthens the path along which a clamped direction drifts.
+inline void set_axis(const LocalRay& local, double worst_error, int axis, RayFrame& out) {
+  const double d = local.direction[axis];
+  const double clamped = std::abs(d) < kLeastDirection ? std::copysign(kLeastDirection, d) : d;
+  const auto start = static_cast<float>(local.origin[axis]);
+  const auto start_value = static_cast<double>(start);
+  const double error = local.origin_error[axis] + std::abs(local.origin[axis] - start_value);
+  // Two roundings of plane * inverse, one of the difference, one of the inverse itself: see RayFrame.
+  const double rounding = kUnit * (4 + 3 * std::abs(start_value));
+  const double drift = kLeastSlack + 2 * kLeastDirection * worst_error;
+  const double wide = std::min(error + local.slack + rounding + drift, kEverything);
+  const auto inverse = static_cast<float>(1 / clamped);
+  const auto inverse_value = static_cast<double>(inverse);
+  const double near_shift = std::copysign(wide, inverse_value);
+  out.origin[axis] = start;
+  out.direction[axis] = static_cast<float>(clamped);
+  out.inverse[axis] = inverse;
+  out.near_offset[axis] = above((start_value + near_shift) * inverse_value);
+  out.far_offset[axis] = below((start_value - near_shift) * inverse_value);
+  set_planes(inverse > 0, axis, out);
+}
+
+/// With floors like these every triangle of a met leaf is a candidate.
+inline void accept_triangles(RayFrame& out) {
+  out.sign_slope = out.entry_slope = out.entry_linear = 0;
+  out.sign_floor = out.entry_floor = static_cast<float>(kEverything);
+  out.parameter_cap = static_cast<float>(kEverything);
+}
+
+/// The derivation stands at the head of bsp_ray.cpp.
+inline void set_leaf_slack(double start_error, double slack, RayFrame& out) {
+  if (!(start_error <= 1)) {
+    accept_triangles(out);
+    return;
+  }
+  constexpr double kRaise = 1.01;
+  const auto reach = static_cast<double>(
+      std::max({std::abs(out.origin[0]), std::abs(out.origin[1]), std::abs(out.origin[2])}));
+  const auto d = static_cast<double>(
+      std::max({std::abs(out.direction[0]), std::abs(out.direction[1]), std::abs(out.direction[2])}));
+  const double c = 1 + reach + start_error + slack;
+  const double corner = start_error + slack + kUnit;
+  const double k0 = 6 * d * (corner + 8.5 * kUnit * c);
+  out.sign_slope = static_cast<float>(kRaise * (2 * k0 + 26 * kUnit * c * d + 96 * kUnit * d));
+  out.sign_floor = static_cast<float>(kRaise * 24 * d * slack * (c + 4) + kTiny);
+  out.entry_slope = static_cast<float>(kRaise * (6 * corner + (61 + 48 * d) * kUnit * c));
+  out.entry_linear = static_cast<float>(kRaise * 24 * slack * c * (1 + d));
+  out.entry_floor = static_cast<float>(kRaise * 24 * slack * slack * c * (1 + d) + kTiny);
+  out.parameter_cap = static_cast<float>(kRaise * c);
+}
+
+inline void finish(const LocalRay& local, RayFrame& out) {
+  double worst = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double rounded = local.origin[axis] - static_cast<double>(static_cast<float>(local.origin[axis]));
+    worst = std::max(worst, local.origin_error[axis] + std::abs(rounded));
+  }
+  for (int axis = 0; axis < 3; ++axis) set_axis(local, worst, axis, out);
+  set_leaf_slack(worst, local.slack, out);
+}
+
+/// 2^exponent, for exponents of normal numbers.
+inline double power_of_two(int exponent) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
+}
+
+/// Of a non-negative number; far off the usual range for zero, denormals, infinity and NaN.
+inline int exponent_of(double value) { return static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52) - 1023; }
+
+/// Whether scales and their products stay in range without care.
+inline bool is_usual(int direction_exponent, int scale_exponent) {
+  constexpr int kUsual = 450;
+  return std::abs(direction_exponent) < kUsual && std::abs(scale_exponent) < kUsual;
+}
+
+/// Any ray, in no hurry: starts far out, directions and scenes of extreme scale, slack as large as the scene.
+/// False: it surely misses the scene.
+bool prepare_any_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& frame);
+
+}  // namespace ray_detail
+
+inline float RayFrame::local_limit(double limit) const {
+  if (!(limit >= 0)) return -1;
+  double parameter = limit * to_local_1;
+  if (is_moved) {
+    if (limit == 0 && std::isinf(to_local_1)) return std::numeric_limits<float>::infinity();
+    parameter *= to_local_2;
+    // Each exact while the two are within a factor of two of each other, else one rounding of the difference.
+    for (const double move : moved) parameter -= move;
+  }
+  return ray_detail::above(parameter);
+}
 
 }  // namespace collided::bsp

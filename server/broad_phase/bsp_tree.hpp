@@ -56,6 +56,12 @@ class BspTree {
   void walk_ray(const Ray& ray, double limit, double slack_m, RayCandidate candidate, void* context,
                 WalkCost& cost) const;
 
+  /// The same with the candidate's corners, equal to the mesh's. Where the tree holds them itself this saves the
+  /// way to the mesh, the dearest part of a ray in a large scene.
+  using RayTriangle = double (*)(void* context, std::uint32_t triangle, const Triangle& corners, double limit);
+  void walk_ray(const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh, RayTriangle candidate,
+                void* context, WalkCost& cost) const;
+
   /// Called with a candidate; false ends the walk.
   using BoxCandidate = bool (*)(void* context, std::uint32_t triangle);
   /// Triangles whose bounds overlap the asked box, touching included.

@@ -3,8 +3,9 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include <cstring>
+#include <algorithm>
 
+#include "server/broad_phase/bsp_ray.hpp"
 #include "server/broad_phase/bsp_walk.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -17,6 +18,53 @@ using Lanes = hn::Vec<Floats>;
 constexpr Floats kFloats;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(kFloats));
 constexpr int kParts = kWidth / kLanes;
+
+/// Three axes and a spare lane.
+using Axes = hn::CappedTag<double, 4>;
+using AxesFloat = hn::Rebind<float, Axes>;
+
+/// prepare_any_ray for the usual ray, with every error as the worst of its kind; false: not usual.
+HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& out) {
+  using namespace ray_detail;
+  constexpr Axes axes;
+  constexpr AxesFloat floats;
+  if constexpr (hn::MaxLanes(axes) < 4) return false;
+  static_assert(offsetof(Ray, direction) == 3 * sizeof(double) && offsetof(Ray, length_m) == 6 * sizeof(double));
+  static_assert(offsetof(LocalFrame, origin) == 0 && offsetof(LocalFrame, scale) == 3 * sizeof(double));
+  const LocalFrame& frame = layout.frame;
+  const auto three = hn::FirstN(axes, 3);
+  // Each load takes the member behind along in the spare lane.
+  const auto start = hn::LoadU(axes, &ray.origin[0]);
+  const auto local = hn::IfThenElseZero(
+      three, hn::Mul(hn::Sub(start, hn::LoadU(axes, &frame.origin[0])), hn::Set(axes, frame.scale)));
+  const auto direction = hn::IfThenElseZero(three, hn::LoadU(axes, &ray.direction[0]));
+  const int exponent = exponent_of(hn::GetLane(hn::MaxOfLanes(axes, hn::Abs(direction))));
+  const double slack = slack_m * frame.scale * (1 + 0x1p-50);
+  const bool near = hn::AllTrue(axes, hn::Le(hn::Abs(local), hn::Set(axes, kNear)));
+  if (!near || !is_usual(exponent, frame.scale_exponent) || !(slack < 1)) return false;
+
+  const auto origin = hn::DemoteTo(floats, local);
+  const auto rounded = hn::DemoteTo(floats, hn::Mul(direction, hn::Set(axes, power_of_two(-exponent))));
+  const auto clamped = hn::CopySign(
+      hn::Max(hn::Abs(rounded), hn::Set(floats, static_cast<float>(kLeastDirection))), rounded);
+  const auto inverse = hn::Div(hn::Set(floats, 1.0f), clamped);
+  // Roundings in u: of the start 1 |o|; the inverse 2 (|o| + 1); the offset's sum and product 2 |o|; in the walk the
+  // product 1, the difference 1 + |o|. A hundredth more for their products with each other.
+  const auto wide = hn::MulAdd(hn::Abs(origin), hn::Set(floats, static_cast<float>(6.1 * kUnit)),
+                               hn::Set(floats, static_cast<float>(4.1 * kUnit + 2 * kLeastSlack + 1.01 * slack)));
+  const auto shift = hn::CopySign(wide, inverse);
+  hn::Store(origin, floats, out.origin);
+  hn::Store(clamped, floats, out.direction);
+  hn::Store(inverse, floats, out.inverse);
+  hn::Store(hn::Mul(hn::Add(origin, shift), inverse), floats, out.near_offset);
+  hn::Store(hn::Mul(hn::Sub(origin, shift), inverse), floats, out.far_offset);
+  for (int axis = 0; axis < 3; ++axis) set_planes(out.inverse[axis] > 0, axis, out);
+  const double reach = hn::GetLane(hn::MaxOfLanes(axes, hn::Abs(local)));
+  set_leaf_slack(kUnit * reach + 2 * kLeastSlack, slack, out);
+  out.is_moved = false;
+  out.to_local_1 = power_of_two(exponent + frame.scale_exponent);
+  return true;
+}
 
 struct Waiting {
   Ref ref;
@@ -50,6 +98,42 @@ HWY_INLINE int push_sorted(const Node& node, unsigned mask, const float* entry, 
   return size;
 }
 
+struct Arrays {
+  const Node* nodes;
+  const Leaf* leaves;
+};
+
+HWY_INLINE void fetch(const Arrays& tree, Ref ref) {
+  const char* p = is_leaf(ref) ? reinterpret_cast<const char*>(tree.leaves + (ref & kIndexMask))
+                               : reinterpret_cast<const char*>(tree.nodes + ref);
+  __builtin_prefetch(p);
+  __builtin_prefetch(p + 64);
+  __builtin_prefetch(p + 128);
+  __builtin_prefetch(p + 192);
+  if (is_leaf(ref)) __builtin_prefetch(p + 256);
+}
+
+/// The nearest of the children in mask (not empty); the others wait on the stack.
+HWY_INLINE Ref nearest(const Arrays& tree, const Node& node, unsigned mask, const float* entry, Waiting* stack, int& size) {
+  const int first = __builtin_ctz(mask);
+  mask &= mask - 1;
+  if (mask == 0) return node.child[first];
+  const int second = __builtin_ctz(mask);
+  mask &= mask - 1;
+  if (mask == 0) {
+    const bool swap = entry[second] < entry[first];
+    const int near = swap ? second : first;
+    const int far = swap ? first : second;
+    stack[size++] = {node.child[far], entry[far]};
+    fetch(tree, node.child[far]);
+    return node.child[near];
+  }
+  mask |= (1u << first) | (1u << second);
+  for (unsigned m = mask; m != 0; m &= m - 1) fetch(tree, node.child[__builtin_ctz(m)]);
+  size = push_sorted(node, mask, entry, stack, size);
+  return stack[--size].ref;
+}
+
 /// Children that the ray may meet at a parameter in [0, limit].
 HWY_INLINE unsigned met_children(const Node& node, const RayFrame& ray, float limit, float* entry) {
   unsigned mask = 0;
@@ -77,6 +161,7 @@ HWY_INLINE Lanes largest_component(Lanes a, Lanes b, Lanes c) {
 }
 
 /// Triangles that the ray may meet at a parameter in [0, limit]; estimate is roughly that parameter.
+template <bool kCorners>
 HWY_INLINE unsigned met_triangles(const Leaf& leaf, const RayFrame& ray, float limit, float* estimate) {
   unsigned mask = 0;
   const Lanes dx = hn::Set(kFloats, ray.direction[0]);
@@ -84,15 +169,26 @@ HWY_INLINE unsigned met_triangles(const Leaf& leaf, const RayFrame& ray, float l
   const Lanes dz = hn::Set(kFloats, ray.direction[2]);
   for (int part = 0; part < kParts; ++part) {
     const int first = part * kLanes;
-    const Lanes cx = hn::Sub(hn::Load(kFloats, leaf.corner[0] + first), hn::Set(kFloats, ray.origin[0]));
-    const Lanes cy = hn::Sub(hn::Load(kFloats, leaf.corner[1] + first), hn::Set(kFloats, ray.origin[1]));
-    const Lanes cz = hn::Sub(hn::Load(kFloats, leaf.corner[2] + first), hn::Set(kFloats, ray.origin[2]));
-    const Lanes ax = hn::Load(kFloats, leaf.edge1[0] + first);
-    const Lanes ay = hn::Load(kFloats, leaf.edge1[1] + first);
-    const Lanes az = hn::Load(kFloats, leaf.edge1[2] + first);
-    const Lanes bx = hn::Load(kFloats, leaf.edge2[0] + first);
-    const Lanes by = hn::Load(kFloats, leaf.edge2[1] + first);
-    const Lanes bz = hn::Load(kFloats, leaf.edge2[2] + first);
+    const Lanes px = hn::Load(kFloats, leaf.a[0] + first);
+    const Lanes py = hn::Load(kFloats, leaf.a[1] + first);
+    const Lanes pz = hn::Load(kFloats, leaf.a[2] + first);
+    Lanes ax = hn::Load(kFloats, leaf.b[0] + first);
+    Lanes ay = hn::Load(kFloats, leaf.b[1] + first);
+    Lanes az = hn::Load(kFloats, leaf.b[2] + first);
+    Lanes bx = hn::Load(kFloats, leaf.c[0] + first);
+    Lanes by = hn::Load(kFloats, leaf.c[1] + first);
+    Lanes bz = hn::Load(kFloats, leaf.c[2] + first);
+    if constexpr (kCorners) {
+      ax = hn::Sub(ax, px);
+      ay = hn::Sub(ay, py);
+      az = hn::Sub(az, pz);
+      bx = hn::Sub(bx, px);
+      by = hn::Sub(by, py);
+      bz = hn::Sub(bz, pz);
+    }
+    const Lanes cx = hn::Sub(px, hn::Set(kFloats, ray.origin[0]));
+    const Lanes cy = hn::Sub(py, hn::Set(kFloats, ray.origin[1]));
+    const Lanes cz = hn::Sub(pz, hn::Set(kFloats, ray.origin[2]));
 
     const Lanes rx = hn::MulSub(cy, dz, hn::Mul(cz, dy));
     const Lanes ry = hn::MulSub(cz, dx, hn::Mul(cx, dz));
@@ -127,9 +223,41 @@ HWY_INLINE unsigned met_triangles(const Leaf& leaf, const RayFrame& ray, float l
   return mask;
 }
 
-/// Calls the candidates of a leaf, nearest first; the new limit.
-HWY_INLINE double call_triangles(const Leaf& leaf, unsigned mask, const float* estimate, double limit,
-                                 BspTree::RayCandidate candidate, void* context, WalkCost& cost) {
+/// Who hears of a ray's candidates: by number, or by number and corners.
+struct NumberCall {
+  BspTree::RayCandidate candidate;
+  void* context;
+
+  template <bool kCorners>
+  HWY_INLINE double tell(const Leaf& leaf, int lane, double limit) const {
+    return candidate(context, leaf.triangle[lane], limit);
+  }
+};
+
+struct TriangleCall {
+  BspTree::RayTriangle candidate;
+  void* context;
+  const TriangleMesh& mesh;
+  const LocalFrame& frame;
+
+  template <bool kCorners>
+  HWY_INLINE double tell(const Leaf& leaf, int lane, double limit) const {
+    const std::uint32_t number = leaf.triangle[lane];
+    if constexpr (!kCorners) return candidate(context, number, mesh.triangle(number), limit);
+    Triangle triangle;
+    for (int axis = 0; axis < 3; ++axis) {
+      triangle.a[axis] = frame.to_world(leaf.a[axis][lane], axis);
+      triangle.b[axis] = frame.to_world(leaf.b[axis][lane], axis);
+      triangle.c[axis] = frame.to_world(leaf.c[axis][lane], axis);
+    }
+    return candidate(context, number, triangle, limit);
+  }
+};
+
+/// Tells the candidates of a leaf, nearest first; the new limit.
+template <bool kCorners, class Call>
+HWY_INLINE double tell_triangles(const Call& call, const Leaf& leaf, unsigned mask, const float* estimate,
+                                 double limit, WalkCost& cost) {
   while (mask != 0) {
     int next = __builtin_ctz(mask);
     for (unsigned rest = mask & (mask - 1); rest != 0; rest &= rest - 1) {
@@ -138,43 +266,71 @@ HWY_INLINE double call_triangles(const Leaf& leaf, unsigned mask, const float* e
     }
     mask &= ~(1u << next);
     ++cost.candidates;
-    limit = candidate(context, leaf.triangle[next], limit);
-    if (!(limit >= 0)) return limit;
+    limit = call.template tell<kCorners>(leaf, next, limit);
+    if (!(limit >= 0)) break;
   }
   return limit;
 }
 
-void WalkRay(const Layout& layout, const RayFrame& frame, double limit, BspTree::RayCandidate candidate,
-             void* context, WalkCost& cost) {
-  const RayFrame ray = frame;
-  const Node* nodes = layout.nodes.data();
-  const Leaf* leaves = layout.leaves.data();
+template <bool kCorners, class Call>
+HWY_INLINE void walk_prepared(const Arrays& tree, Ref ref, const RayFrame& ray, double limit, const Call& call,
+                              WalkCost& cost) {
   Waiting stack[kStackSize];
   HWY_ALIGN float entry[kWidth];
-  int size = 0;
   float local_limit = ray.local_limit(limit);
-  stack[size++] = {layout.root, 0};
-  while (size > 0) {
-    const Waiting top = stack[--size];
-    if (top.entry > local_limit) continue;
-    Ref ref = top.ref;
-    ++cost.nodes;
-    if (is_leaf(ref)) {
-      const Leaf& leaf = leaves[ref & kIndexMask];
+  int size = 0;
+  while (local_limit >= 0) {
+    unsigned mask = 1;
+    while (!is_leaf(ref)) {
+      ++cost.nodes;
+      const Node& node = tree.nodes[ref];
+      mask = met_children(node, ray, local_limit, entry);
+      if (mask == 0) break;
+      ref = nearest(tree, node, mask, entry, stack, size);
+    }
+    if (mask != 0) {
+      ++cost.nodes;
+      const Leaf& leaf = tree.leaves[ref & kIndexMask];
       const unsigned present = (2u << (leaf_count(ref) - 1)) - 1;
       const float cap = local_limit < ray.parameter_cap ? local_limit : ray.parameter_cap;
-      const unsigned mask = met_triangles(leaf, ray, cap, entry) & present;
-      if (mask == 0) continue;
-      const double shorter = call_triangles(leaf, mask, entry, limit, candidate, context, cost);
-      if (!(shorter >= 0)) return;
-      if (shorter != limit) local_limit = ray.local_limit(shorter);
-      limit = shorter;
-      continue;
+      mask = met_triangles<kCorners>(leaf, ray, cap, entry) & present;
+      if (mask != 0) {
+        limit = tell_triangles<kCorners>(call, leaf, mask, entry, limit, cost);
+        local_limit = ray.local_limit(limit);
+      }
     }
-    const Node& node = nodes[ref];
-    const unsigned mask = met_children(node, ray, local_limit, entry);
-    size = push_sorted(node, mask, entry, stack, size);
+    do {
+      if (size == 0) return;
+      --size;
+    } while (stack[size].entry > local_limit);
+    ref = stack[size].ref;
   }
+}
+
+template <class Call>
+HWY_INLINE void walk_any(const Layout& layout, const Ray& world_ray, double limit, double slack_m, const Call& call,
+                         WalkCost& cost) {
+  RayFrame ray;
+  if (!prepare_usual_ray(layout, world_ray, slack_m, ray) &&
+      !ray_detail::prepare_any_ray(layout, world_ray, slack_m, ray)) {
+    return;
+  }
+  const Arrays tree{layout.nodes.data(), layout.leaves.data()};
+  if (layout.has_corners) {
+    walk_prepared<true>(tree, layout.root, ray, limit, call, cost);
+  } else {
+    walk_prepared<false>(tree, layout.root, ray, limit, call, cost);
+  }
+}
+
+void WalkRay(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,
+             void* context, WalkCost& cost) {
+  walk_any(layout, ray, limit, slack_m, NumberCall{candidate, context}, cost);
+}
+
+void WalkRayTriangles(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
+                      BspTree::RayTriangle candidate, void* context, WalkCost& cost) {
+  walk_any(layout, ray, limit, slack_m, TriangleCall{candidate, context, mesh, layout.frame}, cost);
 }
 
 /// A leaf's triangles as boxes.
@@ -183,17 +339,22 @@ struct Boxes {
   Lanes high[3];
 };
 
-HWY_INLINE Boxes triangle_boxes(const Leaf& leaf, int first) {
+HWY_INLINE Boxes triangle_boxes(const Leaf& leaf, int first, bool has_corners) {
   Boxes boxes;
-  const Lanes zero = hn::Zero(kFloats);
   for (int axis = 0; axis < 3; ++axis) {
-    const Lanes corner = hn::Load(kFloats, leaf.corner[axis] + first);
-    const Lanes edge1 = hn::Load(kFloats, leaf.edge1[axis] + first);
-    const Lanes edge2 = hn::Load(kFloats, leaf.edge2[axis] + first);
+    const Lanes a = hn::Load(kFloats, leaf.a[axis] + first);
+    const Lanes b = hn::Load(kFloats, leaf.b[axis] + first);
+    const Lanes c = hn::Load(kFloats, leaf.c[axis] + first);
+    if (has_corners) {
+      boxes.low[axis] = hn::Min(a, hn::Min(b, c));
+      boxes.high[axis] = hn::Max(a, hn::Max(b, c));
+      continue;
+    }
     // Corner and edges are rounded by at most 2^-24 + 2 * 2^-24, their sum (below 4) by 2^-23: 5 * 2^-24 in all.
     const Lanes rounding = hn::Set(kFloats, 0x1p-21f);
-    boxes.low[axis] = hn::Sub(hn::Add(corner, hn::Min(zero, hn::Min(edge1, edge2))), rounding);
-    boxes.high[axis] = hn::Add(hn::Add(corner, hn::Max(zero, hn::Max(edge1, edge2))), rounding);
+    const Lanes zero = hn::Zero(kFloats);
+    boxes.low[axis] = hn::Sub(hn::Add(a, hn::Min(zero, hn::Min(b, c))), rounding);
+    boxes.high[axis] = hn::Add(hn::Add(a, hn::Max(zero, hn::Max(b, c))), rounding);
   }
   return boxes;
 }
@@ -228,7 +389,7 @@ void WalkBox(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate 
     if (is_leaf(ref)) {
       const Leaf& leaf = layout.leaves[ref & kIndexMask];
       for (int first = 0; first < kWidth; first += kLanes) {
-        mask |= overlapping(triangle_boxes(leaf, first), asked) << first;
+        mask |= overlapping(triangle_boxes(leaf, first, layout.has_corners), asked) << first;
       }
       for (mask &= (2u << (leaf_count(ref) - 1)) - 1; mask != 0; mask &= mask - 1) {
         ++cost.candidates;
@@ -257,6 +418,13 @@ HWY_INLINE unsigned within(const Boxes& boxes, const LocalPoint& point, float li
   return bits_of(hn::Le(sum, hn::Set(kFloats, limit)));
 }
 
+/// The places of a node that hold a child: an empty one has inverted bounds.
+HWY_INLINE unsigned used_children(const Node& node) {
+  unsigned mask = 0;
+  for (int i = 0; i < kWidth; ++i) mask |= (node.low[0][i] <= node.high[0][i] ? 1u : 0u) << i;
+  return mask;
+}
+
 void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, BspTree::NearCandidate candidate,
               void* context, WalkCost& cost) {
   Waiting stack[kStackSize];
@@ -272,11 +440,11 @@ void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bs
     if (is_leaf(top.ref)) {
       const Leaf& leaf = layout.leaves[top.ref & kIndexMask];
       for (int first = 0; first < kWidth; first += kLanes) {
-        mask |= within(triangle_boxes(leaf, first), point, limit, distance + first) << first;
+        mask |= within(triangle_boxes(leaf, first, layout.has_corners), point, limit, distance + first) << first;
       }
       mask &= (2u << (leaf_count(top.ref) - 1)) - 1;
       if (mask == 0) continue;
-      limit_m2 = call_triangles(leaf, mask, distance, limit_m2, candidate, context, cost);
+      limit_m2 = tell_triangles<false>(NumberCall{candidate, context}, leaf, mask, distance, limit_m2, cost);
       if (!(limit_m2 >= 0)) return;
       limit = point.local_limit(limit_m2);
       continue;
@@ -285,6 +453,8 @@ void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bs
     for (int first = 0; first < kWidth; first += kLanes) {
       mask |= within(child_boxes(node, first), point, limit, distance + first) << first;
     }
+    // An empty place is infinitely far, which an infinite limit still reaches.
+    if (std::isinf(limit)) mask &= used_children(node);
     size = push_sorted(node, mask, distance, stack, size);
   }
 }
@@ -296,17 +466,25 @@ HWY_AFTER_NAMESPACE();
 namespace collided::bsp {
 
 HWY_EXPORT(WalkRay);
+HWY_EXPORT(WalkRayTriangles);
 HWY_EXPORT(WalkBox);
 HWY_EXPORT(WalkNear);
 
 float LocalPoint::local_limit(double limit_m2) const {
   if (!(limit_m2 >= 0)) return -1;
-  return round_up(limit_m2 * limit_scale * limit_scale * (1 + 0x1p-21) + 0x1p-120);
+  const double local = limit_m2 * limit_scale * limit_scale * (1 + 0x1p-21) + 0x1p-120;
+  // Finite, so that the infinitely far missing children stay out.
+  return round_up(std::min(local, 0x1p127));
 }
 
-void walk_ray(const Layout& layout, const RayFrame& frame, double limit, BspTree::RayCandidate candidate,
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,
               void* context, WalkCost& cost) {
-  HWY_DYNAMIC_DISPATCH(WalkRay)(layout, frame, limit, candidate, context, cost);
+  HWY_DYNAMIC_DISPATCH(WalkRay)(layout, ray, limit, slack_m, candidate, context, cost);
+}
+
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
+              BspTree::RayTriangle candidate, void* context, WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkRayTriangles)(layout, ray, limit, slack_m, mesh, candidate, context, cost);
 }
 
 void walk_box(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate candidate, void* context,

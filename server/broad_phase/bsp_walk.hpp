@@ -1,15 +1,18 @@
 #pragma once
 
 #include "server/broad_phase/bsp_layout.hpp"
-#include "server/broad_phase/bsp_ray.hpp"
 #include "server/broad_phase/bsp_tree.hpp"
 
 namespace collided::bsp {
 
-/// The walks in SIMD, each compiled for every instruction set and chosen at run time.
+/// The walks in SIMD, each compiled for every instruction set and chosen at run time. The layout is not empty and
+/// limits are not negative.
 
-void walk_ray(const Layout& layout, const RayFrame& frame, double limit, BspTree::RayCandidate candidate,
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,
               void* context, WalkCost& cost);
+
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
+              BspTree::RayTriangle candidate, void* context, WalkCost& cost);
 
 /// A box in local coordinates, already grown by every rounding.
 struct LocalBox {

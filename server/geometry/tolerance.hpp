@@ -52,4 +52,21 @@ inline constexpr double kWitnessError = 32 * kRoundoff;
 /// At zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
 inline constexpr double kClipSlack = 0x1p-46;
 
+/// Bound on the rounding of the plain 2-D orientation determinant, relative to the sum of its two products: Shewchuk's
+/// ccwerrboundA, (3 + 16 u) u. No unit. At zero, IntakePlanar.NearlyStraightTurnsAreExact fails.
+inline constexpr double kTurnError = (3 + 16 * kRoundoff) * kRoundoff;
+
+/// | |q| - 1 | that the border takes for a rotation written with seven digits or more; beyond it the four numbers
+/// are not a rotation. No unit. At zero, IntakeSceneFile.AQuaternionOfSevenDigitsIsTaken fails.
+inline constexpr double kUnitNormSlack = 1e-6;
+
+/// | |q|^2 - 1 | within which a quaternion is left as it is. Dividing by the norm leaves four roundings in each number
+/// (three of the norm, the quotient), so eight in the square, and four of summing it. No unit.
+/// At zero, IntakeSceneFile.ComesBackBitForBit fails.
+inline constexpr double kNormalizedSlack = 16 * kRoundoff;
+
+/// Distance between neighbouring single-precision numbers from which on a scene's digits are reported lost: those of a
+/// survey in millimetres. Metres. At zero, IntakeSinglePrecision.NearCoordinatesGiveNoWarning fails.
+inline constexpr double kCoarseGrid_m = 1e-3;
+
 }  // namespace collided

@@ -51,7 +51,10 @@ void Step::end_removed() {
 
 /// Only what changed since this ring state was last filled is copied: moving 100 of 100,000 objects costs 100 copies.
 void Step::fill_snapshot() {
-  for (const std::uint32_t slot : s.moved_slots) s.changed[slot] = s.step_count;
+  for (const std::uint32_t slot : s.moved_slots) {
+    s.changed[slot] = s.step_count;
+    if (s.posed_ns[slot] == kPosedAtStep) s.posed_ns[slot] = world_time_ns;
+  }
   const std::size_t known = next.changed.size();
   const std::size_t count = s.objects->size();
   next.poses.resize(count);

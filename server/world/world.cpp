@@ -180,7 +180,8 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   s.poses[slot] = definition.pose;
   s.frames[slot] = s.frames_before[slot] = frame_of(definition.pose);
   s.bounds[slot] = bounds_of(*info, s.frames[slot]);
-  s.posed_ns[slot] = s.posed_before_ns[slot] = definition.moving ? s.last_step_ns : 0;
+  // A mover is where it is from the next step's world time on.
+  s.posed_ns[slot] = s.posed_before_ns[slot] = definition.moving ? kPosedAtStep : 0;
   s.mark(slot, Motion::placed);
   return id;
 }

@@ -15,6 +15,9 @@ namespace collided {
 /// How an object came to where it is since the last step.
 enum class Motion : std::uint8_t { none, moved, placed };  // placed: new or teleported, so there is no way between
 
+/// In posed_ns: the pose came with the definition and takes the time of the step that shows it first.
+inline constexpr std::int64_t kPosedAtStep = -1;
+
 /// What the writer keeps; the snapshots are copies of the first group. By slot unless said otherwise.
 struct World::State {
   WorldOptions options;

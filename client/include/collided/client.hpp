@@ -20,6 +20,8 @@
 
 /// The client of a collision server: ask, watch, and move objects. Metres, seconds, right-handed; quaternions w first.
 /// Threads: every class here may be used from any thread, one call at a time per object unless said otherwise.
+#pragma GCC visibility push(default)
+
 namespace collided {
 
 using Vec3 = Eigen::Vector3d;
@@ -83,8 +85,8 @@ struct NearQuestion {
 struct AskOptions {
   Pick pick = Pick::closest;          // rays only
   std::uint32_t mask = 0xffffffff;    // layers that may answer
-  std::string only;                   // name glob (* ? [...]), empty: everything
-  std::string skip;                   // name glob, empty: nothing
+  std::string only = {};              // name glob (* ? [...]), empty: everything
+  std::string skip = {};              // name glob, empty: nothing
   std::uint32_t max_hits = 1000;      // per question; more are cut and the answer is undecided (truncated)
   double error_m = 0;                 // error asked; 0: exact on doubt
   std::chrono::nanoseconds deadline{0};             // 0: none; later answers are undecided (deadline)
@@ -165,8 +167,8 @@ struct Event {
 };
 
 struct WatchOptions {
-  std::string only;            // either name must match; empty: everything
-  std::string skip;            // neither name may match
+  std::string only = {};       // either name must match; empty: everything
+  std::string skip = {};       // neither name may match
   bool persisted = false;
   std::size_t capacity = 65'536;  // of the poll queue; beyond it the oldest are dropped and counted
 };
@@ -229,9 +231,9 @@ struct Pose {
 enum class WhenLost { remove, freeze, hold };
 
 struct ObjectOptions {
-  std::string name;  // unique in the world, at most 255 bytes
-  Shape shape;
-  Pose pose;
+  std::string name = {};  // unique in the world, at most 255 bytes
+  Shape shape = {};
+  Pose pose = {};
   std::uint32_t layers = 1;
   std::uint32_t mask = 0xffffffff;
   std::uint32_t group = 0;  // members of one group other than 0 never meet
@@ -302,7 +304,7 @@ struct ConnectOptions {
   int domain = 0;
   std::string name_space = "collided";
   std::string interface = "lo";  // "auto" opens it to the network
-  std::vector<std::string> peers;
+  std::vector<std::string> peers = {};
   std::chrono::nanoseconds wait{2'000'000'000};  // for a server to answer
 };
 
@@ -339,7 +341,7 @@ class Client {
   Result<Publisher> publish(const std::string& publisher_name);
 
   /// Commands (load, add, move, remove, clear, list, get, plan, ...): JSON in, JSON out.
-  /// progress is called with a fraction in [0, 1] from a thread of the library.
+  /// progress is called with a fraction in [0, 1] from the calling thread; each call starts the timeout anew.
   Result<std::string> command(std::string_view name, std::string_view json_arguments,
                               const Shape& shape = {}, std::chrono::nanoseconds timeout = std::chrono::seconds(10),
                               std::function<void(double)> progress = {});
@@ -357,3 +359,5 @@ class Client {
 std::string_view library_version();
 
 }  // namespace collided
+
+#pragma GCC visibility pop

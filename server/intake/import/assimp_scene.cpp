@@ -6,6 +6,8 @@
 
 #include <assimp/Importer.hpp>
 #include <cmath>
+#include <string>
+#include <unordered_map>
 
 #include "server/intake/file_bytes.hpp"
 #include "server/intake/names.hpp"
@@ -33,6 +35,7 @@ class AssimpReader {
       : from_(from), options_(options), report_(report) {}
 
   Scene read() {
+    count_names();
     // Our own stack: how deep a file nests is the file's choice.
     std::vector<std::pair<const aiNode*, Placement>> waiting = {{from_.mRootNode, {}}};
     while (!waiting.empty()) {
@@ -49,6 +52,23 @@ class AssimpReader {
   }
 
  private:
+  void count_names() {
+    std::vector<const aiNode*> waiting = {from_.mRootNode};
+    while (!waiting.empty()) {
+      const aiNode* node = waiting.back();
+      waiting.pop_back();
+      name_counts_[node->mName.C_Str()] += node->mNumMeshes > 0 ? 1 : 0;
+      waiting.insert(waiting.end(), node->mChildren, node->mChildren + node->mNumChildren);
+    }
+  }
+
+  /// A name that many nodes have ("IfcMappedItem") says little; the parent's says what it is part of.
+  std::string part_name(const aiNode& node) {
+    const std::string name = node.mName.C_Str();
+    const bool needs_parent = name_counts_[name] > 1 && node.mParent != nullptr && node.mParent->mName.length > 0;
+    return needs_parent ? fmt::format("{}/{}", node.mParent->mName.C_Str(), name) : name;
+  }
+
   void add_part(const aiNode& node, const Placement& placement) {
     const std::size_t first = scene_.mesh.triangles.size();
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
@@ -56,7 +76,7 @@ class AssimpReader {
     }
     const std::size_t count = scene_.mesh.triangles.size() - first;
     if (count > 0) {
-      scene_.parts.push_back({.name = std::string(node.mName.C_Str(), node.mName.length),
+      scene_.parts.push_back({.name = part_name(node),
                               .first_triangle = static_cast<std::uint32_t>(first),
                               .triangle_count = static_cast<std::uint32_t>(count)});
     }
@@ -73,7 +93,8 @@ class AssimpReader {
       const aiVector3D& v = mesh.mVertices[i];
       scene_.mesh.vertices.push_back(placement.linear * Vec3(v.x, v.y, v.z) + placement.offset);
       if (!scene_.mesh.vertices.back().allFinite()) {
-        throw LoadError(fmt::format("node {}: vertex {} is ({}, {}, {})", quoted(node.mName.C_Str()), i, v.x, v.y, v.z));
+        throw LoadError(
+            fmt::format("node {}: vertex {} is ({}, {}, {})", quoted(node.mName.C_Str()), i, v.x, v.y, v.z));
       }
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
@@ -127,6 +148,7 @@ class AssimpReader {
   const LoadOptions& options_;
   LoadReport& report_;
   Scene scene_;
+  std::unordered_map<std::string, std::uint64_t> name_counts_;
   std::uint64_t other_faces_ = 0;
   std::string precision_warning_;
 };

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/cli/session.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace collided::cli {
+
+/// One verb while it runs: options are declared on the parser, which fills the members, then run() does the work.
+class Command {
+ public:
+  virtual ~Command() = default;
+  virtual void declare(CLI::App& app) = 0;
+  virtual Exit run(Session& session, const Globals& globals) = 0;
+};
+
+/// What `collide help` says of a verb.
+struct Verb {
+  std::string_view name;
+  std::string_view group;
+  std::string_view summary;
+  std::string_view usage;     // one form a line, without "collide"
+  std::string_view examples;  // lines as typed after "collide "
+  std::unique_ptr<Command> (*make)();
+  bool passes_words_on = false;  // the words go to another program as they are
+};
+
+/// Every verb that works, in the order of the help.
+const std::vector<Verb>& verbs();
+const Verb* find_verb(std::string_view name);
+
+std::unique_ptr<Command> make_ray();
+std::unique_ptr<Command> make_sphere();
+std::unique_ptr<Command> make_box();
+std::unique_ptr<Command> make_near();
+std::unique_ptr<Command> make_watch();
+std::unique_ptr<Command> make_add();
+std::unique_ptr<Command> make_move();
+std::unique_ptr<Command> make_rm();
+std::unique_ptr<Command> make_publish();
+std::unique_ptr<Command> make_load();
+std::unique_ptr<Command> make_clear();
+std::unique_ptr<Command> make_status();
+std::unique_ptr<Command> make_ls();
+std::unique_ptr<Command> make_get();
+std::unique_ptr<Command> make_plan();
+std::unique_ptr<Command> make_check();
+std::unique_ptr<Command> make_convert();
+std::unique_ptr<Command> make_help();
+std::unique_ptr<Command> make_version();
+
+/// For verbs whose words are passed on: check and convert take them here instead of through declare().
+class PassOn : public Command {
+ public:
+  virtual void take_words(std::vector<std::string> words) = 0;
+};
+
+}  // namespace collided::cli

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace collided::cli {
+
+/// What the process ends with; scripts rely on the numbers.
+enum class Exit : int {
+  yes = 0,
+  no = 1,
+  bad_use = 2,
+  undecided = 3,
+  no_server = 4,
+  refused = 5,
+  partly_refused = 6,
+  interrupted = 130,
+};
+
+/// Ends the verb: `message` is printed after "error: ", each line of `hint` indented below it.
+struct Failure : std::runtime_error {
+  Failure(Exit exit_code, const std::string& message, std::string next_step = {})
+      : std::runtime_error(message), code(exit_code), hint(std::move(next_step)) {}
+  Exit code;
+  std::string hint;
+};
+
+/// Bad use or bad input: nothing was sent.
+inline Failure bad_use(const std::string& message, std::string hint = {}) {
+  return {Exit::bad_use, message, std::move(hint)};
+}
+
+}  // namespace collided::cli

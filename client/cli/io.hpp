@@ -1,0 +1,28 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <ostream>
+#include <string>
+
+namespace collided::cli {
+
+/// Where a command line reads and writes. Tests give strings and pipes.
+struct Io {
+  int in = 0;  // file descriptor
+  std::ostream& out;
+  std::ostream& err;
+  bool out_is_terminal = false;
+  bool err_is_terminal = false;
+  std::function<const char*(const char*)> environment;  // getenv
+
+  std::string env(const char* name) const {
+    const char* value = environment ? environment(name) : nullptr;
+    return value == nullptr ? std::string() : std::string(value);
+  }
+};
+
+/// Set by SIGINT and SIGTERM; every loop looks at it.
+inline std::atomic<bool> stop_requested{false};
+
+}  // namespace collided::cli

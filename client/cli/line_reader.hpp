@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace collided::cli {
+
+/// Lines of a file descriptor, with a say in waiting: a pipe that pauses must not hold back answers already asked for.
+/// A line longer than kLongestLine is cut and the rest skipped; the reader says so.
+class LineReader {
+ public:
+  static constexpr std::size_t kLongestLine = 1 << 20;
+
+  explicit LineReader(int file) : file_(file), buffer_(kBufferBytes) {}
+
+  /// The next line without its line end; false at the end of input or when interrupted. Waits.
+  bool next(std::string& line);
+  /// True if next() would return at once.
+  bool ready();
+  /// Number of the line that next() gave last, from 1.
+  std::size_t line_number() const { return line_number_; }
+  bool line_was_cut() const { return cut_; }
+  bool failed() const { return failed_; }
+
+ private:
+  static constexpr std::size_t kBufferBytes = 1 << 18;
+  bool fill(int wait_ms);
+  const char* line_end() const;
+
+  int file_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  std::size_t line_number_ = 0;
+  bool ended_ = false;
+  bool failed_ = false;
+  bool cut_ = false;
+};
+
+/// Opens a file for reading, or takes `in` for "-". Throws Failure with the reason.
+class InputFile {
+ public:
+  InputFile(const std::string& path, int in);
+  ~InputFile();
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+  int descriptor() const { return file_; }
+  /// "rays.csv", or "stdin".
+  const std::string& name() const { return name_; }
+
+ private:
+  int file_;
+  bool owned_;
+  std::string name_;
+};
+
+}  // namespace collided::cli

@@ -1,0 +1,39 @@
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+
+#include "client/cli/run.hpp"
+
+namespace {
+
+extern "C" void on_interrupt(int signal_number) {
+  // A second Ctrl-C ends a program that hangs.
+  if (collided::cli::stop_requested.exchange(true)) std::_Exit(128 + signal_number);
+}
+
+void install_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  // `collide watch | head` ends when the next write fails, without a word.
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  std::ios::sync_with_stdio(false);
+  std::cin.tie(nullptr);
+  install_signals();
+  collided::cli::Io io{.in = STDIN_FILENO,
+                       .out = std::cout,
+                       .err = std::cerr,
+                       .out_is_terminal = ::isatty(STDOUT_FILENO) == 1,
+                       .err_is_terminal = ::isatty(STDERR_FILENO) == 1,
+                       .environment = [](const char* name) -> const char* { return std::getenv(name); }};
+  return collided::cli::run({arguments + 1, arguments + argument_count}, io);
+}

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+#include "client/cli/io.hpp"
+
+namespace collided::cli {
+
+/// Sleeps until a time on the steady clock or an interrupt; false when interrupted.
+inline bool sleep_until(std::chrono::steady_clock::time_point when) {
+  constexpr std::chrono::milliseconds kInterruptCheck{50};
+  while (!stop_requested) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= when) return true;
+    std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(when - now, kInterruptCheck));
+  }
+  return false;
+}
+
+/// When a run ends: after a count, after a time, or never.
+class Until {
+ public:
+  using Clock = std::chrono::steady_clock;
+  Until(std::uint64_t most_count, std::chrono::nanoseconds most_time) : most_count_(most_count) {
+    constexpr std::chrono::hours kForever{24 * 365 * 100};
+    end_ = Clock::now() + std::min<std::chrono::nanoseconds>(most_time, kForever);
+  }
+  bool reached(std::uint64_t count) const { return stop_requested || (most_count_ > 0 && count >= most_count_) || Clock::now() >= end_; }
+  Clock::time_point end() const { return end_; }
+
+ private:
+  std::uint64_t most_count_;
+  Clock::time_point end_;
+};
+
+}  // namespace collided::cli

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string_view>
+
+#include "client/cli/session.hpp"
+
+namespace collided::cli {
+
+/// A line on stderr that is written over: only on a terminal, only after 400 ms, at most ten times a second, and erased
+/// at the end.
+class Progress {
+ public:
+  Progress(Io& io, const Globals& globals);
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// fraction in [0, 1]; below 0: not known.
+  void show(std::uint64_t done, std::string_view what, double fraction = -1);
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Io& io_;
+  bool wanted_;
+  bool shown_ = false;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point next_ = start_ + std::chrono::milliseconds(400);
+};
+
+}  // namespace collided::cli

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <future>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <collided/client.hpp>
+
+namespace collided::cli {
+
+enum class QuestionKind { ray, sphere, box, near };
+
+/// Questions of one kind; the alternatives stand in the order of QuestionKind.
+using Questions = std::variant<std::vector<RayQuestion>, std::vector<SphereQuestion>, std::vector<BoxQuestion>,
+                               std::vector<NearQuestion>>;
+
+Questions no_questions(QuestionKind kind);
+std::size_t question_count(const Questions& questions);
+std::future<Result<Answers>> ask_async(Client& client, Questions questions, const AskOptions& options);
+Result<Answers> ask(Client& client, const Questions& questions, const AskOptions& options);
+
+/// One number of a question in a file: a CSV column.
+struct Column {
+  std::string_view name;
+  std::string_view other_name;  // also understood; may be empty
+};
+
+/// A key of a question in JSON: `count` numbers that are the columns from `first` on.
+struct JsonKey {
+  std::string_view name;
+  std::size_t first;
+  std::size_t count;
+};
+
+inline constexpr std::size_t kMostColumns = 16;
+
+/// How a kind of question is written in files.
+struct QuestionForm {
+  std::string_view plural;
+  std::span<const Column> columns;
+  std::span<const JsonKey> keys;
+  std::size_t fewest_bare;  // numbers of a line without header: at least this many of the first columns,
+  std::size_t most_bare;    // and at most this many
+};
+const QuestionForm& form_of(QuestionKind kind);
+
+/// The numbers of one question by column, and which were given.
+struct Numbers {
+  std::array<double, kMostColumns> value{};
+  std::uint32_t given = 0;
+
+  void set(std::size_t column, double number) {
+    value[column] = number;
+    given |= std::uint32_t{1} << column;
+  }
+  bool has(std::size_t first, std::size_t count) const {
+    const std::uint32_t bits = ((std::uint32_t{1} << count) - 1) << first;
+    return (given & bits) == bits;
+  }
+  Vec3 vector(std::size_t first) const { return {value[first], value[first + 1], value[first + 2]}; }
+};
+
+/// Adds the question to those of its kind; throws Failure when numbers are missing or mean nothing.
+void add_question(Questions& questions, const Numbers& numbers);
+
+/// Columns of each kind, by name: the same for files and for what is typed.
+namespace column {
+enum Ray : std::size_t { kFrom = 0, kDirection = 3, kLength = 6, kTo = 7 };
+enum Sphere : std::size_t { kSphereCenter = 0, kRadius = 3 };
+enum Box : std::size_t { kLow = 0, kHigh = 3, kBoxCenter = 6, kSize = 9, kQuaternion = 12 };
+enum Near : std::size_t { kPoint = 0, kReach = 3 };
+}  // namespace column
+
+/// Roll, pitch, yaw about the fixed x, y, z axes, in this order.
+Quat from_roll_pitch_yaw(const Vec3& angles_rad);
+
+/// A rotation of four numbers w x y z; throws Failure unless the norm is 1 within 1e-6, then normalises.
+Quat unit_quaternion(double w, double x, double y, double z);
+
+}  // namespace collided::cli

@@ -1,0 +1,212 @@
+#include "client/cli/run.hpp"
+
+#include <algorithm>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/help.hpp"
+#include "client/cli/line_reader.hpp"
+#include "client/cli/suggest.hpp"
+#include "client/cli/tokens.hpp"
+
+namespace collided::cli {
+namespace {
+
+constexpr std::string_view kConnectionGroup = "Connection";
+constexpr std::string_view kOutputGroup = "Output";
+
+void declare_globals(CLI::App& app, Globals& globals) {
+  const std::string output(kOutputGroup);
+  app.add_flag("--json", globals.json, "One JSON object a line")->group(output);
+  app.add_flag("--csv", globals.csv, "CSV with a header")->group(output);
+  app.add_flag("--plain", globals.plain, "Fields apart by tabs, no header (the default off a terminal)")->group(output);
+  app.add_flag("--table", globals.table, "For people (the default on a terminal)")->group(output);
+  app.add_option("--fields", globals.fields, "Only these fields, in this order: a,b,c")->group(output);
+  app.add_flag("-q,--quiet", globals.quiet, "No hints")->group(output);
+  app.add_flag("-v,--verbose", globals.verbose, "Say what the answer cost")->group(output);
+  app.add_option("--color", globals.color, "auto, always or never")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->group(output);
+  app.add_flag("--exit-zero", globals.exit_zero, "Exit 0 for 'no' and 'undecided' too")->group(output);
+  const std::string connection(kConnectionGroup);
+  app.add_option("--domain", globals.domain, "DDS domain (COLLIDED_DOMAIN, ROS_DOMAIN_ID, 0)")->group(connection);
+  app.add_option("--namespace", globals.name_space, "Of the server (COLLIDED_NAMESPACE, 'collided')")->group(connection);
+  app.add_option("--interface", globals.interface, "lo, eth0, auto (COLLIDED_INTERFACE, lo)")->group(connection);
+  app.add_option("--peer", globals.peers, "Host to look for the server on; repeatable")->allow_extra_args(false)->group(connection);
+  app.add_option("--wait", globals.wait, "How long a server may take to answer hello (2s)")->group(connection);
+  app.add_option("--timeout", globals.timeout, "How long one answer may take")->group(connection);
+}
+
+/// Where the verb stands in the tokens; options of rule 1 may come before it. tokens.size() where there is none.
+std::size_t verb_position(const std::vector<std::string>& tokens, CLI::App& globals_only) {
+  for (std::size_t at = 0; at < tokens.size(); ++at) {
+    if (tokens[at] == "-" || !tokens[at].starts_with("-")) return at;
+    const CLI::Option* option = globals_only.get_option_no_throw(tokens[at]);
+    const bool takes_value = option != nullptr && option->get_items_expected_max() > 0;
+    if (takes_value) ++at;
+  }
+  return tokens.size();
+}
+
+std::vector<std::string> option_names(CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+void refuse_leftovers(CLI::App& app) {
+  for (const std::string& leftover : app.remaining()) {
+    const std::string word = unmarked(leftover);
+    if (word == leftover && word.starts_with("-")) {
+      throw bad_use(fmt::format("unknown option '{}'{}", word, did_you_mean(word, option_names(app))));
+    }
+    throw bad_use(fmt::format("'{}' has no meaning here", word));
+  }
+}
+
+/// Fills the verb's members and the globals from the tokens. False when help was asked for, and given.
+bool parse(const Verb& verb, Command& command, std::vector<std::string> tokens, Io& io, Globals& globals) {
+  CLI::App app(std::string(verb.summary), "collide " + std::string(verb.name));
+  app.set_help_flag("-h,--help", "This help");
+  app.allow_extras();
+  command.declare(app);
+  declare_globals(app, globals);
+  for (CLI::Option* option : app.get_options()) option->transform([](std::string text) { return unmarked(std::move(text)); });
+  std::reverse(tokens.begin(), tokens.end());  // the parser takes them from the back
+  try {
+    app.parse(std::move(tokens));
+    refuse_leftovers(app);
+  } catch (const CLI::CallForHelp&) {
+    print_verb_help(io, verb, app);
+    return false;
+  } catch (const CLI::ParseError& error) {
+    throw bad_use(error.what());
+  }
+  return true;
+}
+
+Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& session, Globals& globals) {
+  const std::unique_ptr<Command> command = verb.make();
+  try {
+    if (verb.passes_words_on) {
+      for (std::string& token : tokens) token = unmarked(std::move(token));
+      static_cast<PassOn&>(*command).take_words(std::move(tokens));
+    } else if (!parse(verb, *command, std::move(tokens), session.io, globals)) {
+      return Exit::yes;
+    }
+    const Exit code = command->run(session, globals);
+    session.io.out.flush();
+    return code;
+  } catch (const Failure& failure) {
+    session.io.out.flush();
+    if (failure.code != Exit::bad_use) throw;
+    throw Failure(failure.code, fmt::format("{}: {}", verb.name, failure.what()), failure.hint);
+  }
+}
+
+const Verb& known_verb(const std::string& name) {
+  if (const Verb* verb = find_verb(name)) return *verb;
+  std::vector<std::string> names;
+  for (const Verb& verb : verbs()) names.emplace_back(verb.name);
+  throw bad_use(fmt::format("unknown verb '{}'{}", name, did_you_mean(name, names)));
+}
+
+Exit run_tokens(std::vector<std::string> tokens, Session& session, Globals& globals);
+
+/// `collide -`: one verb a line over one connection. A line that fails is reported and the next one runs.
+Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globals) {
+  CLI::App app("", "collide -");
+  app.set_help_flag();
+  app.allow_extras();
+  declare_globals(app, globals);
+  std::reverse(tokens.begin(), tokens.end());
+  try {
+    app.parse(std::move(tokens));
+    refuse_leftovers(app);
+  } catch (const CLI::ParseError& error) {
+    throw bad_use(error.what());
+  }
+  LineReader lines(session.io.in);
+  std::string line;
+  std::size_t failed = 0;
+  while (lines.next(line) && !stop_requested) {
+    Globals line_globals = globals;
+    try {
+      const std::vector<std::string> words = split_words(line);
+      if (words.empty()) continue;
+      const std::vector<std::string> line_tokens = prepare_tokens(words);
+      if (line_tokens.front() == "-") throw bad_use("'-' has no meaning inside 'collide -'");
+      run_tokens(line_tokens, session, line_globals);
+    } catch (const Failure& failure) {
+      if (failure.code == Exit::no_server) throw;
+      ++failed;
+      print_failure(session.io, line_globals,
+                    Failure(failure.code, fmt::format("line {}: {}", lines.line_number(), failure.what()), failure.hint));
+    }
+    session.io.out.flush();
+  }
+  if (stop_requested) return Exit::interrupted;
+  return failed > 0 ? Exit::partly_refused : Exit::yes;
+}
+
+Exit run_tokens(std::vector<std::string> tokens, Session& session, Globals& globals) {
+  CLI::App globals_only("", "collide");
+  Globals ignored;
+  declare_globals(globals_only, ignored);
+  const std::size_t at = verb_position(tokens, globals_only);
+  const bool asks_help = std::find_if(tokens.begin(), tokens.end(), [](const std::string& token) {
+                           return token == "-h" || token == "--help";
+                         }) != tokens.end();
+  if (at == tokens.size()) {
+    if (std::find(tokens.begin(), tokens.end(), "--version") != tokens.end()) {
+      return run_verb(known_verb("version"), {}, session, globals);
+    }
+    if (!tokens.empty() && !asks_help) {
+      CLI::App app("", "collide");
+      app.set_help_flag();
+      app.allow_extras();
+      declare_globals(app, ignored);
+      std::reverse(tokens.begin(), tokens.end());
+      try {
+        app.parse(std::move(tokens));
+        refuse_leftovers(app);
+      } catch (const CLI::ParseError& error) {
+        throw bad_use(error.what());
+      }
+    }
+    print_help(session.io);
+    return Exit::yes;
+  }
+  const std::string name = unmarked(tokens[at]);
+  tokens.erase(tokens.begin() + static_cast<std::ptrdiff_t>(at));
+  if (name == "-") return run_lines(std::move(tokens), session, globals);
+  return run_verb(known_verb(name), std::move(tokens), session, globals);
+}
+
+}  // namespace
+
+int run(const std::vector<std::string>& arguments, Io& io) {
+  Session session(io);
+  Globals globals;
+  Exit code = Exit::yes;
+  try {
+    code = run_tokens(prepare_tokens(arguments), session, globals);
+  } catch (const Failure& failure) {
+    print_failure(io, globals, failure);
+    code = failure.code;
+  } catch (const std::exception& error) {
+    // Nothing of ours throws anything else: memory, or a fault of collide itself.
+    print_failure(io, globals, Failure(Exit::refused, std::string("inside collide: ") + error.what()));
+    code = Exit::refused;
+  }
+  io.out.flush();
+  io.err.flush();
+  const bool an_answer = code == Exit::no || code == Exit::undecided;
+  return globals.exit_zero && an_answer ? 0 : static_cast<int>(code);
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,100 @@
+#include "client/cli/server_command.hpp"
+
+#include <fmt/format.h>
+
+#include "client/cli/number.hpp"
+#include "client/cli/suggest.hpp"
+#include "idl/commands.hpp"
+
+namespace collided::cli {
+namespace {
+
+constexpr std::chrono::seconds kCommandTimeout{10};
+constexpr std::chrono::minutes kLoadTimeout{10};
+constexpr std::uint64_t kMostNamesCompared = 100'000;
+
+/// Why a name was refused: a Failure with the nearest names if the world does not hold it, nothing otherwise.
+std::optional<Failure> unknown_object(Session& session, const Globals& globals, const std::string& object) {
+  namespace wire = wire_contract::command;
+  const nlohmann::json all = server_command(session, globals, wire::kList, {{"name", ""}, {"limit", kMostNamesCompared}});
+  std::vector<std::string> names;
+  for (const nlohmann::json& entry : all.value("objects", nlohmann::json::array())) {
+    names.push_back(text_of(entry, "name"));
+    if (names.back() == object) return std::nullopt;
+  }
+  std::string message = fmt::format("object '{}' is not in the world ({})", object, format_count(count_of(all, "version")));
+  const std::vector<std::string> nearest = nearest_names(object, names, 3);
+  for (std::size_t at = 0; at < nearest.size(); ++at) message += (at == 0 ? "; nearest names: " : ", ") + nearest[at];
+  return Failure(Exit::no, message);
+}
+
+}  // namespace
+
+nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name, const nlohmann::json& arguments,
+                              const Shape& shape, std::function<void(double)> progress) {
+  const bool may_take_long = name == wire_contract::command::kLoad;
+  const std::chrono::nanoseconds timeout = timeout_of(globals, may_take_long ? std::chrono::seconds(kLoadTimeout) : kCommandTimeout);
+  const std::string text = take(session.client(globals).command(name, arguments.dump(), shape, timeout, std::move(progress)));
+  nlohmann::json answer = nlohmann::json::parse(text, nullptr, false);
+  if (!answer.is_object()) throw Failure(Exit::refused, fmt::format("the server's answer to '{}' is not a JSON object", name));
+  return answer;
+}
+
+nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command, const std::string& object,
+                              const nlohmann::json& arguments) {
+  try {
+    return server_command(session, globals, command, arguments);
+  } catch (const Failure& failure) {
+    if (failure.code != Exit::refused) throw;
+    if (const std::optional<Failure> unknown = unknown_object(session, globals, object)) throw Failure(*unknown);
+    throw;
+  }
+}
+
+std::string text_of(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::uint64_t count_of(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
+}
+
+double number_of(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : 0;
+}
+
+bool flag_of(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_boolean() && found->get<bool>();
+}
+
+std::vector<std::string> texts_of(const nlohmann::json& object, const char* key) {
+  std::vector<std::string> texts;
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_array()) return texts;
+  for (const nlohmann::json& entry : *found) {
+    if (entry.is_string()) texts.push_back(entry.get<std::string>());
+  }
+  return texts;
+}
+
+std::vector<double> numbers_of(const nlohmann::json& object, const char* key) {
+  std::vector<double> numbers;
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_array()) return numbers;
+  for (const nlohmann::json& entry : *found) {
+    if (!entry.is_number()) break;
+    numbers.push_back(entry.get<double>());
+  }
+  return numbers;
+}
+
+nlohmann::json pose_json(const Pose& pose) {
+  return {pose.position.x(), pose.position.y(), pose.position.z(), pose.rotation.w(),
+          pose.rotation.x(), pose.rotation.y(), pose.rotation.z()};
+}
+
+}  // namespace collided::cli

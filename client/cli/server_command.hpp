@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "client/cli/session.hpp"
+
+namespace collided::cli {
+
+/// Sends a command and reads its answer; throws Failure with the server's own words when it refuses.
+nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name, const nlohmann::json& arguments,
+                              const Shape& shape = {}, std::function<void(double)> progress = {});
+
+/// As server_command for an object by name; an unknown name becomes "not in the world" with the nearest names.
+nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command, const std::string& object,
+                              const nlohmann::json& arguments);
+
+/// Members of a JSON answer, or what stands in their place when they are missing or of another type.
+std::string text_of(const nlohmann::json& object, const char* key);
+std::uint64_t count_of(const nlohmann::json& object, const char* key);
+double number_of(const nlohmann::json& object, const char* key);
+bool flag_of(const nlohmann::json& object, const char* key);
+std::vector<std::string> texts_of(const nlohmann::json& object, const char* key);
+/// The first numbers of an array member; fewer where it is shorter.
+std::vector<double> numbers_of(const nlohmann::json& object, const char* key);
+
+/// [x, y, z, qw, qx, qy, qz]
+nlohmann::json pose_json(const Pose& pose);
+
+}  // namespace collided::cli

@@ -1,0 +1,120 @@
+#include "client/cli/session.hpp"
+
+#include <fmt/format.h>
+
+#include "client/cli/number.hpp"
+
+namespace collided::cli {
+namespace {
+
+std::string first_given(std::initializer_list<std::string> values) {
+  for (const std::string& value : values) {
+    if (!value.empty()) return value;
+  }
+  return {};
+}
+
+Format format_by_name(const std::string& name) {
+  if (name == "table") return Format::table;
+  if (name == "plain") return Format::plain;
+  if (name == "json") return Format::json;
+  if (name == "csv") return Format::csv;
+  throw bad_use(fmt::format("COLLIDE_OUTPUT is '{}'; allowed: table, plain, json, csv", name));
+}
+
+Format chosen_format(const Io& io, const Globals& globals) {
+  if (globals.json + globals.csv + globals.plain + globals.table > 1) {
+    throw bad_use("--json, --csv, --plain and --table exclude each other");
+  }
+  if (globals.json) return Format::json;
+  if (globals.csv) return Format::csv;
+  if (globals.plain) return Format::plain;
+  if (globals.table) return Format::table;
+  const std::string by_environment = io.env("COLLIDE_OUTPUT");
+  if (!by_environment.empty()) return format_by_name(by_environment);
+  return io.out_is_terminal ? Format::table : Format::plain;
+}
+
+std::vector<std::string> field_names(const std::string& list) {
+  std::vector<std::string> names;
+  std::size_t begin = 0;
+  while (begin <= list.size() && !list.empty()) {
+    const std::size_t comma = std::min(list.find(',', begin), list.size());
+    if (comma > begin) names.push_back(list.substr(begin, comma - begin));
+    begin = comma + 1;
+  }
+  return names;
+}
+
+}  // namespace
+
+Client& Session::client(const Globals& globals) {
+  if (!client_) client_.emplace(take(Client::connect(connect_options(io, globals))));
+  return *client_;
+}
+
+bool color_wanted(const Io& io, const Globals& globals, bool stream_is_terminal) {
+  if (globals.color == "always") return true;
+  if (globals.color == "never") return false;
+  if (!io.env("NO_COLOR").empty()) return false;
+  const std::string forced = io.env("CLICOLOR_FORCE");
+  if (!forced.empty() && forced != "0") return true;
+  return stream_is_terminal && io.env("TERM") != "dumb";
+}
+
+Printer make_printer(Io& io, const Globals& globals) {
+  return {io.out, chosen_format(io, globals), field_names(globals.fields), color_wanted(io, globals, io.out_is_terminal)};
+}
+
+ConnectOptions connect_options(const Io& io, const Globals& globals) {
+  ConnectOptions options;
+  const std::string domain = first_given({globals.domain, io.env("COLLIDED_DOMAIN"), io.env("ROS_DOMAIN_ID")});
+  constexpr std::uint64_t kLastDomain = 232;  // of DDSI's default port mapping
+  if (!domain.empty()) {
+    const std::uint64_t number = parse_count(domain);
+    if (number > kLastDomain) throw bad_use(fmt::format("domain {} is above the last one, {}", number, kLastDomain));
+    options.domain = static_cast<int>(number);
+  }
+  const std::string name_space = first_given({globals.name_space, io.env("COLLIDED_NAMESPACE")});
+  if (!name_space.empty()) options.name_space = name_space;
+  const std::string interface = first_given({globals.interface, io.env("COLLIDED_INTERFACE")});
+  if (!interface.empty()) options.interface = interface;
+  options.peers = globals.peers;
+  if (!globals.wait.empty()) options.wait = parse_duration(globals.wait);
+  return options;
+}
+
+std::chrono::nanoseconds timeout_of(const Globals& globals, std::chrono::nanoseconds otherwise) {
+  return globals.timeout.empty() ? otherwise : parse_duration(globals.timeout);
+}
+
+Failure as_failure(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::bad_input: return {Exit::bad_use, error.message, error.hint};
+    case ErrorCode::no_server:
+    case ErrorCode::disconnected:
+    case ErrorCode::timeout: return {Exit::no_server, error.message, error.hint};
+    case ErrorCode::refused: return {Exit::refused, "server refused: " + error.message, error.hint};
+    case ErrorCode::internal: break;
+  }
+  return {Exit::refused, "inside collide: " + error.message, error.hint};
+}
+
+void print_failure(Io& io, const Globals& globals, const Failure& failure) {
+  const bool color = color_wanted(io, globals, io.err_is_terminal);
+  const char* word = failure.code == Exit::interrupted ? "interrupted" : "error";
+  io.err << (color ? fmt::format("\x1b[31m{}:\x1b[0m ", word) : fmt::format("{}: ", word)) << failure.what() << '\n';
+  std::string_view hint = failure.hint;
+  while (!hint.empty() && !globals.quiet) {
+    const std::size_t end = std::min(hint.find('\n'), hint.size());
+    io.err << "       " << hint.substr(0, end) << '\n';
+    hint.remove_prefix(std::min(end + 1, hint.size()));
+  }
+  io.err.flush();
+}
+
+void print_hint(Io& io, const Globals& globals, std::string_view text) {
+  if (!globals.quiet) io.err << text << '\n';
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,77 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "client/cli/command.hpp"
+
+namespace collided::cli {
+namespace {
+
+class VersionCommand : public Command {
+ public:
+  void declare(CLI::App& app) override { app.add_flag("--server", ask_server_, "The server's too"); }
+
+  Exit run(Session& session, const Globals& globals) override {
+    Printer printer = make_printer(session.io, globals);
+    const std::string server = ask_server_ ? take(session.client(globals).status()).version_text : std::string();
+    if (printer.human()) {
+      printer.line(fmt::format("collide {}", library_version()));
+      if (ask_server_) printer.line(fmt::format("collided {}", server));
+    } else {
+      Record record{{"client", library_version()}};
+      if (ask_server_) record.push_back({"server", server});
+      printer.record(record);
+    }
+    return Exit::yes;
+  }
+
+ private:
+  bool ask_server_ = false;
+};
+
+}  // namespace
+
+const std::vector<Verb>& verbs() {
+  static const std::vector<Verb> all{
+      {"ray", "Ask", "what a ray meets", "ray X Y Z  DX DY DZ\nray X Y Z --to X Y Z\nray FILE|-",
+       "ray 0 0 5  0 0 -1\nray 0 0 5 --to 4 4 0 --all --only 'pallet_*' --json\nray - < rays.csv > hits.csv", make_ray},
+      {"sphere", "Ask", "what touches a sphere", "sphere X Y Z R\nsphere FILE|-",
+       "sphere 1 2 0.5 30cm\nsphere 1 2 0.5 0.3 --watch -n 3", make_sphere},
+      {"box", "Ask", "what touches a box", "box X Y Z  X Y Z\nbox --center X Y Z --size X Y Z [--rpy R P Y]\nbox FILE|-",
+       "box 0 0 0  1 1 1 --count\nbox --center 0 0 0 --size 1 1 1 --rpy 0 0 45deg", make_box},
+      {"near", "Ask", "what is nearest to a point", "near X Y Z\nnear FILE|-", "near 0 0 0 -k 3\nnear 0 0 0 --reach 2 --json", make_near},
+      {"watch", "Follow", "collisions as they begin and end", "watch", "watch --only 'drone_*' -n 1 --for 10s\nwatch --format '{t} {what} {a} {b} {depth}'\nwatch --exec 'notify-send \"{a} hit {b}\"'",
+       make_watch},
+      {"status", "Look", "how the server is", "status", "status\nstatus --json", make_status},
+      {"ls", "Look", "what is in the world", "ls [GLOB]", "ls --moving 'drone_*' --json", make_ls},
+      {"get", "Look", "everything about one object", "get NAME", "get crate", make_get},
+      {"plan", "Look", "what this scene built and left out, and why", "plan", "plan\nplan --pairs", make_plan},
+      {"add", "Change", "put an object into the world", "add NAME SHAPE NUMBERS [--at X Y Z]",
+       "add crate box 0.4 0.4 0.4 --at 1 2 0.2 --rpy 0 0 30deg\nadd ball sphere 5cm --at 0 0 1", make_add},
+      {"move", "Change", "move an object that no publisher owns", "move NAME X Y Z", "move crate 1.2 2 0.2\nmove crate 0 0 1cm --by", make_move},
+      {"rm", "Change", "take objects out of the world", "rm NAME|GLOB ...", "rm crate", make_rm},
+      {"publish", "Change", "move objects: from a file, a recording, a path, or spheres in a cube",
+       "publish FILE.csv|-\npublish FILE.bvh\npublish --spheres N\npublish --path FILE | --waypoints POINTS",
+       "publish poses.csv --rate 200 --loop\npublish 01_01.bvh --unit 0.056444 --up z --loop\n"
+       "publish --spheres 20 --polygons 256 --size 0.2 --seed 7 --bounce\npublish --waypoints \"0,0,1 2,0,1 2,2,1\" --speed 0.5m/s --shape box:0.4,0.4,0.1",
+       make_publish},
+      {"load", "Change", "load a file as a scene", "load FILE", "load warehouse.obj --unit mm --up y", make_load},
+      {"clear", "Change", "empty the world, or one scene of it", "clear [SCENE]", "clear --moving", make_clear},
+      {"help", "More", "what a verb does", "help [VERB]", "", make_help},
+      {"version", "More", "versions", "version", "version --server", make_version},
+  };
+  return all;
+}
+
+const Verb* find_verb(std::string_view name) {
+  for (const Verb& verb : verbs()) {
+    if (verb.name == name) return &verb;
+  }
+  return nullptr;
+}
+
+std::unique_ptr<Command> make_version() {
+  return std::make_unique<VersionCommand>();
+}
+
+}  // namespace collided::cli

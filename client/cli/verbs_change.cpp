@@ -1,0 +1,279 @@
+#include <algorithm>
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/number.hpp"
+#include "client/cli/progress.hpp"
+#include "client/cli/server_command.hpp"
+#include "client/cli/shape_text.hpp"
+#include "idl/commands.hpp"
+
+namespace collided::cli {
+namespace {
+
+namespace wire = wire_contract::command;
+
+/// A command's answer: its own members for machines, one line for people.
+void print_done(Session& session, const Globals& globals, const Record& record, const std::string& line) {
+  Printer printer = make_printer(session.io, globals);
+  if (printer.human()) printer.line(line);
+  else printer.record(record);
+  printer.finish();
+}
+
+std::string joined(const std::vector<std::string>& names, std::size_t most = 5) {
+  std::string text;
+  for (std::size_t at = 0; at < std::min(most, names.size()); ++at) text += (at == 0 ? "" : ", ") + printable(names[at]);
+  if (names.size() > most) text += fmt::format(" and {} more", names.size() - most);
+  return text;
+}
+
+RawJson names_json(const std::vector<std::string>& names) {
+  return {nlohmann::json(names).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+}
+
+class AddCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("words", words_, "NAME SHAPE NUMBERS");
+    app.add_option("--at", at_, "Position X Y Z");
+    app.add_option("--rpy", rpy_, "Roll, pitch, yaw: 0 0 30deg");
+    app.add_option("--quat", quat_, "Rotation w x y z");
+    app.add_option("--layers", layers_, "Layers it is in: bits (1)");
+    app.add_option("--mask", mask_, "Layers that it meets: bits (all)");
+    app.add_option("--group", group_, "Members of one group other than 0 never meet");
+    app.add_flag("--static", static_, "It will not move");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (words_.size() < 2) throw bad_use("a name and a shape are needed", "shapes: sphere R, box X Y Z, capsule R L");
+    const std::string& name = words_[0];
+    const ShapePart shape = make_shape(words_[1], parse_numbers({words_.begin() + 2, words_.end()}, Measure::length));
+    const nlohmann::json arguments{{"name", name},
+                                   {"pose", pose_json(parse_pose(at_, rpy_, quat_))},
+                                   {"layers", parse_bits(layers_)},
+                                   {"mask", parse_bits(mask_)},
+                                   {"group", parse_bits(group_)},
+                                   {"moving", !static_}};
+    const nlohmann::json answer = server_command(session, globals, wire::kAdd, arguments, {shape});
+    const std::uint64_t version = count_of(answer, "version");
+    print_done(session, globals, {{"added", std::string(name)}, {"id", count_of(answer, "id")}, {"world", version}},
+               fmt::format("added {} (world {})", printable(name), version));
+    return Exit::yes;
+  }
+
+ private:
+  std::vector<std::string> words_;
+  std::string at_;
+  std::string rpy_;
+  std::string quat_;
+  std::string layers_ = "1";
+  std::string mask_ = "0xffffffff";
+  std::string group_ = "0";
+  bool static_ = false;
+};
+
+class MoveCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("words", words_, "NAME X Y Z");
+    app.add_option("--rpy", rpy_, "Roll, pitch, yaw: 0 0 30deg (without: as it is)");
+    app.add_option("--quat", quat_, "Rotation w x y z");
+    app.add_flag("--by", by_, "X Y Z is added to where it is");
+    app.add_flag("--teleport", teleport_, "Nothing lies on the way");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (words_.empty()) throw bad_use("which object?", "collide move NAME X Y Z");
+    const std::string& name = words_[0];
+    const std::vector<double> numbers = parse_numbers({words_.begin() + 1, words_.end()}, Measure::length);
+    if (numbers.size() != 3) throw bad_use(fmt::format("{} numbers; a position takes 3", numbers.size()));
+    Pose pose = parse_pose({}, rpy_, quat_);
+    pose.position = Vec3(numbers[0], numbers[1], numbers[2]);
+    if (!pose.position.allFinite()) throw bad_use("a position must be finite");
+    if (by_ || (rpy_.empty() && quat_.empty())) start_from_present(session, globals, name, pose);
+    const nlohmann::json answer =
+        object_command(session, globals, wire::kMove, name, {{"name", name}, {"pose", pose_json(pose)}, {"teleport", teleport_}});
+    print(session, globals, name, answer);
+    return Exit::yes;
+  }
+
+ private:
+  void start_from_present(Session& session, const Globals& globals, const std::string& name, Pose& pose) const {
+    const std::vector<double> now = numbers_of(object_command(session, globals, wire::kGet, name, {{"name", name}}), "pose");
+    if (now.size() != 7) throw Failure(Exit::refused, fmt::format("the server gave no pose for '{}'", name));
+    if (rpy_.empty() && quat_.empty()) pose.rotation = Quat(now[3], now[4], now[5], now[6]);
+    if (by_) pose.position += Vec3(now[0], now[1], now[2]);
+  }
+
+  static void print(Session& session, const Globals& globals, const std::string& name, const nlohmann::json& answer) {
+    const std::vector<std::string> began = texts_of(answer, "began");
+    const std::vector<std::string> ended = texts_of(answer, "ended");
+    std::string line = fmt::format("moved {} {}", printable(name), format_length(number_of(answer, "moved_m")));
+    if (!began.empty()) line += "; began x " + joined(began);
+    if (!ended.empty()) line += "; ended x " + joined(ended);
+    print_done(session, globals,
+               {{"moved", std::string(name)},
+                {"distance", number_of(answer, "moved_m")},
+                {"began", names_json(began)},
+                {"ended", names_json(ended)},
+                {"world", count_of(answer, "version")}},
+               line);
+  }
+
+  std::vector<std::string> words_;
+  std::string rpy_;
+  std::string quat_;
+  bool by_ = false;
+  bool teleport_ = false;
+};
+
+class RemoveCommand : public Command {
+ public:
+  void declare(CLI::App& app) override { app.add_option("names", names_, "Names or globs"); }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (names_.empty()) throw bad_use("which object?");
+    std::size_t removed_count = 0;
+    for (const std::string& name : names_) removed_count += remove(session, globals, name);
+    return removed_count > 0 ? Exit::yes : Exit::no;
+  }
+
+ private:
+  static std::size_t remove(Session& session, const Globals& globals, const std::string& name) {
+    const bool is_glob = name.find_first_of("*?[") != std::string::npos;
+    const nlohmann::json arguments{{"name", name}};
+    const nlohmann::json answer = is_glob ? server_command(session, globals, wire::kRemove, arguments)
+                                          : object_command(session, globals, wire::kRemove, name, arguments);
+    const std::vector<std::string> removed = texts_of(answer, "removed");
+    const std::uint64_t ended = count_of(answer, "ended");
+    const std::uint64_t version = count_of(answer, "version");
+    std::string line = removed.empty() ? fmt::format("nothing is named '{}'", printable(name))
+                                       : fmt::format("removed {} (world {})", joined(removed), version);
+    if (ended > 0) line += fmt::format("; it had {} open contact{}, ended (removed)", ended, ended == 1 ? "" : "s");
+    print_done(session, globals, {{"removed", names_json(removed)}, {"ended", ended}, {"world", version}}, line);
+    return removed.size();
+  }
+
+  std::vector<std::string> names_;
+};
+
+class LoadCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("file", path_, "File that the server can read");
+    app.add_option("--name", name_, "Name of the scene (the file's stem)");
+    app.add_option("--unit", unit_, "Of the file: m, mm, in, ... or metres a unit (m)");
+    app.add_option("--up", up_, "Axis of the file that points up: y or z (z)")->check(CLI::IsMember({"y", "z"}));
+    app.add_flag("--strict", strict_, "Refuse what would be mended");
+    app.add_flag("--replace", replace_, "Replace the scene of that name");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (path_.empty()) throw bad_use("which file?");
+    const nlohmann::json arguments{{"path", std::filesystem::absolute(path_).lexically_normal().string()},
+                                   {"name", name_},
+                                   {"unit_m", unit_in_metres()},
+                                   {"up", up_},
+                                   {"strict", strict_},
+                                   {"replace", replace_}};
+    const nlohmann::json answer = load(session, globals, arguments);
+    print(session, globals, answer);
+    return texts_of(answer, "refused").empty() ? Exit::yes : Exit::partly_refused;
+  }
+
+ private:
+  double unit_in_metres() const {
+    if (unit_.empty()) return 1;
+    const double metres = is_number_text(unit_) ? parse_finite(unit_, Measure::length) : parse_finite("1" + unit_, Measure::length);
+    if (!(metres > 0)) throw bad_use(fmt::format("--unit {} must be above 0", unit_));
+    return metres;
+  }
+
+  /// The bar is drawn from the library's thread that hears of the progress, while this one waits for the answer.
+  static nlohmann::json load(Session& session, const Globals& globals, const nlohmann::json& arguments) {
+    Progress progress(session.io, globals);
+    return server_command(session, globals, wire::kLoad, arguments, {}, [&](double now) { progress.show(0, "loading", now); });
+  }
+
+  static void print(Session& session, const Globals& globals, const nlohmann::json& answer) {
+    Printer printer = make_printer(session.io, globals);
+    if (!printer.human()) {
+      printer.record({{"scene", text_of(answer, "scene")},
+                      {"triangles", count_of(answer, "triangles")},
+                      {"parts", count_of(answer, "parts")},
+                      {"objects", count_of(answer, "objects")},
+                      {"seconds", number_of(answer, "seconds")},
+                      {"mended", names_json(texts_of(answer, "mended"))},
+                      {"refused", names_json(texts_of(answer, "refused"))},
+                      {"warnings", names_json(texts_of(answer, "warnings"))},
+                      {"left_out", names_json(texts_of(answer, "left_out"))},
+                      {"world", count_of(answer, "version")}});
+      return;
+    }
+    const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));
+    printer.line(fmt::format("loaded '{}' in {}  world {}", printable(text_of(answer, "scene")),
+                             format_duration(std::chrono::duration_cast<std::chrono::nanoseconds>(seconds)), count_of(answer, "version")));
+    printer.line(fmt::format("  {} parts, {} triangles, {} objects", format_count(count_of(answer, "parts")),
+                             format_count(count_of(answer, "triangles")), format_count(count_of(answer, "objects"))));
+    const auto lines = [&](const char* label, const char* key) {
+      for (const std::string& text : texts_of(answer, key)) printer.line(fmt::format("  {:<9}{}", label, printable(text)));
+    };
+    lines("mended", "mended");
+    lines("refused", "refused");
+    lines("warning", "warnings");
+    if (!texts_of(answer, "left_out").empty()) printer.line("  left out " + joined(texts_of(answer, "left_out")));
+  }
+
+  std::string path_;
+  std::string name_;
+  std::string unit_;
+  std::string up_ = "z";
+  bool strict_ = false;
+  bool replace_ = false;
+};
+
+class ClearCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("scene", scene_, "Only this scene (all)");
+    app.add_flag("--moving", moving_, "Only moving objects; with a scene: those too");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    const nlohmann::json answer = server_command(session, globals, wire::kClear, {{"scene", scene_}, {"moving", moving_}});
+    const std::uint64_t removed = count_of(answer, "removed");
+    const std::uint64_t ended = count_of(answer, "ended");
+    print_done(session, globals, {{"removed", removed}, {"ended", ended}, {"world", count_of(answer, "version")}},
+               fmt::format("removed {} objects, ended {} contacts (world {})", format_count(removed), format_count(ended),
+                           count_of(answer, "version")));
+    return removed > 0 ? Exit::yes : Exit::no;
+  }
+
+ private:
+  std::string scene_;
+  bool moving_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_add() {
+  return std::make_unique<AddCommand>();
+}
+std::unique_ptr<Command> make_move() {
+  return std::make_unique<MoveCommand>();
+}
+std::unique_ptr<Command> make_rm() {
+  return std::make_unique<RemoveCommand>();
+}
+std::unique_ptr<Command> make_load() {
+  return std::make_unique<LoadCommand>();
+}
+std::unique_ptr<Command> make_clear() {
+  return std::make_unique<ClearCommand>();
+}
+
+}  // namespace collided::cli

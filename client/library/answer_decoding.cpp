@@ -1,0 +1,143 @@
+#include "client/library/answer_decoding.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <nlohmann/json.hpp>
+
+namespace collided::client {
+namespace {
+
+using std::chrono::nanoseconds;
+using wire_contract::kHitNumbers;
+
+Error nonsense(const std::string& what) {
+  return {ErrorCode::internal, "the server's reply makes no sense: " + what,
+          "client and server may be of different versions: 'collide version'"};
+}
+
+Vec3 vector_at(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
+
+void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names, Hit& hit) {
+  const double* const numbers = dds::view(reply.numbers).data() + index * kHitNumbers;
+  const std::uint8_t flags = dds::view(reply.hit_flags)[index];
+  hit.object_id = dds::view(reply.objects)[index];
+  hit.object = names.name(hit.object_id);
+  hit.triangle = dds::view(reply.triangles)[index];
+  hit.distance_m = numbers[0];
+  hit.error_m = numbers[1];
+  hit.exit_m = numbers[2];
+  hit.point = vector_at(numbers + 3);
+  hit.normal = vector_at(numbers + 6);
+  hit.weights = vector_at(numbers + 9);
+  hit.inside = (flags & wire_contract::kInside) != 0;
+  hit.stale = (flags & wire_contract::kStale) != 0;
+}
+
+}  // namespace
+
+std::string text_of(const wire::Reply& reply) {
+  const auto bytes = dds::view(reply.text);
+  return {bytes.begin(), bytes.end()};
+}
+
+Error refusal(const std::string& text) {
+  const nlohmann::json parsed = nlohmann::json::parse(text, nullptr, false);
+  const auto field = [&](const char* name, const std::string& otherwise) {
+    return parsed.is_object() && parsed.contains(name) && parsed[name].is_string() ? parsed[name].get<std::string>()
+                                                                                   : otherwise;
+  };
+  return {ErrorCode::refused, "server refused: " + field("error", text), field("hint", "")};
+}
+
+AnswerCollector::AnswerCollector(std::size_t question_count, std::size_t questions_per_chunk, Names& names)
+    : names_(names),
+      questions_per_chunk_(questions_per_chunk),
+      seen_(question_count, false),
+      open_in_chunk_((question_count + questions_per_chunk - 1) / questions_per_chunk) {
+  result_.answers.resize(question_count);
+  for (std::size_t chunk = 0; chunk < open_in_chunk_.size(); ++chunk) {
+    const std::size_t left = question_count - chunk * questions_per_chunk;
+    open_in_chunk_[chunk] = static_cast<std::uint32_t>(std::min(left, questions_per_chunk));
+  }
+}
+
+std::optional<Error> AnswerCollector::check(const wire::Reply& reply) const {
+  const std::size_t count = reply.answers._length;
+  const std::size_t hits = reply.objects._length;
+  if (reply.first_question > seen_.size() || count > seen_.size() - reply.first_question) {
+    return nonsense("answers " + std::to_string(reply.first_question) + " and on to " + std::to_string(seen_.size()) +
+                    " questions");
+  }
+  if (reply.reasons._length != count || reply.levels._length != count || reply.hit_counts._length != count ||
+      reply.nodes._length != count || reply.exact_tests._length != count) {
+    return nonsense("its lists of answers differ in length");
+  }
+  const auto hit_counts = dds::view(reply.hit_counts);
+  if (std::accumulate(hit_counts.begin(), hit_counts.end(), std::size_t{0}) != hits ||
+      reply.triangles._length != hits || reply.hit_flags._length != hits ||
+      reply.numbers._length != hits * kHitNumbers) {
+    return nonsense("its lists of hits differ in length");
+  }
+  const auto answers = dds::view(reply.answers);
+  const auto reasons = dds::view(reply.reasons);
+  if (std::any_of(answers.begin(), answers.end(), [](auto a) { return a > static_cast<int>(Verdict::invalid); }) ||
+      std::any_of(reasons.begin(), reasons.end(), [](auto r) { return r > static_cast<int>(Undecided::deadline); })) {
+    return nonsense("an answer of an unknown kind");
+  }
+  if (answered_ > 0 && (reply.epoch != result_.epoch || reply.version != result_.version)) {
+    return nonsense("one request answered on versions " + std::to_string(result_.version) + " and " +
+                    std::to_string(reply.version));
+  }
+  return std::nullopt;
+}
+
+void AnswerCollector::note_state(const wire::Reply& reply) {
+  result_.epoch = reply.epoch;
+  result_.version = reply.version;
+  result_.world_time = nanoseconds(reply.world_time_ns);
+  result_.compute += nanoseconds(reply.compute_ns);
+  if (reply.oldest_pose_age_ns >= 0) {
+    const nanoseconds age(reply.oldest_pose_age_ns);
+    result_.oldest_pose_age = std::max(age, result_.oldest_pose_age.value_or(age));
+  }
+}
+
+void AnswerCollector::note_answered(std::size_t question) {
+  seen_[question] = true;
+  ++answered_;
+  if (--open_in_chunk_[question / questions_per_chunk_] == 0) {
+    ++chunks_answered_;
+  }
+}
+
+std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
+  if (reply.status == static_cast<std::uint8_t>(wire_contract::ReplyStatus::refused)) {
+    return refusal(text_of(reply));
+  }
+  if (auto error = check(reply)) {
+    return error;
+  }
+  names_.learn(dds::view(reply.named_ids), dds::view(reply.names));
+  note_state(reply);
+  std::size_t next_hit = 0;
+  for (std::size_t i = 0; i < reply.answers._length; ++i) {
+    const std::size_t question = reply.first_question + i;
+    const std::size_t hit_count = dds::view(reply.hit_counts)[i];
+    if (!seen_[question]) {
+      Answer& answer = result_.answers[question];
+      answer.verdict = static_cast<Verdict>(dds::view(reply.answers)[i]);
+      answer.reason = static_cast<Undecided>(dds::view(reply.reasons)[i]);
+      answer.cost = {dds::view(reply.nodes)[i], dds::view(reply.exact_tests)[i], dds::view(reply.levels)[i]};
+      answer.hits.reserve(hit_count);
+      for (std::size_t hit = 0; hit < hit_count; ++hit) {
+        decode_hit(reply, next_hit + hit, names_, answer.hits.emplace_back());
+      }
+      note_answered(question);
+    }
+    next_hit += hit_count;
+  }
+  return std::nullopt;
+}
+
+}  // namespace collided::client

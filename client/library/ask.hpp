@@ -1,0 +1,15 @@
+#pragma once
+
+#include <span>
+
+#include "client/library/connection.hpp"
+#include "client/library/question_encoding.hpp"
+
+namespace collided::client {
+
+/// Checks every question, sends them in chunks with a few in flight, and waits for all the answers.
+/// Instantiated for the four kinds of question.
+template <class Question>
+Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options);
+
+}  // namespace collided::client

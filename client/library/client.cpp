@@ -1,0 +1,133 @@
+#include "client/library/ask.hpp"
+#include "client/library/command.hpp"
+#include "client/library/errors.hpp"
+#include "client/library/publisher.hpp"
+#include "client/library/watch.hpp"
+#include "client/library/workers.hpp"
+#include "collided/client.hpp"
+
+namespace collided {
+
+struct [[gnu::visibility("hidden")]] Client::State {
+  std::shared_ptr<client::Connection> connection;
+  client::Workers workers;  // goes first: its tasks ask over the connection
+
+  template <class Question>
+  Result<Answer> ask_one(const Question& question, const AskOptions& options) {
+    Result<Answers> answers = client::ask(*connection, std::span<const Question>(&question, 1), options);
+    if (!answers) {
+      return answers.error();
+    }
+    return std::move(answers->answers.front());
+  }
+
+  template <class Question>
+  std::future<Result<Answers>> ask_later(std::vector<Question> questions, AskOptions options) {
+    // Shared, because std::function wants to be copied.
+    auto promise = std::make_shared<std::promise<Result<Answers>>>();
+    std::future<Result<Answers>> answers = promise->get_future();
+    auto task = [this, promise, questions = std::move(questions), options = std::move(options)] {
+      promise->set_value(client::ask(*connection, std::span<const Question>(questions), options));
+    };
+    if (!workers.run(std::move(task))) {
+      promise->set_value(Error{ErrorCode::refused,
+                               std::to_string(client::Workers::kMostWaiting) + " asynchronous requests wait already",
+                               client::kNothingSent});
+    }
+    return answers;
+  }
+};
+
+Client::Client(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Client::~Client() = default;
+Client::Client(Client&&) noexcept = default;
+Client& Client::operator=(Client&&) noexcept = default;
+
+Result<Client> Client::connect(const ConnectOptions& options) {
+  Result<std::shared_ptr<client::Connection>> connection = client::Connection::open(options);
+  if (!connection) {
+    return connection.error();
+  }
+  auto state = std::make_unique<State>();
+  state->connection = std::move(*connection);
+  return Client(std::move(state));
+}
+
+Result<Answer> Client::ask(const RayQuestion& question, const AskOptions& options) {
+  return state_->ask_one(question, options);
+}
+Result<Answer> Client::ask(const SphereQuestion& question, const AskOptions& options) {
+  return state_->ask_one(question, options);
+}
+Result<Answer> Client::ask(const BoxQuestion& question, const AskOptions& options) {
+  return state_->ask_one(question, options);
+}
+Result<Answer> Client::ask(const NearQuestion& question, const AskOptions& options) {
+  return state_->ask_one(question, options);
+}
+
+Result<Answers> Client::ask(std::span<const RayQuestion> questions, const AskOptions& options) {
+  return client::ask(*state_->connection, questions, options);
+}
+Result<Answers> Client::ask(std::span<const SphereQuestion> questions, const AskOptions& options) {
+  return client::ask(*state_->connection, questions, options);
+}
+Result<Answers> Client::ask(std::span<const BoxQuestion> questions, const AskOptions& options) {
+  return client::ask(*state_->connection, questions, options);
+}
+Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOptions& options) {
+  return client::ask(*state_->connection, questions, options);
+}
+
+std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion> questions, AskOptions options) {
+  return state_->ask_later(std::move(questions), std::move(options));
+}
+std::future<Result<Answers>> Client::ask_async(std::vector<SphereQuestion> questions, AskOptions options) {
+  return state_->ask_later(std::move(questions), std::move(options));
+}
+std::future<Result<Answers>> Client::ask_async(std::vector<BoxQuestion> questions, AskOptions options) {
+  return state_->ask_later(std::move(questions), std::move(options));
+}
+std::future<Result<Answers>> Client::ask_async(std::vector<NearQuestion> questions, AskOptions options) {
+  return state_->ask_later(std::move(questions), std::move(options));
+}
+
+Result<Watch> Client::watch(const WatchOptions& options) { return watch(options, {}); }
+
+Result<Watch> Client::watch(const WatchOptions& options, std::function<void(const Event&)> callback) {
+  Result<std::unique_ptr<Watch::State>> state = Watch::State::start(state_->connection, options, std::move(callback));
+  if (!state) {
+    return state.error();
+  }
+  return Watch(std::move(*state));
+}
+
+Result<Publisher> Client::publish(const std::string& publisher_name) {
+  Result<std::unique_ptr<Publisher::State>> state = Publisher::State::start(state_->connection, publisher_name);
+  if (!state) {
+    return state.error();
+  }
+  return Publisher(std::move(*state));
+}
+
+Result<std::string> Client::command(std::string_view name, std::string_view json_arguments, const Shape& shape,
+                                    std::chrono::nanoseconds timeout, std::function<void(double)> progress) {
+  return client::command(*state_->connection, name, json_arguments, shape, timeout, progress);
+}
+
+Result<ServerStatus> Client::status() {
+  if (std::optional<ServerStatus> status = state_->connection->pulse().status()) {
+    return std::move(*status);
+  }
+  // Right after connecting the first one may be under way: it comes ten times a second.
+  const auto first = client::Clock::now() + std::chrono::nanoseconds(2 * wire_contract::kStatusPeriodNs);
+  state_->connection->pulse().wait_for_status(first);
+  if (std::optional<ServerStatus> status = state_->connection->pulse().status()) {
+    return std::move(*status);
+  }
+  return state_->connection->disconnected();
+}
+
+std::string_view library_version() { return COLLIDED_VERSION; }
+
+}  // namespace collided

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "collided/client.hpp"
+
+/// Errors that say where, what, value, limit and consequence, and the words they are made of.
+namespace collided::client {
+
+inline constexpr const char* kNothingSent = "nothing was sent";
+
+Error bad_input(std::string message, std::string hint = kNothingSent);
+
+/// The shortest digits that read back as the same number: "0.1", "nan", "-inf".
+std::string words(double value);
+/// "1 2 3".
+std::string words(const Vec3& value);
+/// "2 s", "350 ms", "12 us".
+std::string words(std::chrono::nanoseconds time);
+
+}  // namespace collided::client

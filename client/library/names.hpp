@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <string>
+#include <unordered_map>
+
+namespace collided::client {
+
+/// Names of objects by id, as heard. An id is slot + generation * 2^32, and a slot holds one object at a time, so one
+/// name a slot is kept: the table is bounded by the server's slots however many objects come and go. Any thread.
+class Names {
+ public:
+  /// `packed` as in topics.hpp: one zero-terminated name an id.
+  void learn(std::span<const std::uint64_t> ids, std::span<const std::uint8_t> packed);
+  /// "#<id>" for an id never heard of.
+  std::string name(std::uint64_t id) const;
+
+ private:
+  struct Entry {
+    std::uint64_t id = 0;
+    std::string name;
+  };
+  mutable std::mutex mutex_;
+  std::unordered_map<std::uint32_t, Entry> by_slot_;
+};
+
+}  // namespace collided::client

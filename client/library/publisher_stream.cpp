@@ -1,0 +1,155 @@
+#include <algorithm>
+
+#include "client/library/errors.hpp"
+#include "client/library/publisher.hpp"
+
+namespace collided {
+
+using client::Clock;
+using client::PublishedObject;
+using client::PublishedObjects;
+using wire_contract::kMaxPosesPerBatch;
+using wire_contract::kPoseNumbers;
+
+namespace {
+
+// The pose writer keeps 64 batches; one more would push out a batch that the server has not got, and with it the only
+// pose of some object.
+constexpr std::uint32_t kMostUnacknowledged = wire_contract::kPoseTopic.keep_last - 8;
+constexpr std::int64_t kAcknowledgementNs = 1'000'000'000;
+
+double* put_pose(const Pose& pose, double* numbers) {
+  numbers = std::copy_n(pose.position.data(), 3, numbers);
+  *numbers++ = pose.rotation.w();
+  return std::copy_n(pose.rotation.vec().data(), 3, numbers);
+}
+
+Error not_taken() {
+  return {ErrorCode::timeout, "publish: the server takes nothing more",
+          "what was not sent waits for the next flush"};
+}
+
+// DDS throws; the public interface does not.
+template <class Write>
+std::optional<Error> guarded(const Write& write) {
+  try {
+    return write();
+  } catch (const dds::DdsError& failed) {
+    return Error{ErrorCode::internal, failed.what(), ""};
+  }
+}
+
+}  // namespace
+
+std::optional<Error> Publisher::State::say_alive() {
+  if (is_forgotten()) {
+    return define_all();
+  }
+  return guarded([&]() -> std::optional<Error> {
+    object_writer_.assert_liveliness();
+    pose_writer_.assert_liveliness();
+    last_word_ = Clock::now();
+    return std::nullopt;
+  });
+}
+
+bool Publisher::State::is_forgotten() const {
+  if (Clock::now() - last_word_ > std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs) ||
+      connection_->pulse().server() != server_) {
+    return true;
+  }
+  // A status from before everything was defined anew says nothing about now.
+  const auto view = connection_->pulse().publisher(publisher_);
+  return view && view->lost && view->applied_sequence >= defined_all_at_;
+}
+
+std::optional<Error> Publisher::State::define_all() {
+  server_ = connection_->pulse().server();
+  defined_all_at_ = sequence_ + 1;
+  for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
+    if (!objects_.at(number).used) {
+      continue;
+    }
+    if (auto error = write_definition(number, objects_.at(number), false)) {
+      return error;
+    }
+  }
+  objects_.mark_sent(objects_.waiting().size());  // definitions carry the newest poses
+  return write_batch({}, false, 0);               // revives the pose writer, whose lease ran out as well
+}
+
+std::optional<Error> Publisher::State::write_definition(std::uint32_t number, const PublishedObject& object,
+                                                        bool removed) {
+  wire::Definition& definition = *definition_;
+  definition.object_number = number;
+  definition.sequence_number = sequence_ + 1;
+  definition.removed = removed;
+  definition.moving = object.options.moving;
+  definition.lost_policy = static_cast<std::uint8_t>(object.options.when_lost);
+  static_cast<void>(dds::set_text(definition.name, object.options.name));  // its length was checked
+  definition.layers = object.options.layers;
+  definition.mask = object.options.mask;
+  definition.group = object.options.group;
+  put_pose(object.options.pose, definition.pose);
+  dds::borrow(definition.shape, removed ? std::span<const std::uint8_t>() : std::span(object.shape));
+  return guarded([&]() -> std::optional<Error> {
+    if (!object_writer_.write(definition)) {
+      return not_taken();
+    }
+    definitions_through_ = sequence_ + 1;
+    note_written();
+    return std::nullopt;
+  });
+}
+
+std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t> numbers, bool teleported,
+                                                   std::int64_t time_ns) {
+  poses_.resize(numbers.size() * kPoseNumbers);
+  double* pose = poses_.data();
+  for (const std::uint32_t number : numbers) {
+    pose = put_pose(objects_.at(number).options.pose, pose);
+  }
+  batch_->sequence_number = sequence_ + 1;
+  batch_->definitions_through = definitions_through_;
+  batch_->source_time_ns = time_ns;
+  batch_->flags = teleported ? wire_contract::kTeleported : 0;
+  dds::borrow(batch_->object_numbers, numbers);
+  dds::borrow(batch_->poses, poses_);
+  return guarded([&]() -> std::optional<Error> {
+    if (batches_unacknowledged_ >= kMostUnacknowledged) {
+      if (!pose_writer_.wait_for_acknowledgements(kAcknowledgementNs)) {
+        return not_taken();
+      }
+      batches_unacknowledged_ = 0;
+    }
+    if (!pose_writer_.write(*batch_)) {
+      return not_taken();
+    }
+    ++batches_unacknowledged_;
+    note_written();
+    return std::nullopt;
+  });
+}
+
+void Publisher::State::note_written() {
+  ++sequence_;
+  last_word_ = Clock::now();
+  connection_->note_write({publisher_, sequence_});
+}
+
+std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
+  std::size_t plain_left = objects_.sort_waiting();
+  while (!objects_.waiting().empty()) {
+    const bool teleported = plain_left == 0;
+    const std::size_t of_a_kind = teleported ? objects_.waiting().size() : plain_left;
+    const std::size_t count = std::min<std::size_t>(of_a_kind, kMaxPosesPerBatch);
+    if (auto error = write_batch(objects_.waiting().first(count), teleported, time_ns)) {
+      return error;
+    }
+    objects_.mark_sent(count);
+    plain_left -= teleported ? 0 : count;
+  }
+  return std::nullopt;
+}
+
+}  // namespace collided

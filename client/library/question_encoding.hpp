@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "collided/client.hpp"
+#include "idl/topics.hpp"
+
+namespace collided::client {
+
+/// What a kind of question is on the wire.
+template <class Question>
+struct QuestionWire;
+template <>
+struct QuestionWire<RayQuestion> {
+  static constexpr auto kind = wire_contract::QueryKind::ray;
+  static constexpr std::uint32_t number_count = wire_contract::kRayNumbers;
+  static constexpr const char* noun = "ray";
+};
+template <>
+struct QuestionWire<SphereQuestion> {
+  static constexpr auto kind = wire_contract::QueryKind::sphere;
+  static constexpr std::uint32_t number_count = wire_contract::kSphereNumbers;
+  static constexpr const char* noun = "sphere";
+};
+template <>
+struct QuestionWire<BoxQuestion> {
+  static constexpr auto kind = wire_contract::QueryKind::box;
+  static constexpr std::uint32_t number_count = wire_contract::kBoxNumbers;
+  static constexpr const char* noun = "box";
+};
+template <>
+struct QuestionWire<NearQuestion> {
+  static constexpr auto kind = wire_contract::QueryKind::near;
+  static constexpr std::uint32_t number_count = wire_contract::kNearNumbers;
+  static constexpr const char* noun = "near";
+};
+
+/// The reason why a question cannot be asked ("direction 0 0 0 has no direction"), or nothing.
+std::optional<std::string> fault(const RayQuestion& question);
+std::optional<std::string> fault(const SphereQuestion& question);
+std::optional<std::string> fault(const BoxQuestion& question);
+std::optional<std::string> fault(const NearQuestion& question);
+
+void encode(const RayQuestion& question, double* numbers);
+void encode(const SphereQuestion& question, double* numbers);
+void encode(const BoxQuestion& question, double* numbers);
+void encode(const NearQuestion& question, double* numbers);
+
+std::optional<std::string> rotation_fault(const Quat& rotation);
+std::optional<std::string> finite_fault(const Vec3& value, const char* name);
+/// Of a size: finite and not negative.
+std::optional<std::string> size_fault(double value, const char* name);
+
+}  // namespace collided::client

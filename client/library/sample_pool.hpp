@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "idl/dds.hpp"
+
+namespace collided::client {
+
+/// Samples whose buffers are reused, so that taking a message of a usual size allocates nothing. Any thread.
+template <class T>
+class SamplePool {
+ public:
+  using Pointer = std::unique_ptr<dds::Sample<T>>;
+
+  Pointer get() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) {
+      return std::make_unique<dds::Sample<T>>();
+    }
+    Pointer sample = std::move(idle_.back());
+    idle_.pop_back();
+    return sample;
+  }
+
+  void put(Pointer sample) {
+    const std::lock_guard lock(mutex_);
+    if (idle_.size() < kMostIdle) {
+      idle_.push_back(std::move(sample));
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMostIdle = 64;
+  std::mutex mutex_;
+  std::vector<Pointer> idle_;
+};
+
+}  // namespace collided::client

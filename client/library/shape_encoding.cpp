@@ -1,0 +1,119 @@
+#include "client/library/shape_encoding.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "client/library/errors.hpp"
+#include "client/library/question_encoding.hpp"
+#include "idl/scene_generated.h"
+#include "idl/topics.hpp"
+
+namespace collided::client {
+namespace {
+
+// A definition is one sample: its other fields need far less than this.
+constexpr std::size_t kHeaderRoomBytes = 16 * 1024;
+constexpr std::size_t kMaxShapeBytes = wire_contract::kMaxMessageBytes - kHeaderRoomBytes;
+
+format::Vec3 packed(const Vec3& value) { return {value.x(), value.y(), value.z()}; }
+format::Quat packed(const Quat& value) { return {value.w(), value.x(), value.y(), value.z()}; }
+
+std::optional<std::string> part_fault(const SphereShape& sphere) {
+  auto found = finite_fault(sphere.center, "center");
+  return found ? found : size_fault(sphere.radius_m, "radius");
+}
+
+std::optional<std::string> part_fault(const BoxShape& box) {
+  return fault(BoxQuestion{box.center, box.half_m, box.rotation});
+}
+
+std::optional<std::string> part_fault(const CapsuleShape& capsule) {
+  if (auto found = finite_fault(capsule.a, "end a")) {
+    return found;
+  }
+  auto found = finite_fault(capsule.b, "end b");
+  return found ? found : size_fault(capsule.radius_m, "radius");
+}
+
+std::optional<std::string> part_fault(const MeshShape& mesh) {
+  if (mesh.triangles.empty()) {
+    return "a mesh without triangles";
+  }
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (auto found = finite_fault(mesh.vertices[i], "vertex")) {
+      return *found + " (vertex " + std::to_string(i) + ')';
+    }
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const std::uint32_t largest = *std::max_element(mesh.triangles[i].begin(), mesh.triangles[i].end());
+    if (largest >= mesh.vertices.size()) {
+      return "triangle " + std::to_string(i) + " names vertex " + std::to_string(largest) + " of " +
+             std::to_string(mesh.vertices.size());
+    }
+  }
+  return std::nullopt;
+}
+
+struct Parts {
+  std::vector<format::Sphere> spheres;
+  std::vector<format::Box> boxes;
+  std::vector<format::Capsule> capsules;
+  const MeshShape* mesh = nullptr;
+
+  void add(const SphereShape& sphere) { spheres.emplace_back(packed(sphere.center), sphere.radius_m); }
+  void add(const BoxShape& box) { boxes.emplace_back(packed(box.center), packed(box.rotation), packed(box.half_m)); }
+  void add(const CapsuleShape& capsule) { capsules.emplace_back(packed(capsule.a), packed(capsule.b), capsule.radius_m); }
+  void add(const MeshShape& one) { mesh = &one; }
+};
+
+flatbuffers::Offset<format::Mesh> build_mesh(flatbuffers::FlatBufferBuilder& builder, const MeshShape& mesh) {
+  std::vector<double> coordinates;
+  coordinates.reserve(mesh.vertices.size() * 3);
+  for (const Vec3& vertex : mesh.vertices) {
+    coordinates.insert(coordinates.end(), vertex.data(), vertex.data() + 3);
+  }
+  std::vector<std::uint32_t> corners;
+  corners.reserve(mesh.triangles.size() * 3);
+  for (const auto& triangle : mesh.triangles) {
+    corners.insert(corners.end(), triangle.begin(), triangle.end());
+  }
+  return format::CreateMeshDirect(builder, &coordinates, &corners);
+}
+
+std::vector<std::uint8_t> build(const Parts& parts) {
+  flatbuffers::FlatBufferBuilder builder;
+  const auto spheres = parts.spheres.empty() ? 0 : builder.CreateVectorOfStructs(parts.spheres);
+  const auto boxes = parts.boxes.empty() ? 0 : builder.CreateVectorOfStructs(parts.boxes);
+  const auto capsules = parts.capsules.empty() ? 0 : builder.CreateVectorOfStructs(parts.capsules);
+  const auto mesh = parts.mesh == nullptr ? 0 : build_mesh(builder, *parts.mesh);
+  builder.Finish(format::CreateShape(builder, spheres, boxes, capsules, mesh));
+  return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
+}
+
+}  // namespace
+
+Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const std::string& where) {
+  if (shape.empty()) {
+    return bad_input(where + ": its shape has no part");
+  }
+  Parts parts;
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    const auto reason = std::visit([](const auto& part) { return part_fault(part); }, shape[i]);
+    if (reason) {
+      return bad_input(where + ": part " + std::to_string(i) + ": " + *reason);
+    }
+    if (parts.mesh != nullptr && std::holds_alternative<MeshShape>(shape[i])) {
+      return bad_input(where + ": part " + std::to_string(i) + ": a second mesh; a shape holds at most one");
+    }
+    std::visit([&](const auto& part) { parts.add(part); }, shape[i]);
+  }
+  std::vector<std::uint8_t> bytes = build(parts);
+  if (bytes.size() > kMaxShapeBytes) {
+    return bad_input(where + ": its shape takes " + std::to_string(bytes.size()) + " bytes; allowed " +
+                         std::to_string(kMaxShapeBytes),
+                     "nothing was sent; let the server load it from a file, or simplify it");
+  }
+  return bytes;
+}
+
+}  // namespace collided::client

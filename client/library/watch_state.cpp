@@ -1,0 +1,353 @@
+#include "client/library/watch_state.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace collided::client {
+namespace {
+
+// As many as the server's event writer keeps: older ones could not have been missed and then fetched anyway.
+constexpr std::size_t kMostRecent = wire_contract::kEventTopic.keep_last;
+
+std::pair<std::uint64_t, std::uint64_t> pair_of(const Event& event) { return {event.a_id, event.b_id}; }
+
+std::uint64_t hash_of(const Event& event) {
+  return wire_contract::contact_hash(event.a_id, event.b_id, event.episode);
+}
+
+Event as_open(const Event& event) {
+  Event open = event;
+  open.what = What::open;
+  open.why = Why::none;
+  return open;
+}
+
+}  // namespace
+
+// ---- which server -----------------------------------------------------------------------------------------------------
+
+bool WatchState::is_current(const ServerLife& from, Clock::time_point now) {
+  const bool lost = now - last_heard_ > std::chrono::nanoseconds(wire_contract::kStatusLostNs);
+  if (!life_ || (from != *life_ && (from.epoch > life_->epoch || lost))) {
+    start_life(from);
+  }
+  if (from != *life_) {
+    return false;
+  }
+  last_heard_ = now;
+  return true;
+}
+
+void WatchState::start_life(const ServerLife& life) {
+  for (auto& [pair, contact] : held_) {
+    carried_.insert_or_assign(Names{contact.a, contact.b}, std::move(contact));
+  }
+  held_.clear();
+  life_ = life;
+  applied_ = run_start_ = 0;
+  shards_ = {};
+  recent_.clear();
+  bookmark_.reset();
+  behind_at_.reset();
+  stuck_ = false;
+  if (mode_ != Mode::starting) {
+    mode_ = Mode::in_step;
+    doubt();
+  }
+}
+
+void WatchState::doubt() {
+  if (mode_ == Mode::in_step) {
+    mode_ = Mode::doubtful;
+    ++resyncs_;
+  }
+}
+
+// ---- events -----------------------------------------------------------------------------------------------------------
+
+void WatchState::hear(const HeardFrame& frame, Clock::time_point now) {
+  if (!is_current(frame.from, now)) {
+    return;
+  }
+  for (std::size_t i = 0; i < frame.entries.size(); ++i) {
+    HeardFrame::Entry entry = frame.entries[i];
+    entry.event.sequence = frame.first_sequence + i;
+    entry.event.epoch = frame.from.epoch;
+    if (run_start_ != 0 && entry.event.sequence <= applied_) {
+      continue;
+    }
+    if (mode_ != Mode::starting && entry.event.sequence != applied_ + 1) {
+      doubt();
+    }
+    if (run_start_ == 0 || entry.event.sequence != applied_ + 1) {
+      run_start_ = entry.event.sequence;
+    }
+    applied_ = entry.event.sequence;
+    note(entry);
+    if (mode_ != Mode::starting) {
+      apply(entry.event);
+    }
+  }
+}
+
+void WatchState::note(const HeardFrame::Entry& entry) {
+  if (recent_.size() == kMostRecent) {
+    recent_.pop_front();
+  }
+  recent_.push_back(entry);
+}
+
+void WatchState::apply(const Event& event) {
+  if (event.what == What::began) {
+    apply_began(event);
+  } else if (event.what == What::ended) {
+    apply_ended(event);
+  }
+}
+
+void WatchState::apply_began(const Event& event) {
+  const auto held = held_.find(pair_of(event));
+  if (held != held_.end()) {
+    if (held->second.episode == event.episode) {
+      return;
+    }
+    doubt();
+    emit_missed(held->second, What::ended, Why::none, event.sequence);
+  } else if (carry_over(event)) {
+    return;
+  }
+  Event began = event;
+  began.began = began.world_time;
+  held_.insert_or_assign(pair_of(event), as_open(began));
+  emit_(began);
+}
+
+void WatchState::apply_ended(const Event& event) {
+  carry_over(event);
+  auto held = held_.find(pair_of(event));
+  if (held == held_.end() || held->second.episode != event.episode) {
+    doubt();
+    if (held != held_.end()) {
+      emit_missed(held->second, What::ended, Why::none, event.sequence);
+      held_.erase(held);
+    }
+    emit_missed(event, What::began, Why::none, event.sequence);
+    held = held_.emplace(pair_of(event), as_open(event)).first;
+  }
+  Event ended = event;
+  ended.began = held->second.began;
+  held_.erase(held);
+  emit_(ended);
+}
+
+void WatchState::hear_persisted(const HeardFrame& frame) {
+  if (life_ != frame.from || mode_ == Mode::starting) {
+    return;
+  }
+  for (const HeardFrame::Entry& entry : frame.entries) {
+    const auto held = held_.find(pair_of(entry.event));
+    if (entry.event.what != What::persisted || held == held_.end() || held->second.episode != entry.event.episode) {
+      continue;
+    }
+    Event persisted = entry.event;
+    persisted.epoch = frame.from.epoch;
+    persisted.began = held->second.began;
+    persisted.sequence = applied_;
+    emit_(persisted);
+  }
+}
+
+// The ids of another life mean nothing in this one: names tell which pair it is.
+bool WatchState::carry_over(const Event& event) {
+  const auto carried = carried_.find(Names{event.a, event.b});
+  if (carried == carried_.end()) {
+    return false;
+  }
+  Event contact = as_open(event);
+  contact.began = carried->second.began;
+  carried_.erase(carried);
+  held_.insert_or_assign(pair_of(event), std::move(contact));
+  return true;
+}
+
+void WatchState::emit_missed(const Event& contact, What what, Why why, std::uint64_t sequence) {
+  Event missed = contact;
+  missed.what = what;
+  missed.why = why;
+  missed.resync = true;
+  missed.sequence = sequence;
+  missed.epoch = life_->epoch;
+  emit_(missed);
+}
+
+// ---- state ------------------------------------------------------------------------------------------------------------
+
+void WatchState::hear(const HeardShard& shard, Clock::time_point now) {
+  if (!is_current(shard.from, now) || shard.shard >= shards_.size() ||
+      shard.as_of_sequence < shards_[shard.shard].as_of_sequence) {
+    return;
+  }
+  shards_[shard.shard] = {shard.as_of_sequence, shard.contacts};
+  try_adopt();
+}
+
+void WatchState::hear(const HeardBookmark& bookmark, Clock::time_point now) {
+  if (!is_current(bookmark.from, now)) {
+    return;
+  }
+  bookmark_ = bookmark;
+  stuck_ = false;
+  if (bookmark.last_event_sequence <= applied_) {
+    behind_at_.reset();
+  } else if (behind_at_ == applied_) {
+    stuck_ = true;  // the tail of the stream was lost, and nothing comes after it that would show the gap
+    doubt();
+  } else {
+    behind_at_ = applied_;
+  }
+  if (mode_ == Mode::in_step && bookmark.last_event_sequence == applied_) {
+    std::uint64_t hash = 0;
+    for (const auto& [pair, contact] : held_) {
+      hash += hash_of(contact);
+    }
+    if (hash != bookmark.contact_hash || held_.size() != bookmark.contact_count) {
+      doubt();
+    }
+  }
+  try_adopt();
+}
+
+void WatchState::try_adopt() {
+  if (mode_ == Mode::in_step || !bookmark_ || !may_adopt() || !bookmark_vouches()) {
+    return;
+  }
+  if (mode_ == Mode::starting) {
+    adopt_first();
+  } else {
+    adopt_differences();
+  }
+}
+
+bool WatchState::may_adopt() const {
+  const std::uint64_t at = bookmark_->last_event_sequence;
+  // What came after the bookmark must be known without a gap, for it is applied on top.
+  const bool tail_known = applied_ <= at || (run_start_ <= at + 1 && !recent_.empty() &&
+                                             recent_.front().event.sequence <= at + 1);
+  // Events that are only late will come, and say more than differences do.
+  const bool nothing_late = mode_ == Mode::starting || applied_ >= at || stuck_;
+  const bool shards_in_time =
+      std::all_of(shards_.begin(), shards_.end(), [&](const Shard& shard) { return shard.as_of_sequence <= at; });
+  return tail_known && nothing_late && shards_in_time;
+}
+
+// As state_at() would find, without building it.
+bool WatchState::bookmark_vouches() const {
+  std::uint64_t hash = 0;
+  std::uint64_t count = 0;
+  for (const Shard& shard : shards_) {
+    for (const Event& contact : shard.contacts) {
+      hash += hash_of(contact);
+      ++count;
+    }
+  }
+  for (const HeardFrame::Entry& entry : recent_) {
+    const std::uint64_t sequence = entry.event.sequence;
+    if (sequence > bookmark_->last_event_sequence || entry.shard >= shards_.size() ||
+        sequence <= shards_[entry.shard].as_of_sequence) {
+      continue;
+    }
+    if (entry.event.what == What::began) {
+      hash += hash_of(entry.event);
+      ++count;
+    } else if (entry.event.what == What::ended) {
+      hash -= hash_of(entry.event);
+      --count;
+    }
+  }
+  return hash == bookmark_->contact_hash && count == bookmark_->contact_count;
+}
+
+WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
+  Contacts state;
+  for (const Shard& shard : shards_) {
+    for (const Event& contact : shard.contacts) {
+      state.insert_or_assign(pair_of(contact), contact);
+    }
+  }
+  for (const HeardFrame::Entry& entry : recent_) {
+    if (entry.event.sequence > sequence || entry.shard >= shards_.size() ||
+        entry.event.sequence <= shards_[entry.shard].as_of_sequence) {
+      continue;
+    }
+    if (entry.event.what == What::ended) {
+      state.erase(pair_of(entry.event));
+    } else if (entry.event.what == What::began) {
+      Event contact = as_open(entry.event);
+      contact.began = contact.world_time;
+      state.insert_or_assign(pair_of(entry.event), contact);
+    }
+  }
+  return state;
+}
+
+void WatchState::adopt_first() {
+  const std::uint64_t at = bookmark_->last_event_sequence;
+  held_ = state_at(at);
+  mode_ = Mode::in_step;
+  for (const auto& [pair, contact] : held_) {
+    emit_missed(contact, What::open, Why::none, at);
+  }
+  const std::deque<HeardFrame::Entry> recent = recent_;
+  for (const HeardFrame::Entry& entry : recent) {
+    if (entry.event.sequence > at) {
+      apply(entry.event);
+    }
+  }
+  if (applied_ < at) {
+    applied_ = at;
+    run_start_ = at + 1;
+  }
+}
+
+void WatchState::adopt_differences() {
+  const std::uint64_t at = std::max(applied_, bookmark_->last_event_sequence);
+  const Contacts state = state_at(at);
+  for (auto held = held_.begin(); held != held_.end();) {
+    const auto found = state.find(held->first);
+    if (found != state.end() && found->second.episode == held->second.episode) {
+      ++held;
+      continue;
+    }
+    Event ended = held->second;
+    ended.world_time = bookmark_->world_time;
+    emit_missed(ended, What::ended, Why::none, at);
+    held = held_.erase(held);
+  }
+  for (const auto& [pair, contact] : state) {
+    if (!held_.contains(pair) && !carry_over(contact)) {
+      emit_missed(contact, What::began, Why::none, at);
+      held_.emplace(pair, contact);
+    }
+  }
+  if (applied_ < at) {
+    applied_ = at;
+    run_start_ = at + 1;
+  }
+  if (bookmark_->settled) {
+    end_carried();
+  }
+  if (carried_.empty()) {
+    mode_ = Mode::in_step;
+  }
+}
+
+void WatchState::end_carried() {
+  const std::map<Names, Event> gone = std::exchange(carried_, {});
+  for (const auto& [names, contact] : gone) {
+    Event ended = contact;
+    ended.world_time = bookmark_->world_time;
+    emit_missed(ended, What::ended, Why::server_restarted, applied_);
+  }
+}
+
+}  // namespace collided::client

@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+#include <pthread.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/service/log.hpp"
+#include "server/service/options.hpp"
+#include "server/service/server.hpp"
+#include "server/service/start_scenes.hpp"
+#include "server/service/supervisor.hpp"
+
+namespace {
+
+using namespace collided::service;
+
+constexpr std::chrono::seconds kStopPatience{10};
+
+/// Blocked before any thread is made, so that only the waiting main thread gets them.
+sigset_t block_stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+/// A stop that hangs ends anyway; who stops us waits no longer than this.
+void limit_stopping() {
+  std::thread([] {
+    std::this_thread::sleep_for(kStopPatience);
+    fmt::print(stderr, "error: stopping took longer than 10 s; leaving at once\n");
+    std::_Exit(1);
+  }).detach();
+}
+
+int serve(const Options& options) {
+  const sigset_t signals = block_stop_signals();
+  Server server(options, make_log(options.log_level, options.log_json));
+  const std::string ready = server.start();
+  if (options.scenes.empty()) fmt::print("{}", how_to_ask());
+  fmt::print("{}\n", ready);
+  std::fflush(stdout);
+  notify_supervisor("READY=1\nSTATUS=" + ready);
+  int signal = 0;
+  sigwait(&signals, &signal);
+  notify_supervisor("STOPPING=1");
+  limit_stopping();
+  server.stop();
+  return 0;
+}
+
+int run(const std::vector<std::string>& arguments) {
+  const ParsedOptions parsed = parse_options(arguments, [](const char* name) { return std::getenv(name); });
+  const Options& options = parsed.options;
+  if (options.show_help) fmt::print("{}", help_text());
+  if (options.show_version) fmt::print("collided {}\n", version_text());
+  if (options.show_help || options.show_version) return 0;
+  if (options.print_config) fmt::print("{}", print_config(parsed));
+  if (options.print_config || options.check_config) return 0;
+  return options.once ? run_once(options) : serve(options);
+}
+
+}  // namespace
+
+int main(int count, char** values) {
+  try {
+    return run({values + 1, values + count});
+  } catch (const std::exception& failed) {
+    fmt::print(stderr, "error: {}\n", failed.what());
+    return 2;
+  }
+}

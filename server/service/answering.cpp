@@ -1,0 +1,294 @@
+#include "server/service/answering.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "server/service/reply_columns.hpp"
+#include "server/world/query.hpp"
+
+namespace collided::service {
+
+using wire_contract::Answer;
+using wire_contract::QueryKind;
+using wire_contract::ReplyStatus;
+
+namespace {
+constexpr std::size_t kMostQueued = 4'096;
+}
+
+std::string refusal_text(const std::string& error, const std::string& hint) {
+  nlohmann::json text{{"error", error}};
+  if (!hint.empty()) text["hint"] = hint;
+  return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// One thread's memory and what it does with it.
+class Answering::Worker {
+ public:
+  explicit Worker(Answering& owner) : owner_(owner) {
+    reply_->server = owner.options_.server;
+    reply_->epoch = owner.options_.epoch;
+  }
+  void run();
+
+ private:
+  void work(AskPointer ask);
+  void work(TextReply text);
+  void work(Resume resume);
+  void work(Sweep sweep);
+  void answer_questions(Client& client, const Ask& ask);
+  void doubt(const Questions& questions);
+  void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
+  void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text);
+  void command(const wire::Query& query);
+  void send(Client& client);
+
+  Answering& owner_;
+  dds::Sample<wire::Reply> reply_;
+  ReplyColumns columns_;
+  std::vector<std::uint8_t> text_;
+  Answers answers_;
+  QueryScratch scratch_;
+  std::vector<std::uint64_t> named_in_;
+  std::uint64_t reply_number_ = 0;
+};
+
+void Answering::Worker::run() {
+  while (std::optional<Work> item = owner_.queue_.pop()) {
+    std::visit([this](auto&& one) { work(std::move(one)); }, std::move(*item));
+    if (owner_.left_in_reader_.load(std::memory_order_relaxed) != 0) owner_.take_more();
+  }
+}
+
+void Answering::Worker::work(AskPointer ask) {
+  const std::shared_ptr<Client> client = owner_.clients_.meet(ask->query->client, ask->query.info().publication_handle);
+  if (!client) {
+    ++owner_.counts_.unanswerable;
+    owner_.pool_.put(std::move(ask));
+    return;
+  }
+  if (owner_.clients_.hold(*client, ask)) return;
+  const wire::Query& query = *ask->query;
+  std::optional<std::string> refusal = ask->refusal.empty() ? why_refused(query) : std::optional(ask->refusal);
+  if (refusal) {
+    ++owner_.counts_.refused;
+    write_text(*client, query.request, ReplyStatus::refused, refusal_text(*refusal));
+  } else if (query.kind == static_cast<std::uint8_t>(QueryKind::command)) {
+    command(query);
+  } else if (query.kind == static_cast<std::uint8_t>(QueryKind::hello)) {
+    write_text(*client, query.request, ReplyStatus::ok, {});
+  } else {
+    answer_questions(*client, *ask);
+  }
+  owner_.pool_.put(std::move(ask));
+}
+
+void Answering::Worker::command(const wire::Query& query) {
+  const auto blob = std::as_bytes(dds::view(query.blob));
+  owner_.command_({query.client, query.request, query.text, {blob.begin(), blob.end()}});
+}
+
+void Answering::Worker::work(TextReply text) {
+  const std::shared_ptr<Client> client = owner_.clients_.find(text.client);
+  if (client) {
+    write_text(*client, text.request, text.status, text.text);
+  } else {
+    ++owner_.counts_.unanswerable;
+  }
+}
+
+void Answering::Worker::work(Resume resume) {
+  for (AskPointer& ask : owner_.clients_.resume(resume.client)) work(std::move(ask));
+}
+
+void Answering::Worker::work(Sweep sweep) {
+  for (AskPointer& ask : owner_.clients_.sweep(sweep.askers, steady_ns())) {
+    ++owner_.counts_.unanswerable;
+    owner_.pool_.put(std::move(ask));
+  }
+}
+
+void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
+  const wire::Query& query = *ask.query;
+  const std::int64_t allowed_ns = query.deadline_ns > 0 ? query.deadline_ns : owner_.options_.deadline_ns;
+  const Questions questions{.kind = static_cast<QueryKind>(query.kind),
+                            .mode = static_cast<wire_contract::RayMode>(query.mode),
+                            .mask = query.mask,
+                            .max_hits = query.max_hits,
+                            .only = query.only,
+                            .skip = query.skip,
+                            .deadline_ns = allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0,
+                            .numbers = dds::view(query.numbers)};
+  const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
+  answer(*lease, questions, answers_, scratch_);
+  // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
+  if (owner_.options_.recovering()) doubt(questions);
+  write_answers(client, ask, *lease);
+}
+
+void Answering::Worker::doubt(const Questions& questions) {
+  const bool any_will_do = questions.kind == QueryKind::ray && questions.mode == wire_contract::RayMode::any;
+  for (std::size_t i = 0; i < answers_.answers.size(); ++i) {
+    const bool hit = answers_.answers[i] == Answer::hit;
+    if (answers_.answers[i] != Answer::miss && (!hit || any_will_do)) continue;
+    answers_.answers[i] = Answer::undecided;
+    answers_.reasons[i] = wire_contract::UndecidedReason::recovering;
+  }
+}
+
+void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snapshot& snapshot) {
+  const wire::Query& query = *ask.query;
+  ReplyFiller filler(snapshot, answers_, named_in_, reply_number_);
+  dds::borrow(reply_->text, std::span<const std::uint8_t>());
+  reply_->client = query.client;
+  reply_->request = query.request;
+  reply_->chunk_index = query.chunk_index;
+  reply_->chunk_count = query.chunk_count;
+  reply_->status = static_cast<std::uint8_t>(ReplyStatus::ok);
+  reply_->version = snapshot.version;
+  reply_->world_time_ns = snapshot.world_time_ns;
+  const std::int64_t posed_ns = answers_.oldest_pose_ns;
+  reply_->oldest_pose_age_ns = posed_ns > 0 ? std::max<std::int64_t>(0, owner_.clock_.now_ns() - posed_ns) : -1;
+  while (filler.fill(columns_)) {
+    columns_.lend(*reply_);
+    reply_->first_question = query.first_question + static_cast<std::uint32_t>(filler.first());
+    reply_->compute_ns = steady_ns() - ask.taken_ns;
+    send(client);
+  }
+  owner_.counts_.answered += answers_.answers.size();
+  owner_.counts_.undecided += filler.undecided();
+}
+
+void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text) {
+  columns_.clear();
+  columns_.lend(*reply_);
+  const SnapshotRing::Lease lease = owner_.world_.newest();
+  constexpr std::size_t kMost = wire_contract::kMaxTextBytesPerChunk;
+  const std::size_t chunks = std::max<std::size_t>(1, (text.size() + kMost - 1) / kMost);
+  reply_->client = client.id();
+  reply_->request = request;
+  reply_->chunk_count = static_cast<std::uint32_t>(chunks);
+  reply_->first_question = 0;
+  reply_->status = static_cast<std::uint8_t>(status);
+  reply_->version = lease->version;
+  reply_->world_time_ns = lease->world_time_ns;
+  reply_->oldest_pose_age_ns = -1;
+  reply_->compute_ns = 0;
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+    const std::string_view part = text.substr(std::min(text.size(), chunk * kMost), kMost);
+    text_.assign(part.begin(), part.end());
+    dds::borrow(reply_->text, text_);
+    reply_->chunk_index = static_cast<std::uint32_t>(chunk);
+    send(client);
+  }
+}
+
+void Answering::Worker::send(Client& client) {
+  try {
+    if (!client.write(*reply_)) ++owner_.counts_.unanswerable;
+  } catch (const dds::DdsError&) {
+    ++owner_.counts_.unanswerable;
+  }
+}
+
+// ---- the way in
+
+Answering::Answering(const World& world, const WorldClock& clock, Fences& fences, LeaseBook& leases,
+                     QuestionCounts& counts, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
+                     Command command)
+    : world_(world),
+      clock_(clock),
+      fences_(fences),
+      leases_(leases),
+      counts_(counts),
+      options_(options),
+      command_(std::move(command)),
+      queue_(kMostQueued),
+      clients_(replies, [this](std::uint64_t client) { queue_.push(Resume{client}); }) {
+  for (unsigned i = 0; i < std::max(1U, options.threads); ++i) {
+    threads_.emplace_back([this] { Worker(*this).run(); });
+  }
+}
+
+Answering::~Answering() {
+  stop();
+}
+
+void Answering::take(const dds::Taker<wire::Query>& taker) {
+  const std::lock_guard lock(taking_);
+  while (!stopping_.load() && queue_.has_room()) {
+    AskPointer ask = pool_.get();
+    if (!taker.take(ask->query)) {
+      pool_.put(std::move(ask));
+      return;
+    }
+    ask->taken_ns = steady_ns();
+    if (!ask->query.info().valid_data) {
+      pool_.put(std::move(ask));
+      continue;
+    }
+    const Fences::Outcome outcome = fences_.pass(ask);
+    if (outcome == Fences::Outcome::passed) admit(std::move(ask));
+    if (outcome == Fences::Outcome::full) {
+      refuse_later(std::move(ask), fmt::format("{} questions wait for a publisher's samples, the limit", Fences::kMost));
+    }
+  }
+  // The rest stays with DDS, which makes the askers wait: admission. A worker comes back for it.
+  if (!stopping_.load()) left_in_reader_.store(taker.reader());
+}
+
+void Answering::take_more() {
+  const dds_entity_t reader = left_in_reader_.exchange(0);
+  if (reader != 0) take(dds::Taker<wire::Query>(reader));
+}
+
+void Answering::admit(AskPointer ask) {
+  const wire::Query& query = *ask->query;
+  if (query.chunk_count > 1) {
+    std::optional<SnapshotRing::Lease> lease = leases_.take(query.client, query.request, query.chunk_index,
+                                                            query.chunk_count, query.fence_publisher != 0, steady_ns());
+    if (!lease) {
+      refuse_later(std::move(ask), "the state that this request is answered on is no longer kept: its chunks must "
+                                   "come within 2 s, the first one first");
+      return;
+    }
+    ask->pinned = std::move(*lease);
+  }
+  queue_.push(std::move(ask));
+}
+
+void Answering::refuse_later(AskPointer ask, std::string reason) {
+  ask->refusal = std::move(reason);
+  queue_.push(std::move(ask));
+}
+
+void Answering::send_text(std::uint64_t client, std::uint64_t request, ReplyStatus status, std::string text) {
+  if (status == ReplyStatus::refused) ++counts_.refused;
+  queue_.push(TextReply{client, request, status, std::move(text)});
+}
+
+void Answering::tick(std::vector<std::uint64_t> askers) {
+  const std::int64_t now_ns = steady_ns();
+  leases_.expire(now_ns);
+  for (AskPointer& ask : fences_.take_overdue(now_ns)) {
+    const wire::Query& query = *ask->query;
+    const std::uint64_t applied = fences_.applied(query.fence_publisher);
+    refuse_later(std::move(ask),
+                 applied == 0 ? fmt::format("publisher {:016x} is not known here, so its sample {} could not be waited for",
+                                            query.fence_publisher, query.fence_sequence)
+                              : fmt::format("sample {} of publisher {:016x} did not come in time; applied: {}",
+                                            query.fence_sequence, query.fence_publisher, applied));
+  }
+  queue_.push(Sweep{std::move(askers)});
+}
+
+void Answering::stop() {
+  if (stopping_.exchange(true)) return;
+  for (AskPointer& ask : fences_.take_all()) refuse_later(std::move(ask), "the server is stopping");
+  queue_.close();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+}  // namespace collided::service

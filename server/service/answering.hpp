@@ -1,0 +1,98 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "idl/dds.hpp"
+#include "server/service/clients.hpp"
+#include "server/service/clock.hpp"
+#include "server/service/counters.hpp"
+#include "server/service/fences.hpp"
+#include "server/service/lease_book.hpp"
+#include "server/service/work_queue.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::service {
+
+struct AnsweringOptions {
+  std::uint64_t server = 0;
+  std::uint64_t epoch = 0;
+  unsigned threads = 1;
+  std::int64_t deadline_ns = 0;  // of questions that bring none; 0: none
+  std::function<bool()> recovering;  // the world may lack what publishers have yet to say again
+};
+
+/// A command as it came; see idl/commands.hpp.
+struct CommandAsk {
+  std::uint64_t client = 0;
+  std::uint64_t request = 0;
+  std::string text;
+  std::vector<std::byte> blob;
+};
+
+/// {"error": ..., "hint": ...}: the text of a refusal.
+std::string refusal_text(const std::string& error, const std::string& hint = {});
+
+/// Takes questions, has workers answer them on snapshots, writes the replies.
+class Answering {
+ public:
+  using Command = std::function<void(CommandAsk)>;  // called on a worker; answers through send_text
+
+  Answering(const World& world, const WorldClock& clock, Fences& fences, LeaseBook& leases, QuestionCounts& counts,
+            const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options, Command command);
+  ~Answering();
+
+  /// From the query reader's listener: takes, stamps and hands over.
+  void take(const dds::Taker<wire::Query>& taker);
+  /// Past its fence: pins the state of a request in chunks and queues.
+  void admit(AskPointer ask);
+  /// The text of a command's answer, in as many replies as it needs. Any thread.
+  void send_text(std::uint64_t client, std::uint64_t request, wire_contract::ReplyStatus status, std::string text);
+  /// Now and then, from one thread: questions that waited too long, clients that are gone.
+  void tick(std::vector<std::uint64_t> askers);
+  /// Answers what is in, then ends.
+  void stop();
+  std::size_t clients() const { return clients_.size(); }
+
+ private:
+  struct TextReply {
+    std::uint64_t client = 0;
+    std::uint64_t request = 0;
+    wire_contract::ReplyStatus status = wire_contract::ReplyStatus::ok;
+    std::string text;
+  };
+  struct Resume {
+    std::uint64_t client = 0;
+  };
+  struct Sweep {
+    std::vector<std::uint64_t> askers;
+  };
+  using Work = std::variant<AskPointer, TextReply, Resume, Sweep>;
+  class Worker;
+
+  void refuse_later(AskPointer ask, std::string reason);
+  void take_more();
+
+  const World& world_;
+  const WorldClock& clock_;
+  Fences& fences_;
+  LeaseBook& leases_;
+  QuestionCounts& counts_;
+  AnsweringOptions options_;
+  Command command_;
+  AskPool pool_;
+  WorkQueue<Work> queue_;
+  Clients clients_;
+  std::mutex taking_;
+  std::atomic<dds_entity_t> left_in_reader_{0};  // the queue was full: this reader has more
+  std::atomic<bool> stopping_{false};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace collided::service

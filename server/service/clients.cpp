@@ -1,0 +1,98 @@
+#include "server/service/clients.hpp"
+
+#include <algorithm>
+
+#include "server/service/clock.hpp"
+
+namespace collided::service {
+
+bool Client::write(const wire::Reply& reply) {
+  // Set once before anybody writes, and never taken away while the client is held.
+  return listening_.load() && writer_->write(reply);
+}
+
+std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
+  std::shared_ptr<Client> client;
+  bool made = false;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = clients_.find(id);
+    if (found != clients_.end()) {
+      client = found->second;
+    } else if (clients_.size() < kMost) {
+      client = std::make_shared<Client>(id);
+      clients_.emplace(id, client);
+      made = true;
+    }
+  }
+  if (!client) return nullptr;
+  client->asker_.store(asker);
+  if (made) open_writer(client);
+  return client;
+}
+
+void Clients::open_writer(const std::shared_ptr<Client>& client) {
+  Client* raw = client.get();  // outlives its writer, and so the callback
+  raw->deaf_since_ns_.store(steady_ns());
+  dds::Writer<wire::Reply> writer(topic_, {.partition = wire_contract::reply_partition(raw->id()),
+                                           .matched = [this, raw](std::uint32_t readers) {
+                                             raw->listening_.store(readers > 0);
+                                             raw->deaf_since_ns_.store(steady_ns());
+                                             if (readers > 0) listening_(raw->id());
+                                           }});
+  {
+    const std::lock_guard lock(raw->mutex_);
+    raw->writer_.emplace(std::move(writer));
+  }
+  // The match may have come before the writer was in its place; asks held meanwhile would wait for ever.
+  if (raw->listening_.load()) listening_(raw->id());
+}
+
+std::shared_ptr<Client> Clients::find(std::uint64_t id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = clients_.find(id);
+  return found == clients_.end() ? nullptr : found->second;
+}
+
+bool Clients::hold(Client& client, AskPointer& ask) {
+  const std::lock_guard lock(client.mutex_);
+  if (client.ready()) return false;
+  if (client.waiting_.size() >= kMostWaiting) client.waiting_.erase(client.waiting_.begin());
+  client.waiting_.push_back(std::move(ask));
+  return true;
+}
+
+std::vector<AskPointer> Clients::resume(std::uint64_t id) {
+  const std::shared_ptr<Client> client = find(id);
+  if (!client) return {};
+  const std::lock_guard lock(client->mutex_);
+  return client->ready() ? std::exchange(client->waiting_, {}) : std::vector<AskPointer>{};
+}
+
+std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, std::int64_t now_ns) {
+  std::vector<std::shared_ptr<Client>> gone;  // deleted after the lock is free: their writers take time
+  std::vector<AskPointer> overdue;
+  const std::lock_guard lock(mutex_);
+  std::erase_if(clients_, [&](const auto& entry) {
+    Client& client = *entry.second;
+    const std::lock_guard client_lock(client.mutex_);
+    const auto late = std::stable_partition(client.waiting_.begin(), client.waiting_.end(), [&](const AskPointer& ask) {
+      return now_ns - ask->taken_ns <= kMatchPatienceNs;
+    });
+    std::move(late, client.waiting_.end(), std::back_inserter(overdue));
+    client.waiting_.erase(late, client.waiting_.end());
+    const bool lives = std::find(askers.begin(), askers.end(), client.asker_.load()) != askers.end();
+    const bool deaf = !client.listening_.load() && now_ns - client.deaf_since_ns_.load() > kDeafPatienceNs;
+    if ((lives && !deaf) || !client.waiting_.empty()) return false;
+    gone.push_back(entry.second);
+    return true;
+  });
+  return overdue;
+}
+
+std::size_t Clients::size() const {
+  const std::lock_guard lock(mutex_);
+  return clients_.size();
+}
+
+}  // namespace collided::service

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "idl/dds.hpp"
+#include "server/service/ask.hpp"
+
+namespace collided::service {
+
+/// One asking client: its reply writer in its own partition, and what waits until somebody there listens.
+class Client {
+ public:
+  explicit Client(std::uint64_t id) : id_(id) {}
+  std::uint64_t id() const { return id_; }
+  /// False: nobody took it, or nobody is there any more.
+  [[nodiscard]] bool write(const wire::Reply& reply);
+
+ private:
+  friend class Clients;
+  bool ready() const { return writer_.has_value() && listening_.load(); }
+
+  const std::uint64_t id_;
+  std::mutex mutex_;
+  std::optional<dds::Writer<wire::Reply>> writer_;
+  std::vector<AskPointer> waiting_;
+  std::atomic<bool> listening_{false};
+  std::atomic<std::uint64_t> asker_{0};    // its query writer
+  std::atomic<std::int64_t> deaf_since_ns_{0};
+};
+
+/// Every client that has asked and still lives. A reply written before the client's reader was matched would be lost,
+/// so asks wait for the match.
+///
+/// threads  any but DDS's own: making and deleting writers inside a listener would deadlock
+class Clients {
+ public:
+  static constexpr std::size_t kMost = 1'000;
+  static constexpr std::size_t kMostWaiting = 256;             // asks of one client
+  static constexpr std::int64_t kMatchPatienceNs = 1'000'000'000;
+  static constexpr std::int64_t kDeafPatienceNs = 10'000'000'000;  // a client without a reader is forgotten
+
+  /// listening  called on DDS's thread when a client's asks may go on: hand resume() to a worker
+  Clients(const dds::Topic<wire::Reply>& topic, std::function<void(std::uint64_t)> listening)
+      : topic_(topic), listening_(std::move(listening)) {}
+
+  /// The client of an ask; made when it is first seen; null when kMost are there.
+  std::shared_ptr<Client> meet(std::uint64_t id, std::uint64_t asker);
+  std::shared_ptr<Client> find(std::uint64_t id) const;
+  /// Takes the ask where it must wait.
+  bool hold(Client& client, AskPointer& ask);
+  std::vector<AskPointer> resume(std::uint64_t id);
+  /// Deletes clients whose query writer is gone; returns asks that waited too long.
+  std::vector<AskPointer> sweep(std::span<const std::uint64_t> askers, std::int64_t now_ns);
+  std::size_t size() const;
+
+ private:
+  void open_writer(const std::shared_ptr<Client>& client);
+
+  const dds::Topic<wire::Reply>& topic_;
+  std::function<void(std::uint64_t)> listening_;
+  mutable std::mutex mutex_;
+  std::map<std::uint64_t, std::shared_ptr<Client>> clients_;
+};
+
+}  // namespace collided::service

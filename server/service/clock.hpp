@@ -1,0 +1,25 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace collided::service {
+
+/// Nanoseconds of a clock that never goes back; what deadlines are in.
+inline std::int64_t steady_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// World time: nanoseconds since 1970 as the machine had them when the server started, going on steadily from there,
+/// whatever happens to the machine's clock.
+class WorldClock {
+ public:
+  std::int64_t now_ns() const { return steady_ns() + offset_ns_; }
+
+ private:
+  std::int64_t offset_ns_ =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count() -
+      steady_ns();
+};
+
+}  // namespace collided::service

@@ -1,0 +1,300 @@
+#include "server/service/commands.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "idl/commands.hpp"
+#include "server/intake/scene_file.hpp"
+#include "server/service/border.hpp"
+#include "server/service/nearest_word.hpp"
+#include "server/service/object_description.hpp"
+#include "server/world/plan.hpp"
+#include "server/world/query.hpp"
+
+namespace collided::service {
+
+using nlohmann::json;
+using wire_contract::EndReason;
+using wire_contract::EventKind;
+using wire_contract::ReplyStatus;
+namespace names = wire_contract::command;
+
+namespace {
+
+bool is_glob(const std::string& name) {
+  return name.find_first_of("*?[") != std::string::npos;
+}
+
+std::string dump(const json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace
+
+Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock)
+    : loop_(loop), inbox_(inbox), clock_(clock), loads_(kMostLoads), loader_([this] { load_loop(); }) {}
+
+Commands::~Commands() {
+  stop();
+}
+
+void Commands::stop() {
+  stopping_.store(true);
+  loads_.close();
+  if (loader_.joinable()) loader_.join();
+}
+
+/// The answer of some work, or the refusal that it threw.
+void Commands::answer(const CommandAsk& ask, const std::function<json()>& work) {
+  const auto refuse = [&](const std::string& error, const std::string& hint) {
+    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(error, hint));
+  };
+  try {
+    answering_->send_text(ask.client, ask.request, ReplyStatus::ok, dump(work()));
+  } catch (const BadCommand& bad) {
+    refuse(bad.what(), bad.hint);
+  } catch (const std::bad_alloc&) {
+    refuse("not enough memory", "");
+  } catch (const std::exception& failed) {
+    refuse(failed.what(), "");
+  }
+}
+
+void Commands::run(CommandAsk ask) {
+  static const std::vector<std::pair<std::string, Change>> kChanges{
+      {names::kGet, &Commands::get},       {names::kAdd, &Commands::add},     {names::kMove, &Commands::move},
+      {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear},
+  };
+  std::optional<Arguments> arguments;
+  try {
+    arguments.emplace(ask.text);
+  } catch (const BadCommand& bad) {
+    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what()));
+    return;
+  }
+  const std::string& command = arguments->command();
+  for (const auto& [name, change] : kChanges) {
+    if (command == name) return on_world_thread(std::move(ask), change);
+  }
+  if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
+  if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
+  if (command == names::kLoad) return load_later(std::move(ask), *arguments);
+  answer(ask, [&]() -> json {
+    const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,
+                                         names::kRemove, names::kList, names::kGet, names::kPlan};
+    throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
+  });
+}
+
+void Commands::on_world_thread(CommandAsk ask, Change change) {
+  const auto shared = std::make_shared<CommandAsk>(std::move(ask));
+  const bool taken = inbox_.push_job([this, shared, change] {
+    answer(*shared, [&] { return (this->*change)(*shared, Arguments(shared->text)); });
+  });
+  if (!taken) {
+    answering_->send_text(shared->client, shared->request, ReplyStatus::refused,
+                          refusal_text("too many commands wait already", "ask again"));
+  }
+}
+
+// ---- looking
+
+json Commands::list(const Arguments& arguments) const {
+  arguments.allow_only({"name", "moving", "limit"});
+  const std::string glob = arguments.text("name");
+  const std::optional<bool> moving = arguments.has("moving") ? std::optional(arguments.truth("moving", false)) : std::nullopt;
+  const std::uint64_t limit = arguments.whole("limit", 10'000, 1'000'000);
+  const SnapshotRing::Lease state = loop_.world().newest();
+  json objects = json::array();
+  std::uint64_t count = 0;
+  for (const auto& info : *state->objects) {
+    if (!info || (moving && info->moving != *moving)) continue;
+    if (!glob.empty() && !glob_matches(glob, info->name)) continue;
+    if (count++ < limit) objects.push_back(describe_briefly(*state, *info, loop_.publisher_name(info->publisher)));
+  }
+  return {{"objects", objects}, {"count", count}, {"version", state->version}};
+}
+
+json Commands::plan(const Arguments& arguments) const {
+  arguments.allow_only({});
+  const SnapshotRing::Lease state = loop_.world().newest();
+  json structures = json::array();
+  for (const PlanRow& row : plan_of(*state, loop_.contacts_wanted())) {
+    structures.push_back({{"structure", row.structure}, {"built", row.built}, {"why", row.why}, {"saves", row.saves}});
+  }
+  json pairs = json::array();
+  for (const PairRow& row : pair_table()) pairs.push_back({{"a", row.a}, {"b", row.b}, {"how", row.how}});
+  std::uint64_t bytes = 0;
+  for (const auto& scene : state->scenes) bytes += scene->bytes();
+  return {{"structures", structures}, {"pairs", pairs}, {"bytes", bytes}};
+}
+
+json Commands::get(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"name"});
+  const ObjectInfo& info = *loop_.world().info(find_object(arguments.text("name")));
+  const SnapshotRing::Lease state = loop_.world().newest();
+  json object = describe_briefly(*state, info, loop_.publisher_name(info.publisher));
+  describe_fully(*state, info, clock_.now_ns(), object);
+  if (const auto velocity = loop_.publishers().velocity(info.id)) object["velocity"] = *velocity;
+  json contacts = json::array();
+  for (const OpenContact& contact : loop_.world().contacts()) {
+    if (contact.a != info.id && contact.b != info.id) continue;
+    const ObjectInfo* other = loop_.world().info(contact.a == info.id ? contact.b : contact.a);
+    if (other) contacts.push_back(other->name);
+  }
+  object["contacts"] = contacts;
+  json waiting = json::array();
+  for (const std::uint64_t publisher : loop_.publishers().waiting_for(info.name)) waiting.push_back(loop_.publisher_name(publisher));
+  if (!waiting.empty()) object["name_wanted_by"] = waiting;
+  object["version"] = state->version;
+  return object;
+}
+
+// ---- changing
+
+/// The object of that name in a state that shows it.
+ObjectId Commands::find_object(const std::string& name) const {
+  if (const std::optional<ObjectId> id = loop_.world().find(name)) {
+    // Defined in this very moment: a step makes it part of the state that is shown.
+    const SnapshotRing::Lease state = loop_.world().newest();
+    const bool shown = slot_of(*id) < state->objects->size() && (*state->objects)[slot_of(*id)] &&
+                       (*state->objects)[slot_of(*id)]->id == *id;
+    if (!shown) loop_.step_now();
+    return *id;
+  }
+  std::vector<std::string_view> others;
+  for (const auto& info : loop_.world().objects()) {
+    if (info) others.push_back(info->name);
+  }
+  std::string sentence = fmt::format("object {} is not in the world ({} objects)", printable(name), others.size());
+  const std::vector<std::string> near = nearest_words(name, others, 3);
+  if (!near.empty()) sentence += fmt::format("; nearest names: {}", fmt::join(near, ", "));
+  throw BadCommand(sentence);
+}
+
+void Commands::refuse_if_live(const ObjectInfo& info) const {
+  if (info.publisher == 0 || !loop_.publishers().is_live(info.publisher)) return;
+  throw BadCommand(fmt::format("object {} belongs to publisher {}, which lives", printable(info.name),
+                               printable(loop_.publisher_name(info.publisher))),
+                   "its publisher moves and removes it");
+}
+
+/// Steps; the new version.
+std::uint64_t Commands::step() {
+  loop_.note_change();
+  loop_.step_now();
+  return loop_.world().newest()->version;
+}
+
+std::uint32_t Commands::ended_count() const {
+  const auto& events = loop_.world().events();
+  return static_cast<std::uint32_t>(
+      std::count_if(events.begin(), events.end(), [](const Event& event) { return event.kind == EventKind::ended; }));
+}
+
+json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
+  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving"});
+  constexpr std::uint64_t kBits = 0xffffffff;
+  const Filter filter{.layers = static_cast<std::uint32_t>(arguments.whole("layers", 1, kBits)),
+                      .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
+                      .group = static_cast<std::uint32_t>(arguments.whole("group", 0, kBits))};
+  const std::string name = arguments.text("name");
+  if (!is_good_name(name)) throw BadCommand(fmt::format("add: the name {} is empty, longer than 255 bytes or not text", printable(name)));
+  DecodedShape decoded = decode_shape(ask.blob);
+  if (!decoded.shape) throw BadCommand("add: " + decoded.refusal);
+  if (decoded.shape->empty()) throw BadCommand("add: the shape is empty");
+  const std::variant<ObjectId, Refusal> defined = loop_.world().define({.name = name,
+                                                                        .scene = {},
+                                                                        .shape = std::move(*decoded.shape),
+                                                                        .pose = arguments.pose("pose").value_or(Pose{}),
+                                                                        .filter = filter,
+                                                                        .moving = arguments.truth("moving", true)});
+  if (const auto* refusal = std::get_if<Refusal>(&defined)) throw BadCommand(refusal->reason);
+  return {{"name", name}, {"id", std::get<ObjectId>(defined)}, {"version", step()}};
+}
+
+json Commands::move(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"name", "pose", "teleport"});
+  World& world = loop_.world();
+  const std::string name = arguments.text("name");
+  const std::optional<Pose> pose = arguments.pose("pose");
+  if (!pose) throw BadCommand("move: without a pose", "a pose is [x, y, z, qw, qx, qy, qz]");
+  const bool teleport = arguments.truth("teleport", false);
+  const ObjectId id = find_object(name);
+  refuse_if_live(*world.info(id));
+  if (world.has_moved(id)) loop_.step_now();
+  const Vec3 before = world.newest()->poses[slot_of(id)].position;
+  if (!world.move(id, *pose, clock_.now_ns(), teleport)) {
+    throw BadCommand(fmt::format("object {} is a part of scene {} and stays where it is", printable(name),
+                                 printable(world.info(id)->scene)));
+  }
+  const std::uint64_t version = step();
+  json began = json::array();
+  json ended = json::array();
+  for (const Event& event : world.events()) {
+    if (event.of.a != id && event.of.b != id) continue;
+    const ObjectInfo* other = world.info(event.of.a == id ? event.of.b : event.of.a);
+    if (event.kind == EventKind::began) began.push_back(other ? other->name : std::string());
+    if (event.kind == EventKind::ended) ended.push_back(other ? other->name : std::string());
+  }
+  return {{"name", name}, {"moved_m", (pose->position - before).norm()}, {"began", began}, {"ended", ended}, {"version", version}};
+}
+
+json Commands::remove(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"name"});
+  World& world = loop_.world();
+  const std::string name = arguments.text("name");
+  std::vector<ObjectId> chosen;
+  if (is_glob(name) && !world.find(name)) {
+    for (const auto& info : world.objects()) {
+      if (info && glob_matches(name, info->name)) chosen.push_back(info->id);
+    }
+  } else {
+    chosen.push_back(find_object(name));
+  }
+  for (const ObjectId id : chosen) refuse_if_live(*world.info(id));
+  if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); })) loop_.step_now();
+  json removed = json::array();
+  for (const ObjectId id : chosen) {
+    removed.push_back(world.info(id)->name);
+    world.remove(id, EndReason::removed);
+  }
+  if (chosen.empty()) return {{"removed", removed}, {"ended", 0}, {"version", world.newest()->version}};
+  const std::uint64_t version = step();
+  return {{"removed", removed}, {"ended", ended_count()}, {"version", version}};
+}
+
+json Commands::clear(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"scene", "moving"});
+  World& world = loop_.world();
+  const std::string scene = arguments.text("scene");
+  const bool moving = arguments.truth("moving", false);
+  std::vector<std::string> scenes;
+  for (const auto& loaded : world.newest()->scenes) scenes.push_back(loaded->name);
+  if (!scene.empty() && std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) {
+    throw BadCommand(fmt::format("scene {} is not loaded; loaded: {}", printable(scene),
+                                 scenes.empty() ? "none" : fmt::format("{}", fmt::join(scenes, ", "))));
+  }
+  loop_.step_now();  // what has moved is examined before it goes
+  std::uint32_t removed = 0;
+  std::uint32_t kept = 0;
+  for (const std::string& name : scenes) {
+    if (name == scene || (scene.empty() && !moving)) removed += world.remove_scene(name);
+  }
+  const bool others = scene.empty() || moving;
+  const ObjectTable objects = world.objects();  // a copy: removing changes the world's
+  for (const auto& info : objects) {
+    if (!others || !info || !world.info(info->id) || (moving && !info->moving)) continue;
+    if (info->publisher != 0 && loop_.publishers().is_live(info->publisher)) {
+      ++kept;
+    } else if (world.remove(info->id, EndReason::removed)) {
+      ++removed;
+    }
+  }
+  const std::uint64_t version = step();
+  return {{"removed", removed}, {"kept", kept}, {"ended", ended_count()}, {"version", version}};
+}
+
+}  // namespace collided::service

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "server/service/answering.hpp"
+#include "server/service/command_arguments.hpp"
+#include "server/service/inbox.hpp"
+#include "server/service/scene_loading.hpp"
+#include "server/service/work_queue.hpp"
+#include "server/service/world_loop.hpp"
+
+namespace collided::service {
+
+/// The commands of idl/commands.hpp. What only looks is answered where it is asked, on a state; what changes the world
+/// becomes a job of the world's thread; files are read on a thread of their own.
+class Commands {
+ public:
+  Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock);
+  ~Commands();
+
+  /// Where the answers go; before the first run().
+  void connect(Answering& answering) { answering_ = &answering; }
+  /// Any thread; returns at once or after looking.
+  void run(CommandAsk ask);
+  /// Calls off the load under way and ends.
+  void stop();
+
+ private:
+  static constexpr std::size_t kMostLoads = 4;  // that wait
+  using Change = nlohmann::json (Commands::*)(const CommandAsk&, const Arguments&);
+  struct Load {
+    CommandAsk ask;
+    std::string path;
+    LoadOptions options;
+    bool replace = false;
+  };
+
+  void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
+  void on_world_thread(CommandAsk ask, Change change);
+
+  // Where it is asked.
+  nlohmann::json list(const Arguments& arguments) const;
+  nlohmann::json plan(const Arguments& arguments) const;
+  // On the world's thread.
+  nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json move(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json remove(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json clear(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
+
+  ObjectId find_object(const std::string& name) const;
+  void refuse_if_live(const ObjectInfo& info) const;
+  std::uint64_t step();
+  std::uint32_t ended_count() const;
+
+  void load_later(CommandAsk ask, const Arguments& arguments);
+  void load_loop();
+  void load_one(Load load);
+
+  WorldLoop& loop_;
+  Inbox& inbox_;
+  const WorldClock& clock_;
+  Answering* answering_ = nullptr;
+  WorkQueue<Load> loads_;
+  std::atomic<bool> stopping_{false};
+  std::thread loader_;
+};
+
+}  // namespace collided::service

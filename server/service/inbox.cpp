@@ -1,0 +1,155 @@
+#include "server/service/inbox.hpp"
+
+#include <algorithm>
+
+#include "idl/topics.hpp"
+
+namespace collided::service {
+
+using wire_contract::kPoseNumbers;
+
+std::unique_ptr<PoseSample> Inbox::spare_locked() {
+  if (spares_.empty()) return std::make_unique<PoseSample>();
+  std::unique_ptr<PoseSample> sample = std::move(spares_.back());
+  spares_.pop_back();
+  return sample;
+}
+
+std::unique_ptr<PoseSample> Inbox::spare() {
+  const std::lock_guard lock(mutex_);
+  return spare_locked();
+}
+
+void Inbox::give_back(std::unique_ptr<PoseSample> sample) {
+  const std::lock_guard lock(mutex_);
+  if (spares_.size() < limits_.batches) spares_.push_back(std::move(sample));
+}
+
+void Inbox::push(std::unique_ptr<DefinitionSample> sample) {
+  const std::lock_guard lock(mutex_);
+  arrivals_.emplace_back(std::move(sample));
+  arrived_.notify_one();
+}
+
+void Inbox::push(std::unique_ptr<PoseSample> sample) {
+  const std::lock_guard lock(mutex_);
+  const bool full = batch_count_ >= limits_.batches || pose_count_ + sample->object_numbers.size() > limits_.poses;
+  // Once some are merged the later ones must be as well, or they would overtake them.
+  if (full || !merged_.empty()) {
+    merge(*sample);
+    spares_.push_back(std::move(sample));
+  } else {
+    ++batch_count_;
+    pose_count_ += sample->object_numbers.size();
+    arrivals_.emplace_back(std::move(sample));
+  }
+  arrived_.notify_one();
+}
+
+void Inbox::push(const WriterNews& news) {
+  const std::lock_guard lock(mutex_);
+  arrivals_.emplace_back(news);
+  arrived_.notify_one();
+}
+
+bool Inbox::push_job(Job job) {
+  const std::lock_guard lock(mutex_);
+  if (job_count_ >= limits_.jobs) return false;
+  ++job_count_;
+  arrivals_.emplace_back(std::move(job));
+  arrived_.notify_one();
+  return true;
+}
+
+void Inbox::wake() {
+  const std::lock_guard lock(mutex_);
+  woken_ = true;
+  arrived_.notify_one();
+}
+
+void Inbox::merge(const PoseSample& sample) {
+  const std::size_t count = sample.object_numbers.size();
+  if (sample.poses.size() != count * kPoseNumbers) {
+    counts_.poses_dropped += count;
+    return;
+  }
+  Merged& merged = merged_[sample.publisher];
+  if (sample.incarnation < merged.incarnation) {
+    counts_.poses_superseded += count;
+    return;
+  }
+  if (sample.incarnation > merged.incarnation) {
+    counts_.poses_superseded += merged.poses.size();
+    merged_count_ -= merged.poses.size();
+    merged = {};
+    merged.incarnation = sample.incarnation;
+  }
+  merged.sequence = std::max(merged.sequence, sample.sequence);
+  merged.definitions_through = std::max(merged.definitions_through, sample.definitions_through);
+  merged.source_time_ns = sample.source_time_ns;
+  merged.received_ns = sample.received_ns;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto found = merged.poses.find(sample.object_numbers[i]);
+    if (found == merged.poses.end() && merged_count_ >= limits_.merged_objects) {
+      ++counts_.poses_dropped;
+      continue;
+    }
+    MergedPose& pose = found == merged.poses.end() ? merged.poses[sample.object_numbers[i]] : found->second;
+    (found == merged.poses.end() ? merged_count_ : counts_.poses_superseded) += 1;
+    std::copy_n(&sample.poses[i * kPoseNumbers], kPoseNumbers, pose.pose.begin());
+    // A skipped teleport must not become a sweep across the room.
+    pose.teleported = pose.teleported || (sample.flags & wire_contract::kTeleported) != 0;
+  }
+}
+
+std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Merged& merged, bool teleported) {
+  std::unique_ptr<PoseSample> slice = spare_locked();
+  slice->publisher = publisher;
+  slice->incarnation = merged.incarnation;
+  slice->sequence = merged.sequence;
+  slice->definitions_through = merged.definitions_through;
+  slice->source_time_ns = merged.source_time_ns;
+  slice->received_ns = merged.received_ns;
+  slice->flags = teleported ? wire_contract::kTeleported : 0;
+  slice->object_numbers.clear();
+  slice->poses.clear();
+  slice->velocities.clear();
+  return slice;
+}
+
+void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
+  for (auto& [publisher, merged] : merged_) {
+    for (const bool teleported : {false, true}) {
+      std::unique_ptr<PoseSample> slice;
+      for (const auto& [number, pose] : merged.poses) {
+        if (pose.teleported != teleported) continue;
+        if (!slice) slice = start_slice(publisher, merged, teleported);
+        slice->object_numbers.push_back(number);
+        slice->poses.insert(slice->poses.end(), pose.pose.begin(), pose.pose.end());
+        if (slice->object_numbers.size() == wire_contract::kMaxPosesPerBatch) arrivals.emplace_back(std::move(slice));
+      }
+      if (slice) arrivals.emplace_back(std::move(slice));
+    }
+  }
+  merged_.clear();
+  merged_count_ = 0;
+}
+
+void Inbox::drain(std::chrono::steady_clock::time_point until, std::vector<Arrival>& arrivals) {
+  arrivals.clear();
+  std::unique_lock lock(mutex_);
+  arrived_.wait_until(lock, until, [&] { return woken_ || !arrivals_.empty() || !merged_.empty(); });
+  woken_ = false;
+  arrivals_.swap(arrivals);
+  unpack_merged(arrivals);
+  batch_count_ = 0;
+  pose_count_ = 0;
+  job_count_ = 0;
+}
+
+InboxCounts Inbox::counts() const {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+}  // namespace collided::service

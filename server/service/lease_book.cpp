@@ -1,0 +1,56 @@
+#include "server/service/lease_book.hpp"
+
+#include <algorithm>
+
+namespace collided::service {
+
+/// How many different states are pinned; two leases of one state point at one snapshot.
+std::size_t LeaseBook::states() const {
+  std::size_t count = 0;
+  for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+    const bool seen = std::any_of(entries_.begin(), entry, [&](const Entry& other) { return &*other.lease == &*entry->lease; });
+    if (!seen) ++count;
+  }
+  return count;
+}
+
+SnapshotRing::Lease LeaseBook::pin(bool fresh, std::int64_t now_ns) {
+  if (entries_.size() >= kMostRequests) entries_.pop_front();
+  SnapshotRing::Lease newest = world_.newest();
+  const bool pinned_already = std::any_of(entries_.begin(), entries_.end(),
+                                          [&](const Entry& entry) { return &*entry.lease == &*newest; });
+  if (pinned_already || states() < kMostStates) return newest;
+  if (!fresh && now_ns - entries_.back().pinned_ns <= kSharedAgeNs) return entries_.back().lease;
+  while (states() >= kMostStates) entries_.pop_front();
+  return newest;
+}
+
+std::optional<SnapshotRing::Lease> LeaseBook::take(std::uint64_t client, std::uint64_t request,
+                                                   std::uint32_t chunk_index, std::uint32_t chunk_count, bool fresh,
+                                                   std::int64_t now_ns) {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.client == client && entry.request == request;
+  });
+  if (found == entries_.end()) {
+    if (chunk_index != 0) return std::nullopt;
+    SnapshotRing::Lease lease = pin(fresh, now_ns);
+    entries_.push_back({client, request, chunk_count - 1, now_ns, lease});
+    return lease;
+  }
+  SnapshotRing::Lease lease = found->lease;
+  if (--found->chunks_left == 0) entries_.erase(found);
+  return lease;
+}
+
+void LeaseBook::expire(std::int64_t now_ns) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(entries_, [&](const Entry& entry) { return now_ns - entry.pinned_ns > kPatienceNs; });
+}
+
+std::size_t LeaseBook::size() const {
+  const std::lock_guard lock(mutex_);
+  return entries_.size();
+}
+
+}  // namespace collided::service

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <mutex>
+#include <optional>
+
+#include "server/world/snapshot.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::service {
+
+/// Keeps the state on which a request of several chunks is answered, from its first chunk to its last.
+/// The world has a ring of states: who pinned them all would stop it. So only a few different ones are kept, for a
+/// limited time; the oldest request gives way, and its later chunks are refused.
+///
+/// threads  any
+class LeaseBook {
+ public:
+  static constexpr std::size_t kMostStates = 8;  // of SnapshotRing::kStates, the rest is for workers and the writer
+  static constexpr std::size_t kMostRequests = 1'024;
+  static constexpr std::int64_t kPatienceNs = 2'000'000'000;
+  /// A new request joins a state this young rather than pushing out an old request.
+  static constexpr std::int64_t kSharedAgeNs = 20'000'000;
+
+  explicit LeaseBook(const World& world) : world_(world) {}
+
+  /// The state for one chunk; none for a later chunk whose request is not (or no longer) here.
+  /// fresh    no older state than the newest will do
+  std::optional<SnapshotRing::Lease> take(std::uint64_t client, std::uint64_t request, std::uint32_t chunk_index,
+                                          std::uint32_t chunk_count, bool fresh, std::int64_t now_ns);
+  void expire(std::int64_t now_ns);
+  std::size_t size() const;
+
+ private:
+  struct Entry {
+    std::uint64_t client;
+    std::uint64_t request;
+    std::uint32_t chunks_left;
+    std::int64_t pinned_ns;
+    SnapshotRing::Lease lease;
+  };
+  std::size_t states() const;
+  SnapshotRing::Lease pin(bool fresh, std::int64_t now_ns);
+
+  const World& world_;
+  mutable std::mutex mutex_;
+  std::list<Entry> entries_;  // oldest first
+};
+
+}  // namespace collided::service

@@ -1,0 +1,112 @@
+#include "server/service/listeners.hpp"
+
+#include <algorithm>
+
+namespace collided::service {
+namespace {
+
+std::unique_ptr<DefinitionSample> copy_of(const wire::Definition& from) {
+  auto sample = std::make_unique<DefinitionSample>();
+  sample->publisher = from.publisher;
+  sample->object_number = from.object_number;
+  sample->incarnation = from.incarnation;
+  sample->sequence = from.sequence_number;
+  sample->removed = from.removed;
+  sample->moving = from.moving;
+  sample->lost_policy = from.lost_policy;
+  sample->publisher_name = from.publisher_name;
+  sample->name = from.name;
+  sample->filter = {.layers = from.layers, .mask = from.mask, .group = from.group};
+  std::copy_n(from.pose, sample->pose.size(), sample->pose.begin());
+  const auto shape = dds::view(from.shape);
+  sample->shape_bytes.assign(shape.begin(), shape.end());
+  return sample;
+}
+
+void copy(const wire::PoseBatch& from, PoseSample& sample) {
+  sample.publisher = from.publisher;
+  sample.incarnation = from.incarnation;
+  sample.sequence = from.sequence_number;
+  sample.definitions_through = from.definitions_through;
+  sample.source_time_ns = from.source_time_ns;
+  sample.flags = from.flags;
+  const auto numbers = dds::view(from.object_numbers);
+  const auto poses = dds::view(from.poses);
+  const auto velocities = dds::view(from.velocities);
+  sample.object_numbers.assign(numbers.begin(), numbers.end());
+  sample.poses.assign(poses.begin(), poses.end());
+  sample.velocities.assign(velocities.begin(), velocities.end());
+}
+
+}  // namespace
+
+void WriterTable::heard(std::uint64_t writer, std::uint64_t publisher) {
+  const std::lock_guard lock(mutex_);
+  publishers_[writer] = publisher;
+}
+
+void WriterTable::liveliness(const dds::Liveliness& change) {
+  const std::lock_guard lock(mutex_);
+  const bool alive = change.alive > alive_;
+  alive_ = change.alive;
+  const auto found = publishers_.find(change.last_writer);
+  if (found == publishers_.end()) return;
+  inbox_.push(WriterNews{.publisher = found->second, .kind = kind_, .alive = alive});
+  // A writer whose lease has run out may come back under the same handle, so it stays known until there are too many.
+  constexpr std::size_t kMost = 10'000;
+  if (!alive && publishers_.size() > kMost) publishers_.erase(found);
+}
+
+void WriterTable::lost(std::uint64_t publisher) {
+  inbox_.push(WriterNews{.publisher = publisher, .kind = kind_, .alive = false});
+}
+
+Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock,
+                     Inbox& inbox, Answering& answering)
+    : clock_(clock),
+      inbox_(inbox),
+      object_writers_(inbox, WriterKind::object),
+      pose_writers_(inbox, WriterKind::pose),
+      object_topic_(participant, name_space),
+      pose_topic_(participant, name_space),
+      query_topic_(participant, name_space),
+      object_reader_(object_topic_,
+                     {.data = [this](dds::Taker<wire::Definition> taker) { take_definitions(taker); },
+                      .liveliness = [this](const dds::Liveliness& change) { object_writers_.liveliness(change); }}),
+      pose_reader_(pose_topic_,
+                   {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_poses(taker); },
+                    .liveliness = [this](const dds::Liveliness& change) { pose_writers_.liveliness(change); }}),
+      query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) { answering.take(taker); }}) {}
+
+void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
+  while (true) {
+    const auto loans = taker.take_loans();
+    if (loans.size() == 0) return;
+    for (std::size_t i = 0; i < loans.size(); ++i) {
+      if (!loans.info(i).valid_data) continue;
+      object_writers_.heard(loans.info(i).publication_handle, loans[i].publisher);
+      inbox_.push(copy_of(loans[i]));
+    }
+  }
+}
+
+void Listeners::take_poses(const dds::Taker<wire::PoseBatch>& taker) {
+  while (true) {
+    const auto loans = taker.take_loans();
+    if (loans.size() == 0) return;
+    const std::int64_t now_ns = clock_.now_ns();
+    for (std::size_t i = 0; i < loans.size(); ++i) {
+      if (loans.info(i).valid_data) {
+        pose_writers_.heard(loans.info(i).publication_handle, loans[i].publisher);
+        std::unique_ptr<PoseSample> sample = inbox_.spare();
+        copy(loans[i], *sample);
+        sample->received_ns = now_ns;
+        inbox_.push(std::move(sample));
+      }
+      // The key is the publisher: an instance without writers is a publisher that has gone.
+      if (loans.info(i).instance_state == DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE) pose_writers_.lost(loans[i].publisher);
+    }
+  }
+}
+
+}  // namespace collided::service

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "idl/dds.hpp"
+#include "server/service/answering.hpp"
+#include "server/service/clock.hpp"
+#include "server/service/inbox.hpp"
+
+namespace collided::service {
+
+/// Which publisher is behind which DDS writer, learnt from its samples; tells who has died.
+class WriterTable {
+ public:
+  WriterTable(Inbox& inbox, WriterKind kind) : inbox_(inbox), kind_(kind) {}
+  void heard(std::uint64_t writer, std::uint64_t publisher);
+  void liveliness(const dds::Liveliness& change);
+  void lost(std::uint64_t publisher);
+
+ private:
+  Inbox& inbox_;
+  const WriterKind kind_;
+  std::mutex mutex_;
+  std::map<std::uint64_t, std::uint64_t> publishers_;  // by writer
+  std::uint32_t alive_ = 0;
+};
+
+/// The readers of what comes in. Their callbacks take, stamp and hand over; nothing is decided here.
+class Listeners {
+ public:
+  Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock, Inbox& inbox,
+            Answering& answering);
+
+  /// The query writers that are there now.
+  std::vector<std::uint64_t> askers() const { return query_reader_.matched_writer_handles(); }
+
+ private:
+  void take_definitions(const dds::Taker<wire::Definition>& taker);
+  void take_poses(const dds::Taker<wire::PoseBatch>& taker);
+
+  const WorldClock& clock_;
+  Inbox& inbox_;
+  WriterTable object_writers_;
+  WriterTable pose_writers_;
+  dds::Topic<wire::Definition> object_topic_;
+  dds::Topic<wire::PoseBatch> pose_topic_;
+  dds::Topic<wire::Query> query_topic_;
+  dds::Reader<wire::Definition> object_reader_;
+  dds::Reader<wire::PoseBatch> pose_reader_;
+  dds::Reader<wire::Query> query_reader_;
+};
+
+}  // namespace collided::service

@@ -1,0 +1,126 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "server/service/border.hpp"
+#include "server/service/commands.hpp"
+#include "server/world/plan.hpp"
+
+namespace collided::service {
+
+using nlohmann::json;
+using wire_contract::ReplyStatus;
+
+namespace {
+
+constexpr std::int64_t kProgressPeriodNs = 100'000'000;
+
+/// Names of a scene that objects outside of it have already.
+void refuse_taken_names(const World& world, const Scene& scene) {
+  const auto check = [&](const std::string& name) {
+    const std::optional<ObjectId> owner = world.find(name);
+    if (!owner || world.info(*owner)->scene == scene.name) return;
+    throw BadCommand(fmt::format("the name {} is taken by another object. Nothing was loaded", printable(name)),
+                     "load under another --name");
+  };
+  for (const Part& part : scene.parts) check(part.name);
+  for (const SceneObject& object : scene.objects) check(object.name);
+}
+
+}  // namespace
+
+void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
+  Load load;
+  try {
+    arguments.allow_only({"path", "name", "unit_m", "up", "strict", "replace"});
+    load.path = arguments.text("path");
+    load.options.name = arguments.text("name");
+    load.options.unit_m = arguments.number("unit_m", 1);
+    const std::string up = arguments.text("up", "z");
+    load.options.strict = arguments.truth("strict", false);
+    load.replace = arguments.truth("replace", false);
+    if (load.path.empty()) throw BadCommand("load: without a path");
+    if (!load.options.name.empty() && !is_good_name(load.options.name)) throw BadCommand("load: the name is too long or not text");
+    if (up != "y" && up != "z") throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z'", printable(up)));
+    if (!(load.options.unit_m > 0)) throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
+    if (!loads_.has_room()) throw BadCommand(fmt::format("{} files wait to be loaded already", kMostLoads), "ask again");
+    load.options.up = up[0];
+  } catch (const BadCommand& bad) {
+    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
+    return;
+  }
+  load.ask = std::move(ask);
+  loads_.push(std::move(load));
+}
+
+void Commands::load_loop() {
+  while (std::optional<Load> load = loads_.pop()) load_one(std::move(*load));
+}
+
+void Commands::load_one(Load load) {
+  const CommandAsk& ask = load.ask;
+  std::atomic<std::int64_t> told_ns{steady_ns()};
+  load.options.cancelled = [this] { return stopping_.load(); };
+  load.options.progress = [&](double fraction) {
+    std::int64_t last_ns = told_ns.load();
+    const std::int64_t now_ns = steady_ns();
+    // Reported from any of the threads that build; one of them wins.
+    if (now_ns - last_ns < kProgressPeriodNs || !told_ns.compare_exchange_strong(last_ns, now_ns)) return;
+    answering_->send_text(ask.client, ask.request, ReplyStatus::progress, fmt::format("{{\"fraction\": {:.4f}}}", fraction));
+  };
+  const auto loaded = std::make_shared<LoadedScene>();
+  try {
+    *loaded = load_and_index(load.path, load.options);
+  } catch (const LoadError& failed) {
+    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(failed.what()));
+    return;
+  } catch (const std::bad_alloc&) {
+    answering_->send_text(ask.client, ask.request, ReplyStatus::refused,
+                          refusal_text(load.path + ": not enough memory. Nothing was loaded."));
+    return;
+  }
+  load.options = {};  // its functions point at what ends here
+  const auto shared = std::make_shared<Load>(std::move(load));
+  const bool taken = inbox_.push_job([this, shared, loaded] {
+    answer(shared->ask, [&] { return add_scene(*shared, *loaded); });
+  });
+  if (!taken) {
+    answering_->send_text(shared->ask.client, shared->ask.request, ReplyStatus::refused,
+                          refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
+  }
+}
+
+json Commands::add_scene(const Load& load, LoadedScene& loaded) {
+  World& world = loop_.world();
+  const auto& scenes = world.newest()->scenes;
+  const bool there = std::any_of(scenes.begin(), scenes.end(), [&](const auto& scene) { return scene->name == loaded.scene.name; });
+  if (there && !load.replace) {
+    throw BadCommand(fmt::format("scene {} is loaded already", printable(loaded.scene.name)), "--replace it, or load under another --name");
+  }
+  if (there) {
+    refuse_taken_names(world, loaded.scene);
+    loop_.step_now();
+    world.remove_scene(loaded.scene.name);
+    loop_.note_change();
+  }
+  const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
+  if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
+  const std::uint64_t version = step();
+  json left_out = json::array();
+  for (const PlanRow& row : plan_of(*world.newest(), loop_.contacts_wanted())) {
+    if (!row.built) left_out.push_back(fmt::format("{}: {}", row.structure, row.why));
+  }
+  return {{"scene", loaded.scene.name},
+          {"triangles", loaded.triangles},
+          {"parts", loaded.scene.parts.size()},
+          {"objects", loaded.scene.objects.size()},
+          {"seconds", loaded.seconds},
+          {"mended", loaded.report.mended},
+          {"refused", loaded.report.refused},
+          {"warnings", loaded.report.warnings},
+          {"left_out", left_out},
+          {"version", version}};
+}
+
+}  // namespace collided::service

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace collided::service {
+
+/// The word that was probably meant: the one reached by the fewest letters added, left out, changed or swapped with
+/// their neighbour, at most a third of the word's length; empty where none is that near.
+///
+/// source  Damerau, "A technique for computer detection and correction of spelling errors", 1964
+std::string nearest_word(std::string_view typed, std::span<const std::string> words);
+
+/// The few words nearest to the typed one, nearest first, however far; words whose length differs much are not looked at.
+std::vector<std::string> nearest_words(std::string_view typed, std::span<const std::string_view> words, std::size_t most);
+
+/// "; did you mean 'threads'?" or nothing.
+std::string did_you_mean(std::string_view typed, std::span<const std::string> words);
+
+}  // namespace collided::service

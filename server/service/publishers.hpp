@@ -1,0 +1,175 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "idl/topics.hpp"
+#include "server/service/object_numbers.hpp"
+#include "server/service/samples.hpp"
+#include "server/service/sequence_watermark.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::service {
+
+struct PublisherLimits {
+  std::uint32_t publishers = 1'000;
+  std::uint32_t object_numbers = 200'000;        // of all publishers together, removed ones included
+  std::uint32_t parked_batches = 64;             // a publisher, waiting for its definitions
+  std::int64_t silent_after_ns = 2'000'000'000;  // alive, but nothing new: shown as silent
+  std::int64_t forgotten_after_ns = 60'000'000'000;  // lost and without an object in the world
+};
+
+/// What became of what came in; only grows.
+struct PublisherCounts {
+  std::uint64_t definitions_applied = 0;
+  std::uint64_t definitions_late = 0;      // older than what is known, or the same again
+  std::uint64_t definitions_refused = 0;
+  std::uint64_t name_conflicts = 0;        // wait until the name is free
+  std::uint64_t batches_applied = 0;
+  std::uint64_t batches_parked = 0;
+  std::uint64_t batches_dropped = 0;       // parked beyond the limit, oldest first
+  std::uint64_t batches_malformed = 0;
+  std::uint64_t poses_applied = 0;
+  std::uint64_t poses_late = 0;
+  std::uint64_t poses_unknown = 0;         // of an object that is not in the world
+  std::uint64_t poses_refused = 0;
+  std::uint64_t publishers_refused = 0;
+};
+
+/// Which of a publisher's two writers a sign of life is about.
+enum class WriterKind : std::uint8_t { object, pose };
+
+/// Whether a sample is done with, or the world must step before it: every accepted pose is to be examined, so an
+/// object does not move twice within a step.
+enum class Applied : std::uint8_t { done, step_first };
+
+struct PublisherView {
+  std::uint64_t publisher = 0;
+  std::string_view name;
+  std::uint64_t applied_sequence = 0;
+  std::int64_t silent_ns = 0;
+  wire_contract::PublisherState state = wire_contract::PublisherState::alive;
+};
+
+/// Turns what publishers send into calls of the world: objects by (publisher, object number), order by (incarnation,
+/// sequence), names that two want, publishers that die and come back. Knows nothing of DDS.
+///
+/// threads  the one that writes the world
+/// Always: a record says `in_world` exactly while its object is in the world or somebody else has removed it.
+class Publishers {
+ public:
+  Publishers(World& world, const PublisherLimits& limits) : world_(world), limits_(limits) {}
+
+  /// step_first leaves the sample as it was: step, then offer it again.
+  Applied define(DefinitionSample& sample, std::int64_t now_ns);
+  /// Takes the sample's vectors where it must wait for definitions.
+  Applied move(PoseSample& sample, std::int64_t now_ns);
+  /// Batches whose definitions have come meanwhile. done: none is left that could be applied now.
+  Applied release_parked(std::int64_t now_ns);
+  Applied writer_lost(std::uint64_t publisher, WriterKind kind, std::int64_t now_ns);
+  void writer_alive(std::uint64_t publisher, WriterKind kind, std::int64_t now_ns);
+  /// After a step: objects may move again.
+  void stepped() { ++step_; }
+  /// Now and then: names that have become free, gaps that waited too long, publishers to forget.
+  void settle(std::int64_t now_ns);
+
+  /// Batches and definitions that changed the world since the last call: what a step stands for.
+  std::uint64_t take_changes();
+  /// Sentences for the log, a few at most; the rest is only counted.
+  std::vector<std::string> take_notices();
+  const PublisherCounts& counts() const { return counts_; }
+
+  std::size_t size() const { return publishers_.size(); }
+  bool is_live(std::uint64_t publisher) const;
+  std::uint64_t applied_through(std::uint64_t publisher) const;
+  /// Linear then angular, as last sent for this object; nothing where it came without.
+  std::optional<std::array<double, 6>> velocity(ObjectId id) const;
+  /// Publishers that wait for a name that another object has.
+  std::vector<std::uint64_t> waiting_for(std::string_view name) const;
+
+  /// Those worth showing, by number.
+  template <class Visit>
+  void for_each(std::int64_t now_ns, Visit&& visit) const {
+    for (const auto& [id, publisher] : publishers_) {
+      if (!(publisher->lost && publisher->took_leave)) visit(view(*publisher, now_ns));
+    }
+  }
+  /// (publisher, applied_through) of all, by number.
+  void list_applied(std::vector<std::pair<std::uint64_t, std::uint64_t>>& applied) const;
+
+ private:
+  enum class Place : std::uint8_t { gone, in_world, waits_for_name, taken_away };
+  struct Record {
+    Place place = Place::gone;
+    bool has_velocity = false;
+    std::uint64_t definition_sequence = 0;
+    std::uint64_t pose_sequence = 0;
+    std::uint64_t touched_step = 0;   // defined or moved in this step
+    std::uint64_t batch = 0;          // that named it last
+    std::uint32_t number = 0;
+    ObjectId id = 0;
+    ObjectDefinition definition;      // with its newest pose, so that it can come back
+    std::array<double, 6> velocity{};
+  };
+  struct Publisher {
+    std::uint64_t id = 0;
+    std::string name;
+    std::uint64_t incarnation = 0;
+    std::uint64_t definitions_seen = 0;
+    SequenceWatermark watermark;
+    ObjectNumbers<Record> objects;
+    std::deque<PoseSample> parked;
+    std::int64_t heard_ns = 0;
+    std::int64_t lost_ns = 0;
+    bool object_writer = false;  // lives
+    bool pose_writer = false;
+    bool lost = false;
+    bool took_leave = false;  // lost, but nothing of it was left
+  };
+
+  PublisherView view(const Publisher& publisher, std::int64_t now_ns) const;
+  Publisher* find(std::uint64_t id) const;
+  Publisher* add(std::uint64_t id);
+  bool make_room(std::int64_t now_ns);
+  Applied meet(std::uint64_t id, std::uint64_t incarnation, std::int64_t now_ns, Publisher*& met);
+  void heard(Publisher& publisher, WriterKind kind, std::int64_t now_ns);
+  bool any_touched(const Publisher& publisher) const;
+  void retire(Publisher& publisher);
+  void back_alive(Publisher& publisher);
+
+  std::optional<std::string> why_bad(const DefinitionSample& sample) const;
+  void apply_definition(Publisher& publisher, Record& record, DefinitionSample& sample);
+  void enter(Publisher& publisher, Record& record);
+  bool give_way(ObjectId owner);
+  void leave(Record& record, wire_contract::EndReason reason);
+  void retry_names();
+  void forget_lost(std::int64_t now_ns);
+  void park(Publisher& publisher, PoseSample& sample);
+  Applied apply_batch(Publisher& publisher, const PoseSample& sample, std::int64_t now_ns);
+  void apply_pose(Publisher& publisher, const PoseSample& sample, std::size_t index);
+  std::optional<std::string> why_malformed(const PoseSample& sample) const;
+  void notice(std::string sentence);
+
+  World& world_;
+  PublisherLimits limits_;
+  std::map<std::uint64_t, std::unique_ptr<Publisher>> publishers_;
+  PublisherCounts counts_;
+  std::uint64_t step_ = 1;
+  std::uint64_t batch_ = 0;
+  std::uint64_t changes_ = 0;
+  std::size_t record_count_ = 0;
+  std::size_t parked_count_ = 0;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> waiting_;  // for a name: publisher, object number
+  std::vector<std::string> notices_;
+  std::uint64_t unsaid_ = 0;
+};
+
+}  // namespace collided::service

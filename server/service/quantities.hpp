@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace collided::service {
+
+/// Whole numbers with optional '_' between digits; nothing where the text is anything else or out of range.
+std::optional<std::int64_t> parse_whole(std::string_view text);
+
+/// Nanoseconds of "10ms", "1.5s", "200us", "2h"; the unit is required except for a plain 0.
+std::optional<std::int64_t> parse_duration_ns(std::string_view text);
+
+/// Metres of a unit's name ("mm", "m", "in", ...) or of a positive number of metres.
+std::optional<double> parse_unit_m(std::string_view text);
+
+/// True for what from_chars takes whole as a number ("-1", "-.5", "+3", "1e-300", "-inf"): never an option.
+bool is_number(std::string_view text);
+
+}  // namespace collided::service

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/world/snapshot.hpp"
+
+namespace collided::service {
+
+struct SelfTestResult {
+  std::uint32_t asked = 0;
+  std::uint32_t equal = 0;
+  std::vector<std::string> differences;  // a few, as sentences with all numbers
+};
+
+/// Asks rays, spheres and boxes about a state of the world, and the same of every triangle and primitive one by one.
+///
+/// question_count  of each kind; the same seed asks the same questions
+SelfTestResult self_test(const Snapshot& snapshot, std::uint32_t question_count, std::uint64_t seed);
+
+}  // namespace collided::service

@@ -1,0 +1,196 @@
+#include "server/service/server.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <future>
+#include <random>
+
+#include "server/service/answering.hpp"
+#include "server/service/commands.hpp"
+#include "server/service/epoch.hpp"
+#include "server/service/listeners.hpp"
+#include "server/service/self_test.hpp"
+#include "server/service/start_scenes.hpp"
+#include "server/service/wire_outlet.hpp"
+#include "server/service/world_loop.hpp"
+
+namespace collided::service {
+namespace {
+
+/// A publisher or a client looks for servers every 2 s.
+constexpr std::int64_t kRecoveryNs = 3'000'000'000;
+
+std::uint64_t random_number() {
+  std::random_device device;
+  return (std::uint64_t{device()} << 32) | device();
+}
+
+/// Two servers under one namespace would both answer every question. A server that lives says so ten times a second,
+/// and its last status waits for who joins.
+void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
+  constexpr std::int64_t kListenNs = 250'000'000;
+  const dds::Topic<wire::Status> topic(participant, options.name_space);
+  dds::Reader<wire::Status> reader(topic);
+  dds::WaitSet waitset(participant);
+  waitset.attach(reader, 1);
+  dds::Sample<wire::Status> status;
+  const std::int64_t until_ns = steady_ns() + kListenNs;
+  for (std::int64_t now_ns = steady_ns(); now_ns < until_ns; now_ns = steady_ns()) {
+    waitset.wait(until_ns - now_ns);
+    while (reader.take(status)) {
+      const bool lives = status.info().valid_data && status.info().instance_state == DDS_ALIVE_INSTANCE_STATE;
+      if (!lives) continue;
+      throw StartError(fmt::format("another collided (pid {}) serves namespace '{}' on domain {}\n"
+                                   "       stop it, or use another --namespace or --domain",
+                                   status->pid, options.name_space, options.domain));
+    }
+  }
+}
+
+unsigned thread_count(const Options& options) {
+  return options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+}
+
+dds::Participant join(const Options& options) {
+  try {
+    return dds::Participant(
+        {.domain = options.domain, .role = dds::Role::server, .interface = options.interface, .peers = options.peers});
+  } catch (const dds::DdsError& failed) {
+    throw StartError(failed.what());
+  }
+}
+
+}  // namespace
+
+std::string version_text() {
+  return COLLIDED_VERSION;
+}
+
+/// In the order of making; unmade in the reverse order, so that nobody calls what is gone.
+struct Server::Parts {
+  Parts(const Options& given, std::shared_ptr<spdlog::logger> logger);
+  Epoch make_epoch();
+  void tick();
+  void let_jobs_end();
+
+  const Options options;
+  const std::shared_ptr<spdlog::logger> log;
+  dds::Participant participant;
+  const Epoch epoch;
+  const Identity identity;
+  WorldClock clock;
+  World world;
+  Fences fences;
+  LeaseBook leases;
+  QuestionCounts questions;
+  Inbox inbox;
+  WireOutlet outlet;
+  WorldLoop loop;
+  Commands commands;
+  dds::Topic<wire::Reply> reply_topic;
+  std::unique_ptr<Answering> answering;
+  std::unique_ptr<Listeners> listeners;
+  std::thread world_thread;
+};
+
+Epoch Server::Parts::make_epoch() {
+  make_sure_to_be_alone(participant, options);
+  Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space, [](const char* name) { return std::getenv(name); });
+  if (kept.kept_in.empty()) {
+    log->warn("the epoch is the clock's seconds, {}: {}; --state-dir names a folder that can be written", kept.value, kept.problem);
+  }
+  if (kept.crashed) log->warn("the last server did not end in order; recovering for {} s", kRecoveryNs / 1'000'000'000);
+  return kept;
+}
+
+Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logger)
+    : options(given),
+      log(std::move(logger)),
+      participant(join(options)),
+      epoch(make_epoch()),
+      identity{.server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
+      world({.epoch = identity.epoch, .max_objects = options.max_objects}),
+      leases(world),
+      outlet(participant, identity),
+      loop({.world = world,
+            .clock = clock,
+            .inbox = inbox,
+            .outlet = outlet,
+            .fences = fences,
+            .leases = leases,
+            .questions = questions,
+            .admit = [this](AskPointer ask) { answering->admit(std::move(ask)); },
+            .tick = [this] { tick(); },
+            .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
+           {.step_ns = options.step_ns,
+            .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
+            .limits = {.object_numbers = 2 * options.max_objects}}),
+      commands(loop, inbox, clock),
+      reply_topic(participant, options.name_space) {
+  if (participant.configured_by_environment()) log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
+}
+
+void Server::Parts::tick() {
+  answering->tick(listeners->askers());
+}
+
+/// Waits until the world's thread has done what commands have asked of it so far.
+void Server::Parts::let_jobs_end() {
+  constexpr std::chrono::seconds kPatience{3};
+  const auto done = std::make_shared<std::promise<void>>();
+  if (inbox.push_job([done] { done->set_value(); })) done->get_future().wait_for(kPatience);
+}
+
+Server::Server(const Options& options, std::shared_ptr<spdlog::logger> log)
+    : parts_(std::make_unique<Parts>(options, std::move(log))) {
+  load_start_scenes(options, parts_->world, parts_->clock.now_ns());
+}
+
+Server::~Server() {
+  stop();
+}
+
+std::string Server::start() {
+  Parts& p = *parts_;
+  p.answering = std::make_unique<Answering>(
+      p.world, p.clock, p.fences, p.leases, p.questions, p.reply_topic,
+      AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
+                       [&p] { return p.loop.recovering(); }},
+      [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
+  p.commands.connect(*p.answering);
+  p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering);
+  p.world_thread = std::thread([&p] { p.loop.run(); });
+  const SnapshotRing::Lease state = p.world.newest();
+  std::string scenes;
+  for (const auto& scene : state->scenes) scenes += (scenes.empty() ? "" : ", ") + scene->name;
+  return fmt::format("ready: namespace '{}', domain {}, pid {}, epoch {}, {}", p.options.name_space, p.options.domain,
+                     getpid(), p.identity.epoch, scenes.empty() ? "no scene" : scenes);
+}
+
+void Server::stop() {
+  Parts& p = *parts_;
+  if (!p.world_thread.joinable()) return;
+  // Nothing new comes in; what is in is answered; then the world ends its contacts, and says so.
+  p.commands.stop();
+  p.let_jobs_end();
+  p.answering->stop();
+  p.loop.stop();
+  p.world_thread.join();
+  p.listeners.reset();
+  p.outlet.leave();
+  close_epoch(p.epoch);
+}
+
+int run_once(const Options& options) {
+  World world({.epoch = 1, .max_objects = options.max_objects});
+  load_start_scenes(options, world, 1);
+  const SelfTestResult result = self_test(*world.newest(), 200, 1);
+  for (const std::string& difference : result.differences) fmt::print("differs: {}\n", difference);
+  fmt::print("self-test: {} of {} answers equal to brute force\n", result.equal, result.asked);
+  return result.equal == result.asked ? 0 : 1;
+}
+
+}  // namespace collided::service

@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "server/service/options.hpp"
+#include "server/service/quantities.hpp"
+
+namespace collided::service {
+namespace {
+
+using Values = std::span<const std::string>;
+using Allowed = std::optional<std::string>;
+
+Allowed apply_namespace(Options& options, Values values) {
+  const std::string& name = values[0];
+  bool good = !name.empty() && name.size() <= 64 && !(name[0] >= '0' && name[0] <= '9');
+  for (const char c : name) {
+    good = good && ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/');
+  }
+  if (!good) return "1 to 64 letters, digits, '_' and '/', not starting with a digit";
+  options.name_space = name;
+  return std::nullopt;
+}
+
+/// A whole number between two limits into a field.
+template <class T>
+Allowed apply_whole(T& field, Values values, std::int64_t low, std::int64_t high, const char* note = "") {
+  const std::optional<std::int64_t> value = parse_whole(values[0]);
+  if (!value || *value < low || *value > high) return fmt::format("a whole number from {} to {}{}", low, high, note);
+  field = static_cast<T>(*value);
+  return std::nullopt;
+}
+
+Allowed apply_threads(Options& options, Values values) {
+  return apply_whole(options.threads, values, 0, 256, " (0: one a core)");
+}
+
+Allowed apply_step(Options& options, Values values) {
+  if (values[0] == "on-sample") {
+    options.step_ns = 0;
+    return std::nullopt;
+  }
+  const std::optional<std::int64_t> period = parse_duration_ns(values[0]);
+  if (!period || *period < 100'000 || *period > 10'000'000'000) return "'on-sample' or a time from 100us to 10s";
+  options.step_ns = *period;
+  return std::nullopt;
+}
+
+Allowed apply_state_dir(Options& options, Values values) {
+  options.state_dir = values[0];
+  return std::nullopt;
+}
+
+Allowed apply_scenes(Options& options, Values values) {
+  for (const std::string& path : values) {
+    if (path.empty()) return "paths of scene files";
+  }
+  options.scenes.assign(values.begin(), values.end());
+  return std::nullopt;
+}
+
+Allowed apply_unit(Options& options, Values values) {
+  const std::optional<double> unit = parse_unit_m(values[0]);
+  if (!unit) return "um, mm, cm, dm, m, km, in, ft or a positive number of metres";
+  options.unit_m = *unit;
+  return std::nullopt;
+}
+
+Allowed apply_up(Options& options, Values values) {
+  if (values[0] != "y" && values[0] != "z") return "'y' or 'z'";
+  options.up = values[0][0];
+  return std::nullopt;
+}
+
+Allowed apply_max_objects(Options& options, Values values) {
+  return apply_whole(options.max_objects, values, 1, 16'000'000);
+}
+
+Allowed apply_deadline(Options& options, Values values) {
+  if (values[0] == "none") {
+    options.deadline_ns = 0;
+    return std::nullopt;
+  }
+  const std::optional<std::int64_t> deadline = parse_duration_ns(values[0]);
+  if (!deadline || *deadline <= 0) return "'none' or a time greater than 0, such as 5ms";
+  options.deadline_ns = *deadline;
+  return std::nullopt;
+}
+
+Allowed apply_domain(Options& options, Values values) {
+  return apply_whole(options.domain, values, 0, 230);
+}
+
+/// Letters of addresses and interfaces: they become part of DDS's own configuration.
+bool is_network_word(const std::string& word) {
+  const auto allowed = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+           std::string_view("._-:%[]").find(c) != std::string_view::npos;
+  };
+  return !word.empty() && std::all_of(word.begin(), word.end(), allowed);
+}
+
+Allowed apply_interface(Options& options, Values values) {
+  if (!is_network_word(values[0])) return "'lo', 'auto' or the name of a network interface";
+  options.interface = values[0];
+  return std::nullopt;
+}
+
+Allowed apply_peers(Options& options, Values values) {
+  for (const std::string& peer : values) {
+    if (!is_network_word(peer)) return "host names or addresses";
+  }
+  options.peers.assign(values.begin(), values.end());
+  return std::nullopt;
+}
+
+Allowed apply_log_level(Options& options, Values values) {
+  for (const char* level : {"trace", "debug", "info", "warn", "error", "off"}) {
+    if (values[0] == level) {
+      options.log_level = level;
+      return std::nullopt;
+    }
+  }
+  return "trace, debug, info, warn, error or off";
+}
+
+Allowed apply_log_json(Options& options, Values values) {
+  if (values[0] != "true" && values[0] != "false") return "true or false";
+  options.log_json = values[0] == "true";
+  return std::nullopt;
+}
+
+constexpr Setting kSettings[] = {
+    {"server.namespace", "--namespace", "COLLIDED_NAMESPACE", "collided", "NAME", "topics are NAME/object, NAME/query, ...",
+     false, apply_namespace},
+    {"server.threads", "--threads", "COLLIDED_THREADS", "0", "N", "threads that answer; 0: one a core", false,
+     apply_threads},
+    {"server.step", "--step", "COLLIDED_STEP", "on-sample", "TIME", "period of the collision step, or on-sample", false,
+     apply_step},
+    {"server.state_dir", "--state-dir", "COLLIDED_STATE_DIR", "", "DIR",
+     "keeps the epoch across starts; default: the user's state folder", false, apply_state_dir},
+    {"world.scenes", "", "COLLIDED_SCENES", "", "FILES", "scene files, loaded in order", true, apply_scenes},
+    {"world.unit", "--unit", "COLLIDED_UNIT", "m", "UNIT", "of the scene files' numbers", false, apply_unit},
+    {"world.up", "--up", "COLLIDED_UP", "z", "AXIS", "of the scene files: y or z", false, apply_up},
+    {"world.max_objects", "--max-objects", "COLLIDED_MAX_OBJECTS", "100000", "N", "static parts and moving objects",
+     false, apply_max_objects},
+    {"answer.deadline", "--deadline", "COLLIDED_DEADLINE", "none", "TIME", "of questions that bring none", false,
+     apply_deadline},
+    {"dds.domain", "--domain", "COLLIDED_DOMAIN", "0", "N", "DDS domain; else ROS_DOMAIN_ID", false, apply_domain},
+    {"dds.interface", "--interface", "COLLIDED_INTERFACE", "lo", "NAME", "lo: this machine only; auto: the network",
+     false, apply_interface},
+    {"dds.peers", "--peers", "COLLIDED_PEERS", "", "HOSTS", "machines to look for besides", true, apply_peers},
+    {"log.level", "--log", "COLLIDED_LOG", "info", "LEVEL", "trace, debug, info, warn, error, off", false,
+     apply_log_level},
+    {"log.json", "--log-json", "COLLIDED_LOG_JSON", "false", "", "log one JSON object a line", false, apply_log_json},
+};
+
+}  // namespace
+
+std::span<const Setting> settings() {
+  return kSettings;
+}
+
+}  // namespace collided::service

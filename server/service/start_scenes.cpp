@@ -1,0 +1,85 @@
+#include "server/service/start_scenes.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdio>
+
+#include "server/service/clock.hpp"
+#include "server/service/scene_loading.hpp"
+#include "server/service/server.hpp"
+#include "server/world/plan.hpp"
+
+namespace collided::service {
+namespace {
+
+/// A line on the terminal that is drawn again and again and leaves no trace; nothing for the first moments and where
+/// stderr is not a terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::string what) : what_(std::move(what)) {}
+  ~ProgressLine() {
+    if (drawn_.load()) fmt::print(stderr, "\r\x1b[K");
+  }
+  void show(double fraction) {
+    constexpr std::int64_t kPatienceNs = 400'000'000;
+    constexpr std::int64_t kPeriodNs = 100'000'000;
+    const std::int64_t now_ns = steady_ns();
+    std::int64_t last_ns = shown_ns_.load();
+    if (!terminal_ || now_ns - started_ns_ < kPatienceNs || now_ns - last_ns < kPeriodNs) return;
+    // Called from any of the threads that load; one of them draws.
+    if (!shown_ns_.compare_exchange_strong(last_ns, now_ns)) return;
+    const double elapsed_s = static_cast<double>(now_ns - started_ns_) * 1e-9;
+    const double left_s = fraction > 0 ? elapsed_s * (1 - fraction) / fraction : 0;
+    fmt::print(stderr, "\r\x1b[K{}  {:3.0f} %  {:.0f} s left", what_, fraction * 100, left_s);
+    drawn_.store(true);
+  }
+
+ private:
+  std::string what_;
+  const bool terminal_ = isatty(STDERR_FILENO) == 1;
+  const std::int64_t started_ns_ = steady_ns();
+  std::atomic<std::int64_t> shown_ns_{0};
+  std::atomic<bool> drawn_{false};
+};
+
+LoadedScene load(const Options& options, const std::string& path) {
+  ProgressLine line("loading " + path);
+  LoadOptions load_options;
+  load_options.unit_m = options.unit_m;
+  load_options.up = options.up;
+  load_options.progress = [&](double fraction) { line.show(fraction); };
+  return load_and_index(path, load_options);
+}
+
+void add(World& world, const LoadedScene& loaded) {
+  const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
+  if (const auto* refusal = std::get_if<Refusal>(&added)) throw StartError(refusal->reason);
+  fmt::print("{}\n", describe(loaded));
+}
+
+void print_plan(const World& world) {
+  for (const PlanRow& row : plan_of(*world.newest(), false)) {
+    if (!row.built) fmt::print("  left out {}: {}\n", row.structure, row.why);
+  }
+}
+
+}  // namespace
+
+void load_start_scenes(const Options& options, World& world, std::int64_t now_ns) {
+  for (const std::string& path : options.scenes) add(world, load(options, path));
+  if (options.scenes.empty()) add(world, embedded_and_indexed());
+  world.step(now_ns, 1, {});
+  print_plan(world);
+  std::fflush(stdout);
+}
+
+std::string_view how_to_ask() {
+  return "no scene was named, so this is the embedded one; try, in another terminal:\n"
+         "  collide ray 0 0 5  0 0 -1        what is below (0 0 5)\n"
+         "  collide add ball sphere 0.2 --at 0 0 1\n"
+         "  collide watch                    collisions as they begin and end\n";
+}
+
+}  // namespace collided::service

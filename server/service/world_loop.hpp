@@ -1,0 +1,118 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/service/clock.hpp"
+#include "server/service/counters.hpp"
+#include "server/service/fences.hpp"
+#include "server/service/inbox.hpp"
+#include "server/service/lease_book.hpp"
+#include "server/service/outlet.hpp"
+#include "server/service/publishers.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::service {
+
+struct LoopOptions {
+  std::int64_t step_ns = 0;  // 0: a step as soon as something has changed
+  std::int64_t recovery_ns = 0;  // after a crash, until publishers have found this server
+  PublisherLimits limits;
+};
+
+/// What the loop met; read by the log.
+struct LoopCounts {
+  std::uint64_t steps = 0;
+  std::uint64_t stalled_steps = 0;  // readers held every free state; tried again
+};
+
+/// The one thread that writes the world: takes what has come, steps, tells what has changed.
+class WorldLoop {
+ public:
+  struct Around {
+    World& world;
+    const WorldClock& clock;
+    Inbox& inbox;
+    Outlet& outlet;
+    Fences& fences;
+    LeaseBook& leases;
+    const QuestionCounts& questions;
+    std::function<void(AskPointer)> admit;                // asks whose fence has been passed
+    std::function<void()> tick;                           // ten times a second
+    std::function<void(const std::string&)> notice;       // a sentence for the log
+  };
+
+  WorldLoop(const Around& around, const LoopOptions& options)
+      : around_(around),
+        options_(options),
+        publishers_(around.world, options.limits),
+        recovering_(options.recovery_ns > 0),
+        recovered_ns_(steady_ns() + options.recovery_ns) {}
+
+  /// Runs until stop(); then ends every contact with server_stopping and says so.
+  void run();
+  /// Any thread.
+  void stop();
+
+  /// For jobs on this thread.
+  World& world() { return around_.world; }
+  const Publishers& publishers() const { return publishers_; }
+  /// All changes so far become events and a state. What began and ended is in world().events() until the next step.
+  void step_now();
+  /// A change that a job made itself.
+  void note_change() { ++own_changes_; }
+  const LoopCounts& counts() const { return counts_; }
+  /// Any thread; as of the last status.
+  std::string publisher_name(std::uint64_t publisher) const;
+  /// Not everything that was there before a crash may be back yet. Any thread.
+  bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
+  bool contacts_wanted() const { return around_.outlet.contacts_wanted(); }
+
+ private:
+  void take(Arrival& arrival);
+  void take(DefinitionSample& sample);
+  template <class Apply>
+  void apply(Apply&& once);
+  void step_if_due();
+  void publish();
+  void publish_events(const Stamp& stamp);
+  void publish_contacts(const Stamp& stamp);
+  void let_fences_pass();
+  void write_status(wire_contract::ServerState state);
+  void list_publishers();
+  void end_contacts();
+  void say_notices();
+  std::chrono::steady_clock::time_point next_wake() const;
+
+  Around around_;
+  LoopOptions options_;
+  Publishers publishers_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> recovering_{false};
+  std::int64_t recovered_ns_ = 0;
+  std::vector<Arrival> arrivals_;
+  std::uint64_t own_changes_ = 0;
+  std::uint64_t pending_changes_ = 0;
+  std::int64_t next_step_ns_ = 0;
+  std::int64_t next_status_ns_ = 0;
+  LoopCounts counts_;
+
+  NameBook names_;
+  EventColumns events_;
+  EventColumns persisted_;
+  std::vector<std::uint8_t> dirty_shards_;
+  std::vector<std::uint8_t> shard_of_;  // the contacts that hold
+  ContactColumns contacts_;
+  StatusColumns status_;
+  std::uint64_t contact_hash_ = 0;
+  Fences::Applied applied_;
+  mutable std::mutex publisher_names_mutex_;
+  std::map<std::uint64_t, std::string> publisher_names_;
+};
+
+}  // namespace collided::service

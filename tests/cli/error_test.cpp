@@ -1,0 +1,121 @@
+#include <gtest/gtest.h>
+
+#include "tests/cli/fake_client.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+class Errors : public testing::Test {
+ protected:
+  void SetUp() override { fake::reset(); }
+};
+
+TEST_F(Errors, AnUnknownVerbNamesTheNearest) {
+  const Ran ran = collide("rya 0 0 5 0 0 -1");
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_EQ(ran.err, "error: unknown verb 'rya'; did you mean 'ray'?\n");
+  EXPECT_EQ(fake::server().connect_count, 0);
+}
+
+TEST_F(Errors, ADirectionOfZeroHasNoDirection) {
+  const Ran ran = collide("ray 0 0 5  0 0 0");
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_EQ(ran.err, "error: ray: direction 0 0 0 has no direction\n       use --to X Y Z to aim at a point\n");
+  EXPECT_EQ(fake::server().connect_count, 0);
+}
+
+TEST_F(Errors, ABadLineOfABatchIsNamedAndTheRestIsAnswered) {
+  std::string csv = "fx,fy,fz,dx,dy,dz\n";
+  for (int ray = 0; ray < 4810; ++ray) csv += "0,0,5,0,0,-1\n";
+  csv += "0,0,5,0,0,NaN\n0,0,5,0,0,-1\n";
+  const Ran ran = collide("ray - -q", {.in = csv});
+  EXPECT_EQ(ran.code, 6);
+  EXPECT_EQ(ran.err, "error: stdin line 4812: 'NaN' in column dz; 4 810 rays answered, this one refused (--stop-on-error to stop)\n");
+}
+
+TEST_F(Errors, NoServerSaysWhatWasSeen) {
+  fake::server().connect_error = Error{ErrorCode::no_server, "no collided answered in 2 s on domain 0, namespace 'collided'",
+                                       "seen on this domain: 3 participants, none of ours"};
+  const Ran ran = collide("status");
+  EXPECT_EQ(ran.code, 4);
+  EXPECT_EQ(ran.err,
+            "error: no collided answered in 2 s on domain 0, namespace 'collided'\n"
+            "       seen on this domain: 3 participants, none of ours\n");
+}
+
+TEST_F(Errors, AnUnknownObjectNamesTheNearest) {
+  fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    if (name == "get") return Error{ErrorCode::refused, "no object", ""};
+    return std::string(R"({"objects":[{"name":"wall"},{"name":"pallet_70"},{"name":"pallet_07"}],"count":3,"version":18204})");
+  };
+  const Ran ran = collide("get pallet7");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_EQ(ran.err, "error: object 'pallet7' is not in the world (18 204); nearest names: pallet_07, pallet_70\n");
+}
+
+TEST_F(Errors, ARefusalOfTheServerIsPassedOn) {
+  fake::server().ask_error = Error{ErrorCode::refused, "'box' against 'octree' is not supported; supported pairs: collide plan --pairs", ""};
+  const Ran ran = collide("box 0 0 0 1 1 1");
+  EXPECT_EQ(ran.code, 5);
+  EXPECT_EQ(ran.err, "error: server refused: 'box' against 'octree' is not supported; supported pairs: collide plan --pairs\n");
+}
+
+TEST_F(Errors, BadUseIsRefusedBeforeAnythingIsSent) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"ray 0 0 5 0 0 nan", "error: ray: 'nan' has no place in a question or a pose\n"},
+      {"ray 0 0 5 0 0", "error: ray: 5 numbers; a ray takes 6, start and direction, or 3 and --to X Y Z\n       collide help ray\n"},
+      {"ray 0 0 5 0 0 -1 --tp 1 2 3", "error: ray: unknown option '--tp'; did you mean '--to'?\n"},
+      {"ray 0 0 5 --to 0 0 5", "error: ray: start and target are the same point, 0 0 5\n"},
+      {"ray 0 0 5 0 0 inf", "error: ray: direction 0 0 inf must be finite\n"},
+      {"sphere 0 0 0 -1", "error: sphere: radius -1 must be finite and not below 0\n"},
+      {"ray 0 0 5 0 0 -1 --json --csv", "error: ray: --json, --csv, --plain and --table exclude each other\n"},
+      {"ray 0 0 5 0 0 -1 --mask cargo", "error: ray: 'cargo' is not a set of 32 bits (decimal, 0x1f or 0b101)\n"},
+      {"ray 0 0 5 0 0 -1 --domain 233", "error: ray: domain 233 is above the last one, 232\n"},
+      {"ray missing.csv", "error: ray: missing.csv: No such file or directory\n"},
+      {"add crate bx 1 1 1", "error: add: no shape 'bx'; did you mean 'box'?\n       shapes: sphere R, box X Y Z, capsule R L\n"},
+      {"add crate box 1 1", "error: add: a box takes 3: full lengths along x, y, z; 2 given\n"},
+      {"--jsn status", "error: status: unknown option '--jsn'; did you mean '--json'?\n"},
+      {"help rya", "error: help: no verb 'rya'; did you mean 'ray'?\n"},
+  };
+  for (const auto& [words, expected] : cases) {
+    const Ran ran = collide(words);
+    EXPECT_EQ(ran.code, 2) << words;
+    EXPECT_EQ(ran.err, expected) << words;
+    EXPECT_EQ(ran.out, "") << words;
+  }
+  EXPECT_TRUE(fake::server().request_sizes.empty());
+}
+
+TEST_F(Errors, AFieldThatDoesNotExistNamesThoseThatDo) {
+  const Ran ran = collide("ray 0 0 5 0 0 -1 --fields distanze");
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_EQ(ran.err,
+            "error: ray: no field 'distanze'; did you mean 'distance'?\n"
+            "       fields: answer,object,distance,error,point,normal,triangle,order,exit,inside,stale,reason\n");
+}
+
+TEST_F(Errors, QuietLeavesOutTheHint) {
+  EXPECT_EQ(collide("ray 0 0 5  0 0 0 -q").err, "error: ray: direction 0 0 0 has no direction\n");
+}
+
+TEST_F(Errors, TheHelpIsTwelveLinesAndListsWhatWorks) {
+  const Ran ran = collide("");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_LE(std::count(ran.out.begin(), ran.out.end(), '\n'), 12);
+  EXPECT_NE(ran.out.find("Ask      ray  sphere  box  near"), std::string::npos) << ran.out;
+  EXPECT_EQ(collide("--help").out, ran.out);
+  EXPECT_EQ(collide("help").out, ran.out);
+  EXPECT_EQ(ran.out.find("sweep"), std::string::npos);
+}
+
+TEST_F(Errors, EveryVerbExplainsItself) {
+  const Ran ran = collide("ray -h");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_NE(ran.out.find("collide ray X Y Z --to X Y Z"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("--length"), std::string::npos);
+  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --all -h").out, ran.out);
+}
+
+}  // namespace
+}  // namespace collided

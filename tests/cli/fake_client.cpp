@@ -1,0 +1,201 @@
+#include "tests/cli/fake_client.hpp"
+
+#include <memory>
+#include <span>
+#include <thread>
+
+namespace collided {
+namespace fake {
+namespace {
+
+std::unique_ptr<Server> the_server = std::make_unique<Server>();
+
+}  // namespace
+
+Server& server() {
+  return *the_server;
+}
+
+void reset() {
+  the_server = std::make_unique<Server>();
+}
+
+Hit hit(const std::string& object, double distance_m, const Vec3& point) {
+  Hit hit;
+  hit.object = object;
+  hit.distance_m = distance_m;
+  hit.error_m = 4.4e-16;
+  hit.point = point;
+  hit.normal = {0, 0, 1};
+  return hit;
+}
+
+Answer hit_answer(std::vector<Hit> hits) {
+  Answer answer;
+  answer.verdict = hits.empty() ? Verdict::miss : Verdict::hit;
+  answer.hits = std::move(hits);
+  answer.cost = {7, 2, 0};
+  return answer;
+}
+
+}  // namespace fake
+
+struct Client::State {};
+struct Watch::State {};
+struct Publisher::State {
+  std::size_t index = 0;
+};
+
+namespace {
+
+template <class Question, class Respond>
+Result<Answers> answer_all(std::span<const Question> questions, const AskOptions& options, const Respond& respond) {
+  const std::lock_guard lock(fake::server().mutex);
+  fake::Server& server = fake::server();
+  server.last_options = options;
+  server.request_sizes.push_back(questions.size());
+  if (server.ask_error) return *server.ask_error;
+  Answers answers;
+  answers.version = server.version;
+  answers.epoch = 1;
+  answers.compute = std::chrono::microseconds(41);
+  answers.oldest_pose_age = std::chrono::microseconds(2100);
+  for (const Question& question : questions) answers.answers.push_back(respond ? respond(question, options) : Answer{});
+  return answers;
+}
+
+template <class T>
+std::future<Result<T>> ready(Result<T> result) {
+  std::promise<Result<T>> promise;
+  promise.set_value(std::move(result));
+  return promise.get_future();
+}
+
+}  // namespace
+
+Result<Client> Client::connect(const ConnectOptions& options) {
+  fake::Server& server = fake::server();
+  server.connected_with = options;
+  ++server.connect_count;
+  if (server.connect_error) return *server.connect_error;
+  return Client(std::make_unique<State>());
+}
+Client::Client(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Client::~Client() = default;
+Client::Client(Client&&) noexcept = default;
+Client& Client::operator=(Client&&) noexcept = default;
+
+Result<Answers> Client::ask(std::span<const RayQuestion> questions, const AskOptions& options) {
+  return answer_all(questions, options, fake::server().ray);
+}
+Result<Answers> Client::ask(std::span<const SphereQuestion> questions, const AskOptions& options) {
+  return answer_all(questions, options, fake::server().sphere);
+}
+Result<Answers> Client::ask(std::span<const BoxQuestion> questions, const AskOptions& options) {
+  return answer_all(questions, options, fake::server().box);
+}
+Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOptions& options) {
+  return answer_all(questions, options, fake::server().near);
+}
+
+std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion> questions, AskOptions options) {
+  return ready(ask(std::span<const RayQuestion>(questions), options));
+}
+std::future<Result<Answers>> Client::ask_async(std::vector<SphereQuestion> questions, AskOptions options) {
+  return ready(ask(std::span<const SphereQuestion>(questions), options));
+}
+std::future<Result<Answers>> Client::ask_async(std::vector<BoxQuestion> questions, AskOptions options) {
+  return ready(ask(std::span<const BoxQuestion>(questions), options));
+}
+std::future<Result<Answers>> Client::ask_async(std::vector<NearQuestion> questions, AskOptions options) {
+  return ready(ask(std::span<const NearQuestion>(questions), options));
+}
+
+Result<std::string> Client::command(std::string_view name, std::string_view json_arguments, const Shape& shape,
+                                    std::chrono::nanoseconds, std::function<void(double)>) {
+  const std::lock_guard lock(fake::server().mutex);
+  const std::string text(name);
+  if (!fake::server().command) return Error{ErrorCode::refused, "no command '" + text + "'", ""};
+  return fake::server().command(text, nlohmann::json::parse(json_arguments), shape);
+}
+
+Result<ServerStatus> Client::status() {
+  const std::lock_guard lock(fake::server().mutex);
+  return fake::server().status;
+}
+
+Result<Watch> Client::watch(const WatchOptions&) {
+  return Watch(std::make_unique<Watch::State>());
+}
+Watch::Watch(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Watch::~Watch() = default;
+Watch::Watch(Watch&&) noexcept = default;
+Watch& Watch::operator=(Watch&&) noexcept = default;
+std::optional<Event> Watch::next(std::chrono::nanoseconds wait) {
+  {
+    const std::lock_guard lock(fake::server().mutex);
+    if (!fake::server().events.empty()) {
+      Event event = fake::server().events.front();
+      fake::server().events.pop_front();
+      return event;
+    }
+  }
+  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
+  return std::nullopt;
+}
+std::uint64_t Watch::lost() const {
+  return 0;
+}
+std::uint64_t Watch::resyncs() const {
+  return 0;
+}
+bool Watch::connected() const {
+  return true;
+}
+std::size_t Watch::open_contacts() const {
+  return 0;
+}
+
+Result<Publisher> Client::publish(const std::string& publisher_name) {
+  auto state = std::make_unique<Publisher::State>();
+  state->index = fake::server().publishers.size();
+  fake::server().publishers.push_back({publisher_name, {}, {}, {}});
+  return Publisher(std::move(state));
+}
+Publisher::Publisher(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Publisher::~Publisher() = default;
+Publisher::Publisher(Publisher&&) noexcept = default;
+Publisher& Publisher::operator=(Publisher&&) noexcept = default;
+Result<Publisher::Object> Publisher::add(const ObjectOptions& options) {
+  auto& objects = fake::server().publishers[state_->index].objects;
+  const auto handle = static_cast<Object>(objects.size() + 1);
+  objects[handle] = options;
+  return handle;
+}
+Result<Done> Publisher::remove(Object object) {
+  fake::server().publishers[state_->index].objects.erase(object);
+  return Done{};
+}
+Result<Done> Publisher::move(Object object, const Pose& pose, bool) {
+  fake::server().publishers[state_->index].pending[object] = pose;
+  return Done{};
+}
+Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds) {
+  fake::Published& published = fake::server().publishers[state_->index];
+  published.batches.push_back(std::move(published.pending));
+  published.pending.clear();
+  if (fake::server().on_flush) fake::server().on_flush(published);
+  return std::uint64_t{published.batches.size()};
+}
+Result<Done> Publisher::keep_alive() {
+  return Done{};
+}
+Result<Done> Publisher::wait_applied(std::chrono::nanoseconds) {
+  return Done{};
+}
+
+std::string_view library_version() {
+  return "0.1.0";
+}
+
+}  // namespace collided

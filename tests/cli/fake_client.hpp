@@ -1,0 +1,56 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <collided/client.hpp>
+
+/// A server in memory behind the symbols of collided/client.hpp: what it answers is what a test put here.
+namespace collided::fake {
+
+struct Published {
+  std::string publisher;
+  std::map<std::uint32_t, ObjectOptions> objects;   // by handle; removed ones are gone
+  std::vector<std::map<std::uint32_t, Pose>> batches;  // one a flush
+  std::map<std::uint32_t, Pose> pending;
+};
+
+struct Server {
+  std::optional<Error> connect_error;
+  ConnectOptions connected_with;
+  int connect_count = 0;
+
+  std::function<Answer(const RayQuestion&, const AskOptions&)> ray;
+  std::function<Answer(const SphereQuestion&, const AskOptions&)> sphere;
+  std::function<Answer(const BoxQuestion&, const AskOptions&)> box;
+  std::function<Answer(const NearQuestion&, const AskOptions&)> near;
+  std::function<Result<std::string>(const std::string&, const nlohmann::json&, const Shape&)> command;
+  /// Called on every flush, so that a test can send events back.
+  std::function<void(Published&)> on_flush;
+  std::optional<Error> ask_error;
+
+  std::uint64_t version = 18204;
+  ServerStatus status;
+  std::deque<Event> events;
+  std::vector<Published> publishers;
+  std::vector<std::size_t> request_sizes;
+  AskOptions last_options;
+  std::recursive_mutex mutex;
+};
+
+/// The server of the running test; reset() gives it a new one.
+Server& server();
+void reset();
+
+/// A hit as the server would send it.
+Hit hit(const std::string& object, double distance_m, const Vec3& point);
+Answer hit_answer(std::vector<Hit> hits);
+
+}  // namespace collided::fake

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+/// One run of the program: what it printed and how it ended.
+struct Ran {
+  int code = 0;
+  std::string out;
+  std::string err;
+};
+
+struct Terminal {
+  bool out_is_terminal = false;
+  bool err_is_terminal = false;
+  std::string in = {};
+  std::map<std::string, std::string> environment = {};
+};
+
+/// Runs `collide WORDS`, the words split as a shell would.
+Ran collide(const std::string& words, const Terminal& terminal = {});
+
+/// As a person at a terminal sees it.
+inline Ran at_terminal(const std::string& words) {
+  return collide(words, {.out_is_terminal = true, .err_is_terminal = false, .in = {}, .environment = {{"NO_COLOR", "1"}}});
+}

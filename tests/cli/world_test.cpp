@@ -1,0 +1,172 @@
+#include <gtest/gtest.h>
+
+#include "tests/cli/fake_client.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+/// Answers one command and keeps what was asked.
+class World : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    asked.clear();
+    fake::server().command = [this](const std::string& name, const nlohmann::json& arguments, const Shape& shape) -> Result<std::string> {
+      asked.emplace_back(name, arguments);
+      last_shape = shape;
+      return replies.at(name).dump();
+    };
+  }
+
+  std::map<std::string, nlohmann::json> replies;
+  std::vector<std::pair<std::string, nlohmann::json>> asked;
+  Shape last_shape;
+};
+
+TEST_F(World, AddSendsShapeAndPose) {
+  replies["add"] = {{"name", "crate"}, {"id", 7}, {"version", 18205}};
+  const Ran ran = at_terminal("add crate box 0.4 0.4 0.4 --at 1 2 0.2 --layers 0b10 --group 3");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out, "added crate (world 18205)\n");
+  ASSERT_EQ(asked.size(), 1U);
+  EXPECT_EQ(asked[0].second["pose"], nlohmann::json({1, 2, 0.2, 1, 0, 0, 0}));
+  EXPECT_EQ(asked[0].second["layers"], 2);
+  EXPECT_EQ(asked[0].second["group"], 3);
+  EXPECT_EQ(asked[0].second["moving"], true);
+  ASSERT_EQ(last_shape.size(), 1U);
+  EXPECT_EQ(std::get<BoxShape>(last_shape[0]).half_m, Vec3(0.2, 0.2, 0.2));
+}
+
+TEST_F(World, MoveKeepsTheRotationUnlessOneIsGiven) {
+  replies["get"] = {{"name", "crate"}, {"pose", {1, 2, 0.2, 0, 1, 0, 0}}};
+  replies["move"] = {{"name", "crate"}, {"moved_m", 0.2}, {"began", {"shelf_3"}}, {"ended", nlohmann::json::array()}, {"version", 18206}};
+  EXPECT_EQ(at_terminal("move crate 1.2 2 0.2").out, "moved crate 0.2 m; began x shelf_3\n");
+  EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1.2, 2, 0.2, 0, 1, 0, 0}));
+  collide("move crate 0 0 -1 --by");
+  EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1, 2, -0.8, 0, 1, 0, 0}));
+}
+
+TEST_F(World, RemoveSaysWhatWent) {
+  replies["remove"] = {{"removed", {"crate"}}, {"ended", 1}, {"version", 18207}};
+  const Ran ran = at_terminal("rm crate");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out, "removed crate (world 18207); it had 1 open contact, ended (removed)\n");
+  replies["remove"] = {{"removed", nlohmann::json::array()}, {"ended", 0}, {"version", 18207}};
+  EXPECT_EQ(collide("rm 'crate*'").code, 1);
+}
+
+TEST_F(World, LoadSendsAnAbsolutePathAndTheUnitInMetres) {
+  replies["load"] = {{"scene", "warehouse"}, {"triangles", 1204118}, {"parts", 312}, {"objects", 40}, {"seconds", 0.412},
+                     {"mended", {"18 T-vertices"}}, {"refused", nlohmann::json::array()}, {"warnings", nlohmann::json::array()},
+                     {"left_out", {"moving index"}}, {"version", 18210}};
+  const Ran ran = at_terminal("load warehouse.obj --unit mm --up y");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out,
+            "loaded 'warehouse' in 412 ms  world 18210\n"
+            "  312 parts, 1 204 118 triangles, 40 objects\n"
+            "  mended   18 T-vertices\n"
+            "  left out moving index\n");
+  EXPECT_EQ(asked[0].second["unit_m"], 0.001);
+  EXPECT_EQ(asked[0].second["up"], "y");
+  EXPECT_EQ(asked[0].second["path"].get<std::string>().front(), '/');
+}
+
+TEST_F(World, ListIsATableOrRecords) {
+  replies["list"] = {{"objects", {{{"name", "drone_2"}, {"id", 5}, {"kind", "sphere"}, {"moving", true}, {"scene", ""}, {"publisher", "fleet"},
+                                   {"position", {1, 2, 3}}, {"triangles", 0}, {"layers", 1}, {"stale", false}}}},
+                     {"count", 1}, {"version", 9}};
+  EXPECT_EQ(at_terminal("ls --moving 'drone_*'").out, "OBJECT   KIND    MOVES  AT     FROM\ndrone_2  sphere  yes    1 2 3  fleet\n");
+  EXPECT_EQ(asked[0].second["moving"], true);
+  EXPECT_EQ(asked[0].second["name"], "drone_*");
+  EXPECT_EQ(collide("ls --json --fields name,position,layers").out, "{\"name\":\"drone_2\",\"position\":[1,2,3],\"layers\":1}\n");
+  EXPECT_EQ(collide("ls --count").out, "1\n");
+}
+
+TEST_F(World, AGlobInBracketsArrivesWhole) {
+  replies["list"] = {{"objects", nlohmann::json::array()}, {"count", 0}, {"version", 9}};
+  EXPECT_EQ(collide("ls '[ab,c]'").code, 1);
+  EXPECT_EQ(asked[0].second["name"], "[ab,c]");
+}
+
+TEST_F(World, PlanSaysWhy) {
+  replies["plan"] = {{"structures", {{{"structure", "grid"}, {"built", false}, {"why", "nothing moves"}, {"saves", "2 MB"}}}},
+                     {"pairs", {{{"a", "sphere"}, {"b", "box"}, {"how", "closed form"}}}}};
+  EXPECT_EQ(at_terminal("plan").out, "STRUCTURE  BUILT  WHY            SAVES\ngrid       no     nothing moves  2 MB\n");
+  EXPECT_EQ(collide("plan --pairs").out, "sphere\tbox\tclosed form\n");
+}
+
+TEST_F(World, GetShowsTheObject) {
+  replies["get"] = {{"name", "crate"}, {"id", 7}, {"kind", "box"}, {"moving", true}, {"scene", ""}, {"publisher", ""}, {"layers", 2},
+                    {"pose", {1, 2, 0.2, 1, 0, 0, 0}}, {"bounds", {{0.8, 1.8, 0}, {1.2, 2.2, 0.4}}}, {"contacts", {"shelf_3"}}};
+  EXPECT_EQ(at_terminal("get crate").out,
+            "crate  box  moving\n"
+            "  pose      1 2 0.2 1 0 0 0\n"
+            "  bounds    0.8 1.8 0  to  1.2 2.2 0.4\n"
+            "  layers    0x2\n"
+            "  contacts  shelf_3\n");
+  EXPECT_EQ(collide("get crate --json --fields name,bounds").out, "{\"name\":\"crate\",\"bounds\":[[0.8,1.8,0],[1.2,2.2,0.4]]}\n");
+}
+
+TEST_F(World, StatusNamesServerSceneAndPublishers) {
+  ServerStatus status;
+  status.version_text = "0.1.0";
+  status.pid = 4711;
+  status.name_space = "collided";
+  status.state = "ready";
+  status.scenes = {"warehouse"};
+  status.static_triangles = 1'204'118;
+  status.publishers = {{"lift_plc", 7, std::chrono::seconds(4), true}};
+  fake::server().status = status;
+  const Ran ran = at_terminal("status");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out,
+            "collided 0.1.0 pid 4711  domain 0  namespace collided  ready\n"
+            "scene warehouse  1 204 118 triangles  ·  0 objects, 0 moving  ·  0 open contacts  ·  world 0\n"
+            "poses 0 applied, 0 dropped  ·  questions 0 answered, 0 refused, 0 undecided\n"
+            "publisher lift_plc  lost, silent for 4 s\n");
+}
+
+TEST_F(World, TheConnectionComesFromFlagsThenTheEnvironment) {
+  const auto options = [](const std::string& words, std::map<std::string, std::string> environment) {
+    const Ran ran = collide(words, {.in = {}, .environment = std::move(environment)});
+    EXPECT_EQ(ran.err, "") << words;
+    return fake::server().connected_with;
+  };
+  EXPECT_EQ(options("status", {}).domain, 0);
+  EXPECT_EQ(options("status", {{"ROS_DOMAIN_ID", "7"}}).domain, 7);
+  EXPECT_EQ(options("status", {{"ROS_DOMAIN_ID", "7"}, {"COLLIDED_DOMAIN", "8"}}).domain, 8);
+  EXPECT_EQ(options("--domain 9 status", {{"COLLIDED_DOMAIN", "8"}}).domain, 9);
+  const ConnectOptions all = options("status --namespace lab --interface auto --wait 5s --peer 10.0.0.2 --peer host", {});
+  EXPECT_EQ(all.name_space, "lab");
+  EXPECT_EQ(all.interface, "auto");
+  EXPECT_EQ(all.wait, std::chrono::seconds(5));
+  EXPECT_EQ(all.peers, (std::vector<std::string>{"10.0.0.2", "host"}));
+}
+
+TEST_F(World, ManyVerbsShareOneConnection) {
+  replies["add"] = {{"name", "crate"}, {"id", 7}, {"version", 18205}};
+  replies["remove"] = {{"removed", {"crate"}}, {"ended", 1}, {"version", 18207}};
+  fake::server().ray = [](const RayQuestion&, const AskOptions& options) {
+    EXPECT_TRUE(options.fresh);
+    return fake::hit_answer({fake::hit("crate", 4.6, {1, 2, 0.4})});
+  };
+  const Ran ran = collide("- --table", {.in = "# a crate\nadd crate box 0.4 0.4 0.4 --at 1 2 0.2\n\nray 1 2 5  0 0 -1 --fresh -q\nrm crate\n"});
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out,
+            "added crate (world 18205)\n"
+            "hit  crate  distance 4.6 m ±4.4e-16  at 1 2 0.4  normal 0 0 1\n"
+            "removed crate (world 18207); it had 1 open contact, ended (removed)\n");
+  EXPECT_EQ(fake::server().connect_count, 1);
+}
+
+TEST_F(World, ALineThatFailsIsNamedAndTheNextRuns) {
+  replies["remove"] = {{"removed", {"crate"}}, {"ended", 0}, {"version", 2}};
+  const Ran ran = collide("-", {.in = "ray 1 2\nrm crate\n"});
+  EXPECT_EQ(ran.code, 6);
+  EXPECT_EQ(ran.out, "[\"crate\"]\t0\t2\n");
+  EXPECT_EQ(ran.err, "error: line 1: ray: 2 numbers; a ray takes 6, start and direction, or 3 and --to X Y Z\n       collide help ray\n");
+}
+
+}  // namespace
+}  // namespace collided

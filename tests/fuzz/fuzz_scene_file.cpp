@@ -1,0 +1,37 @@
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "server/intake/scene_file.hpp"
+#include "tests/fuzz/fuzz_target.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  collided::fuzz::load_or_refuse("fuzz.cscene", data, size);
+  return 0;
+}
+
+std::vector<std::string> fuzz_seeds() {
+  using namespace collided;
+  Scene small{.name = "s"};
+  small.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.1}};
+  small.mesh.triangles = {{0, 1, 2}};
+  small.parts = {{"s", 0, 1, {}}};
+  SceneObject object{.name = "o"};
+  object.shape.primitives.emplace_back(Sphere{{0, 0, 0}, 1});
+  object.shape.primitives.emplace_back(Box{.center = {1, 0, 0}, .half_m = {1, 1, 1}});
+  object.shape.primitives.emplace_back(Capsule{{0, 0, 0}, {1, 0, 0}, 1});
+  object.shape.mesh = std::make_shared<const TriangleMesh>(small.mesh);
+  small.objects = {object};
+  std::vector<std::string> seeds;
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("fuzz_" + std::to_string(::getpid()) + ".cscene");
+  for (const Scene& scene : {small, embedded_scene()}) {
+    save_scene(path.string(), scene);
+    std::ifstream file(path, std::ios::binary);
+    seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  }
+  std::filesystem::remove(path);
+  return seeds;
+}

@@ -1,0 +1,31 @@
+#include "server/intake/scene_file.hpp"
+#include "server/intake/sphere_mesh.hpp"
+#include "tests/fuzz/fuzz_target.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace collided;
+  const ShapeLimits limits{.max_triangles = 10'000, .max_primitives = 100};
+  const DecodedShape decoded = decode_shape({reinterpret_cast<const std::byte*>(data), size}, limits);
+  fuzz::require(decoded.shape.has_value() == decoded.refusal.empty(), "a shape or a reason");
+  if (decoded.shape) {
+    fuzz::require(!decoded.shape->empty() && decoded.shape->primitives.size() <= 100, "limits are kept");
+    const DecodedShape again = decode_shape(encode_shape(*decoded.shape), limits);
+    fuzz::require(again.shape.has_value(), "what was taken once is taken again");
+  }
+  return 0;
+}
+
+std::vector<std::string> fuzz_seeds() {
+  using namespace collided;
+  const Eigen::AngleAxisd turn(0.3, Vec3(1, 2, 3).normalized());
+  const Shape compound{{Sphere{{0, 0, 0}, 1}, Box{.center = {1, 0, 0}, .half_m = {1, 1, 1}},
+                        Box{.center = {1, 0, 0}, .axes = turn.toRotationMatrix(), .half_m = {1, 1, 1}},
+                        Capsule{{0, 0, 0}, {1, 0, 0}, 1}},
+                       std::make_shared<const TriangleMesh>(latitude_longitude_sphere(1, 4, 3))};
+  std::vector<std::string> seeds;
+  for (const Shape& shape : {compound, Shape{{Sphere{{1, 2, 3}, 0.5}}, nullptr}}) {
+    const std::vector<std::byte> bytes = encode_shape(shape);
+    seeds.emplace_back(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  }
+  return seeds;
+}

@@ -1,0 +1,115 @@
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using ServerAnswers = testing_support::ServerTest;
+
+std::vector<RayQuestion> random_rays(std::size_t count) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> x(-9, 9), y(-7, 7), z(-0.5, 4.5);
+  std::vector<RayQuestion> rays;
+  while (rays.size() < count) {
+    const Vec3 origin(x(random), y(random), z(random));
+    rays.push_back({.origin = origin, .direction = Vec3(x(random), y(random), z(random)) - origin});
+  }
+  return rays;
+}
+
+std::uint64_t bits(double number) { return std::bit_cast<std::uint64_t>(number); }
+
+TEST_F(ServerAnswers, TheFloorIsFiveMetresBelow) {
+  start();
+  Client client = connect();
+  const Result<Answer> answer = client.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}});
+  ASSERT_TRUE(answer) << answer.error().message;
+  ASSERT_EQ(answer->verdict, Verdict::hit);
+  EXPECT_EQ(answer->hits[0].object, "warehouse/floor");
+  EXPECT_NEAR(answer->hits[0].distance_m, 5, answer->hits[0].error_m);
+  EXPECT_EQ(client.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, 1}})->verdict, Verdict::miss);
+}
+
+// Same version + same question = same bits, for any number of threads.
+TEST_F(ServerAnswers, ManyThreadsGiveTheSameBits) {
+  start({"--threads", "1", "--namespace", "one"}, "one");
+  start({"--threads", "2", "--namespace", "two"}, "two");
+  Client one = connect("one");
+  Client two = connect("two");
+  const std::vector<RayQuestion> rays = random_rays(100'000);
+  const Result<Answers> a = one.ask(std::span(rays), {.timeout = 30s});
+  const Result<Answers> b = two.ask(std::span(rays), {.timeout = 30s});
+  ASSERT_TRUE(a) << a.error().message;
+  ASSERT_TRUE(b) << b.error().message;
+  std::size_t hits = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_EQ(a->answers[i].verdict, b->answers[i].verdict) << i;
+    ASSERT_EQ(a->answers[i].hits.size(), b->answers[i].hits.size()) << i;
+    for (std::size_t h = 0; h < a->answers[i].hits.size(); ++h) {
+      const Hit& left = a->answers[i].hits[h];
+      const Hit& right = b->answers[i].hits[h];
+      ASSERT_EQ(left.object, right.object) << i;
+      ASSERT_EQ(left.triangle, right.triangle) << i;
+      ASSERT_EQ(bits(left.distance_m), bits(right.distance_m)) << i;
+      ASSERT_EQ(bits(left.error_m), bits(right.error_m)) << i;
+      for (int axis = 0; axis < 3; ++axis) ASSERT_EQ(bits(left.point[axis]), bits(right.point[axis])) << i;
+      ++hits;
+    }
+  }
+  EXPECT_GT(hits, rays.size() / 2);
+}
+
+// A request in chunks is answered on one state, whatever moves meanwhile; the library refuses replies that disagree.
+TEST_F(ServerAnswers, ARequestInChunksSeesOneState) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "mover");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(0, 0, 3));
+  const std::vector<RayQuestion> rays(20'000, {.origin = {0, 0, 4}, .direction = {0, 0, -1}});
+  for (int round = 0; round < 10; ++round) {
+    std::future<Result<Answers>> asked = client.ask_async(rays);
+    int sent = 0;
+    while (asked.wait_for(1ms) != std::future_status::ready) move(publisher, ball, at(0, 0, 3 - 1e-3 * (sent++ % 100)));
+    const Result<Answers> answers = asked.get();
+    ASSERT_TRUE(answers) << answers.error().message;
+    for (const Answer& answer : answers->answers) {
+      ASSERT_EQ(answer.verdict, Verdict::hit);
+      ASSERT_EQ(bits(answer.hits[0].distance_m), bits(answers->answers[0].hits[0].distance_m));
+    }
+  }
+}
+
+TEST_F(ServerAnswers, FreshReadsOwnWrites) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "mover");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  for (int i = 0; i < 200; ++i) {
+    const double z = 1 + 0.01 * i;
+    move(publisher, ball, at(6, 0, z));
+    const Result<Answer> answer = client.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}}, {.fresh = true});
+    ASSERT_TRUE(answer) << answer.error().message;
+    ASSERT_EQ(answer->verdict, Verdict::hit);
+    ASSERT_EQ(answer->hits[0].object, "ball");
+    ASSERT_NEAR(answer->hits[0].distance_m, 5 - z - 0.1, 1e-12) << i;
+  }
+}
+
+TEST_F(ServerAnswers, ADeadlineThatIsOverIsUndecided) {
+  start();
+  Client client = connect();
+  const std::vector<RayQuestion> rays = random_rays(10'000);
+  const Result<Answers> answers = client.ask(std::span(rays), {.deadline = 1ns, .timeout = 30s});
+  ASSERT_TRUE(answers) << answers.error().message;
+  for (const Answer& answer : answers->answers) {
+    ASSERT_EQ(answer.verdict, Verdict::undecided);
+    ASSERT_EQ(answer.reason, Undecided::deadline);
+  }
+}
+
+}  // namespace
+}  // namespace collided

@@ -1,0 +1,102 @@
+#include <nlohmann/json.hpp>
+
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+class ServerCommands : public testing_support::ServerTest {
+ protected:
+  static json done(Client& client, const std::string& command, const json& arguments, const Shape& shape = {}) {
+    const Result<std::string> answer = client.command(command, arguments.dump(), shape);
+    EXPECT_TRUE(answer) << answer.error().message << " " << answer.error().hint;
+    return answer ? json::parse(*answer) : json::object();
+  }
+  static std::string refusal(Client& client, const std::string& command, const json& arguments, const Shape& shape = {}) {
+    const Result<std::string> answer = client.command(command, arguments.dump(), shape);
+    EXPECT_FALSE(answer) << *answer;
+    return answer ? std::string() : answer.error().message;
+  }
+  static json pose(double x, double y, double z) { return {x, y, z, 1, 0, 0, 0}; }
+};
+
+TEST_F(ServerCommands, AnObjectIsAddedMovedAndRemoved) {
+  start();
+  Client client = connect();
+  Watch events = watch(client);
+  const Shape crate{BoxShape{.half_m = {0.2, 0.2, 0.2}}};
+  EXPECT_EQ(done(client, "add", {{"name", "crate"}, {"pose", pose(6, 0, 1)}}, crate)["name"], "crate");
+  EXPECT_EQ(client.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}})->hits[0].object, "crate");
+  const json moved = done(client, "move", {{"name", "crate"}, {"pose", pose(6, 0, 0.1)}});
+  EXPECT_NEAR(moved["moved_m"].get<double>(), 0.9, 1e-12);
+  EXPECT_EQ(moved["began"], json({"warehouse/floor"}));
+  EXPECT_EQ(next(events).what, What::began);
+  const json object = done(client, "get", {{"name", "crate"}});
+  EXPECT_EQ(object["kind"], "box");
+  EXPECT_EQ(object["contacts"], json({"warehouse/floor"}));
+  EXPECT_EQ(object["pose"], pose(6, 0, 0.1));
+  const json removed = done(client, "remove", {{"name", "cra*"}});
+  EXPECT_EQ(removed["removed"], json({"crate"}));
+  EXPECT_EQ(removed["ended"], 1);
+  EXPECT_EQ(next(events).why, Why::removed);
+}
+
+TEST_F(ServerCommands, RefusalsNameWhatIsNear) {
+  start();
+  Client client = connect();
+  EXPECT_EQ(refusal(client, "get", {{"name", "palet_01"}}),
+            "server refused: object 'palet_01' is not in the world (31 objects); nearest names: pallet_01, pallet_02, pallet_03");
+  EXPECT_EQ(refusal(client, "move", {{"name", "warehouse/floor"}, {"pose", pose(0, 0, 0)}}),
+            "server refused: object 'warehouse/floor' is a part of scene 'warehouse' and stays where it is");
+  EXPECT_EQ(refusal(client, "list", {{"nmae", "x"}}), "server refused: list: unknown argument 'nmae'; did you mean 'name'?");
+  EXPECT_EQ(refusal(client, "load", {{"path", "/nowhere/x.obj"}, {"unit_m", -1}}),
+            "server refused: load: unit_m is -1; allowed: greater than 0");
+  EXPECT_EQ(refusal(client, "clear", {{"scene", "moon"}}), "server refused: scene 'moon' is not loaded; loaded: warehouse");
+  EXPECT_NE(refusal(client, "load", {{"path", "/nowhere/x.obj"}}).find("/nowhere/x.obj"), std::string::npos);
+}
+
+TEST_F(ServerCommands, ObjectsOfALivePublisherAreItsOwn) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "owner");
+  add_ball(publisher, "ball", at(6, 0, 1));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  EXPECT_EQ(refusal(client, "remove", {{"name", "ball"}}), "server refused: object 'ball' belongs to publisher 'owner', which lives");
+  EXPECT_EQ(done(client, "clear", {{"moving", true}})["kept"], 1);
+  EXPECT_EQ(done(client, "list", {{"name", "ball"}})["objects"][0]["publisher"], "owner");
+}
+
+TEST_F(ServerCommands, ASceneIsLoadedReplacedAndCleared) {
+  start();
+  Client client = connect();
+  const std::string path = folder_.write("roof.obj", "v -9 -9 6\nv 9 -9 6\nv 9 9 6\nv -9 9 6\nf 1 2 3 4\n");
+  const json loaded = done(client, "load", {{"path", path}});
+  EXPECT_EQ(loaded["scene"], "roof");
+  EXPECT_EQ(loaded["triangles"], 2);
+  const RayQuestion up{.origin = {6, 0, 1}, .direction = {0, 0, 1}};
+  EXPECT_NEAR(client.ask(up)->hits.at(0).distance_m, 5, 1e-12);
+  EXPECT_EQ(refusal(client, "load", {{"path", path}}), "server refused: scene 'roof' is loaded already");
+  done(client, "load", {{"path", path}, {"unit_m", 0.5}, {"replace", true}});
+  EXPECT_NEAR(client.ask(RayQuestion{.origin = {1, 0, 1}, .direction = {0, 0, 1}})->hits.at(0).distance_m, 2, 1e-12);
+  done(client, "clear", {{"scene", "roof"}});
+  EXPECT_EQ(client.ask(up)->verdict, Verdict::miss);
+  EXPECT_EQ(client.status()->scenes, std::vector<std::string>{"warehouse"});
+}
+
+TEST_F(ServerCommands, ListCountsAndPlanExplains) {
+  start();
+  Client client = connect();
+  const json some = done(client, "list", {{"name", "pallet_*"}, {"limit", 2}});
+  EXPECT_EQ(some["count"], 6);
+  EXPECT_EQ(some["objects"].size(), 2U);
+  EXPECT_EQ(done(client, "list", {{"moving", true}})["count"], 0);
+  const json plan = done(client, "plan", json::object());
+  EXPECT_GT(plan["structures"].size(), 3U);
+  EXPECT_GT(plan["pairs"].size(), 5U);
+}
+
+}  // namespace
+}  // namespace collided

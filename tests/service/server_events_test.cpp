@@ -1,0 +1,178 @@
+#include "tests/service/server_fixture.hpp"
+
+#include <csignal>
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using ServerEvents = testing_support::ServerTest;
+
+void expect_pair(const Event& event, const std::string& a, const std::string& b) {
+  EXPECT_EQ(std::minmax(event.a, event.b), std::minmax(a, b));
+}
+
+TEST_F(ServerEvents, ABallThatTouchesTheFloorBeginsAndEnds) {
+  start();
+  Client client = connect();
+  Watch events = watch(client);
+  Publisher publisher = publish(client, "thrower");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  move(publisher, ball, at(6, 0, 0.05));
+  const Event began = next(events);
+  EXPECT_EQ(began.what, What::began);
+  expect_pair(began, "ball", "warehouse/floor");
+  EXPECT_NEAR(began.depth_m, 0.05, 1e-9);
+  move(publisher, ball, at(6, 0, 0.5));
+  const Event ended = next(events);
+  EXPECT_EQ(ended.what, What::ended);
+  EXPECT_EQ(ended.why, Why::separated);
+  EXPECT_EQ(ended.episode, began.episode);
+  EXPECT_EQ(ended.sequence, began.sequence + 1);
+}
+
+// Every accepted pose is examined: two poses in a hurry do not hide the contact between them.
+TEST_F(ServerEvents, PosesInAHurryAreEachLookedAt) {
+  start();
+  Client client = connect();
+  Watch events = watch(client);
+  Publisher publisher = publish(client, "thrower");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  constexpr int kTouches = 50;
+  for (int i = 0; i < kTouches; ++i) {
+    move(publisher, ball, at(6, 0, 0.05));
+    move(publisher, ball, at(6, 0, 1));
+  }
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  for (int i = 0; i < kTouches; ++i) {
+    EXPECT_EQ(next(events).what, What::began) << i;
+    EXPECT_EQ(next(events).what, What::ended) << i;
+  }
+}
+
+TEST_F(ServerEvents, ASilentPublishersContactsEnd) {
+  start();
+  Client client = connect();
+  Watch events = watch(client);
+  Publisher publisher = publish(client, "silent");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  move(publisher, ball, at(6, 0, 0.05));
+  EXPECT_EQ(next(events).what, What::began);
+  const Event ended = next(events, 3s);  // says nothing more: its lease runs out after 0.5 s
+  EXPECT_EQ(ended.what, What::ended);
+  EXPECT_EQ(ended.why, Why::publisher_lost);
+  EXPECT_EQ(client.ask(SphereQuestion{.center = {6, 0, 0.5}, .radius_m = 0.4})->verdict, Verdict::miss);
+  // Back again: what it had is in the world again, where it was.
+  move(publisher, ball, at(6, 0, 0.05));
+  const Event again = next(events);
+  EXPECT_EQ(again.what, What::began);
+  expect_pair(again, "ball", "warehouse/floor");
+}
+
+TEST_F(ServerEvents, AFrozenObjectStaysAndIsStale) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "silent");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1), WhenLost::freeze);
+  move(publisher, ball, at(6, 0, 2));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  const RayQuestion down{.origin = {6, 0, 5}, .direction = {0, 0, -1}};
+  EXPECT_EQ(client.ask(down)->verdict, Verdict::hit);
+  std::this_thread::sleep_for(1500ms);
+  const Result<Answer> stale = client.ask(down);
+  ASSERT_TRUE(stale);
+  EXPECT_EQ(stale->verdict, Verdict::undecided);
+  EXPECT_EQ(stale->reason, Undecided::stale_object);
+  move(publisher, ball, at(6, 0, 2));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  EXPECT_EQ(client.ask(down, {.fresh = true})->verdict, Verdict::hit);
+}
+
+TEST_F(ServerEvents, WhoComesLateGetsWhatIsOpen) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "thrower");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  move(publisher, ball, at(6, 0, 0.05));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  Client late = connect();
+  Watch events = watch(late);
+  std::optional<Event> open;
+  for (int i = 0; i < 50 && !open; ++i) {
+    open = events.next(100ms);
+    ASSERT_TRUE(publisher.keep_alive());
+  }
+  ASSERT_TRUE(open);
+  EXPECT_EQ(open->what, What::open);
+  expect_pair(*open, "ball", "warehouse/floor");
+  EXPECT_EQ(events.open_contacts(), 1U);
+}
+
+TEST_F(ServerEvents, StoppingEndsTheContacts) {
+  testing_support::ChildProcess& server = start();
+  Client client = connect();
+  Watch events = watch(client);
+  Publisher publisher = publish(client, "thrower");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  move(publisher, ball, at(6, 0, 0.05));
+  EXPECT_EQ(next(events).what, What::began);
+  server.signal(SIGTERM);
+  EXPECT_EQ(server.wait(10s), 0);
+  const Event ended = next(events);
+  EXPECT_EQ(ended.what, What::ended);
+  EXPECT_EQ(ended.why, Why::server_stopping);
+  EXPECT_EQ(events.open_contacts(), 0U);
+}
+
+// The name stays with the first; the second's object comes in when the first has gone.
+TEST_F(ServerEvents, ANameIsGivenOnForWhoWaits) {
+  start();
+  Client first_client = connect();
+  Client second_client = connect();
+  Watch events = watch(first_client);
+  std::optional<Publisher> first = publish(first_client, "first");
+  Publisher second = publish(second_client, "second");
+  add_ball(*first, "ball", at(6, 0, 3));
+  ASSERT_TRUE(first->wait_applied(5s));
+  const Publisher::Object wanted = add_ball(second, "ball", at(6, 0, 1));
+  move(second, wanted, at(6, 0, 0.05));
+  ASSERT_TRUE(second.wait_applied(5s));
+  EXPECT_FALSE(events.next(300ms)) << "the second's ball touches the floor, but is not in the world";
+  ASSERT_TRUE(second.keep_alive());
+  first.reset();
+  const Event began = next(events, 2s);
+  EXPECT_EQ(began.what, What::began);
+  expect_pair(began, "ball", "warehouse/floor");
+}
+
+// A server that crashes and comes back: its publisher's object returns by itself, what held before holds on, and until
+// everybody is back nothing is called a miss.
+TEST_F(ServerEvents, ACrashIsRecoveredFrom) {
+  testing_support::ChildProcess& first = start({}, "first");
+  Client client = connect();
+  Watch events = watch(client);
+  Publisher publisher = publish(client, "thrower");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  move(publisher, ball, at(6, 0, 0.05));
+  EXPECT_EQ(next(events).what, What::began);
+  first.signal(SIGKILL);
+  first.wait(5s);
+  start({}, "second");
+  Client other = connect();
+  const RayQuestion up{.origin = {6, 0, 1}, .direction = {0, 0, 1}};
+  EXPECT_EQ(other.ask(up)->reason, Undecided::recovering);
+  const auto until = std::chrono::steady_clock::now() + 15s;
+  while (std::chrono::steady_clock::now() < until && !(client.status() && client.status()->state == "ready")) {
+    move(publisher, ball, at(6, 0, 0.05));
+    std::this_thread::sleep_for(50ms);
+  }
+  EXPECT_EQ(other.ask(up)->verdict, Verdict::miss);
+  const Result<Answer> down = other.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}});
+  ASSERT_TRUE(down);
+  EXPECT_EQ(down->hits.at(0).object, "ball");
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(events.open_contacts(), 1U);
+}
+
+}  // namespace
+}  // namespace collided

@@ -1,0 +1,342 @@
+#include <gtest/gtest.h>
+
+#include "collided/client.hpp"
+#include "tests/service/wire_fake_server.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using test::FakeServer;
+
+const double kInf = std::numeric_limits<double>::infinity();
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+ConnectOptions here() {
+  return {.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s};
+}
+
+RayQuestion ray_from(double x) { return {{x, 0, 5}, {0, 0, -1}}; }
+
+class ClientAsk : public testing::Test {
+ protected:
+  void SetUp() override {
+    Result<Client> connected = Client::connect(here());
+    ASSERT_TRUE(connected) << connected.error().message;
+    client_.emplace(std::move(*connected));
+  }
+  FakeServer server_{test::own_namespace()};
+  std::optional<Client> client_;
+};
+
+TEST(ClientConnect, NobodyThereIsSaidWithinTheWait) {
+  ConnectOptions options = here();
+  options.wait = 300ms;
+  const auto start = std::chrono::steady_clock::now();
+  const Result<Client> client = Client::connect(options);
+  const auto took = std::chrono::steady_clock::now() - start;
+  ASSERT_FALSE(client);
+  EXPECT_EQ(client.error().code, ErrorCode::no_server);
+  EXPECT_EQ(client.error().message, "no collided answered in 300 ms on domain " + std::to_string(options.domain) +
+                                        ", namespace '" + options.name_space + "'");
+  EXPECT_EQ(client.error().hint, "seen on this domain: 0 participants; start a server with 'collided'");
+  EXPECT_GE(took, 300ms);
+  EXPECT_LE(took, 1500ms);
+}
+
+TEST(ClientConnect, ServerOfAnotherNamespaceIsSeenButNotMet) {
+  const FakeServer server(test::own_namespace() + "_other");
+  ConnectOptions options = here();
+  options.wait = 500ms;
+  const Result<Client> client = Client::connect(options);
+  ASSERT_FALSE(client);
+  EXPECT_EQ(client.error().hint,
+            "seen on this domain: 1 participant, none of ours; start a server with 'collided'");
+}
+
+TEST(ClientConnect, BadWordsAreRefusedBeforeAnythingStarts) {
+  ConnectOptions options = here();
+  options.name_space = "a-b";
+  EXPECT_EQ(Client::connect(options).error().code, ErrorCode::bad_input);
+  options = here();
+  options.domain = 500;
+  const Result<Client> client = Client::connect(options);
+  ASSERT_FALSE(client);
+  EXPECT_NE(client.error().message.find("allowed 0 to 230"), std::string::npos) << client.error().message;
+}
+
+TEST_F(ClientAsk, SeveralClientsShareTheProcessesParticipant) {
+  const Result<Client> second = Client::connect(here());
+  ASSERT_TRUE(second) << second.error().message;
+  ConnectOptions elsewhere = here();
+  elsewhere.interface = "auto";
+  const Result<Client> third = Client::connect(elsewhere);
+  ASSERT_FALSE(third);
+  EXPECT_NE(third.error().message.find("one interface"), std::string::npos) << third.error().message;
+}
+
+TEST_F(ClientAsk, SingleRayComesBackWhole) {
+  const Result<Answer> answer = client_->ask(ray_from(3.25));
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(answer->verdict, Verdict::hit);
+  EXPECT_EQ(answer->reason, Undecided::none);
+  EXPECT_EQ(answer->cost.nodes, 12u);
+  EXPECT_EQ(answer->cost.exact_tests, 2u);
+  EXPECT_EQ(answer->cost.level, 1);
+  ASSERT_EQ(answer->hits.size(), 1u);
+  const Hit& hit = answer->hits[0];
+  EXPECT_EQ(hit.object, "wall");
+  EXPECT_EQ(hit.object_id, FakeServer::kWall);
+  EXPECT_EQ(hit.triangle, 118u);
+  EXPECT_EQ(hit.distance_m, 3.25);
+  EXPECT_EQ(hit.error_m, 4.4e-16);
+  EXPECT_EQ(hit.exit_m, 6.5);
+  EXPECT_EQ(hit.point, Vec3(1, 2, 3));
+  EXPECT_EQ(hit.normal, Vec3(0, 0, 1));
+  EXPECT_EQ(hit.weights, Vec3(0.25, 0.25, 0.5));
+  EXPECT_TRUE(hit.inside);
+  EXPECT_FALSE(hit.stale);
+  const Result<Answer> miss = client_->ask(ray_from(-1));
+  ASSERT_TRUE(miss);
+  EXPECT_EQ(miss->verdict, Verdict::miss);
+  EXPECT_TRUE(miss->hits.empty());
+}
+
+TEST_F(ClientAsk, EveryKindOfQuestionIsAnswered) {
+  EXPECT_TRUE(client_->ask(SphereQuestion{{1, 2, 3}, 0.5}));
+  EXPECT_TRUE(client_->ask(BoxQuestion{{1, 2, 3}, {1, 1, 1}}));
+  EXPECT_TRUE(client_->ask(NearQuestion{{1, 2, 3}}));
+  EXPECT_EQ(server_.query_chunks().size(), 3u);
+}
+
+TEST_F(ClientAsk, OptionsTravel) {
+  const AskOptions options{.pick = Pick::all, .mask = 6, .only = "pallet_*", .skip = "pallet_0?", .max_hits = 17,
+                           .error_m = 1e-6, .deadline = 200us};
+  ASSERT_TRUE(client_->ask(ray_from(1), options));
+  const wire::Query query = server_.last_query();
+  EXPECT_EQ(query.mode, static_cast<std::uint8_t>(wire_contract::RayMode::all));
+  EXPECT_EQ(query.mask, 6u);
+  EXPECT_STREQ(query.only, "pallet_*");
+  EXPECT_STREQ(query.skip, "pallet_0?");
+  EXPECT_EQ(query.max_hits, 17u);
+  EXPECT_EQ(query.error_asked_m, 1e-6);
+  EXPECT_EQ(query.deadline_ns, 200'000);
+  ASSERT_TRUE(client_->ask(ray_from(1)));  // the reused sample must not remember
+  EXPECT_STREQ(server_.last_query().only, "");
+  EXPECT_EQ(server_.last_query().mask, 0xffffffffu);
+}
+
+TEST_F(ClientAsk, HundredThousandRaysKeepTheirOrder) {
+  std::vector<RayQuestion> rays;
+  for (int i = 0; i < 100'000; ++i) {
+    rays.push_back(ray_from(i % 3 == 0 ? -1 : i));
+  }
+  const Result<Answers> answers = client_->ask(rays, {.timeout = 20s});
+  ASSERT_TRUE(answers) << answers.error().message;
+  ASSERT_EQ(answers->answers.size(), rays.size());
+  EXPECT_EQ(answers->version, 5u);
+  EXPECT_EQ(answers->epoch, 101u);
+  EXPECT_FALSE(answers->oldest_pose_age.has_value());
+  for (int i = 0; i < 100'000; ++i) {
+    const Answer& answer = answers->answers[static_cast<std::size_t>(i)];
+    ASSERT_EQ(answer.verdict, i % 3 == 0 ? Verdict::miss : Verdict::hit) << i;
+    if (answer.verdict == Verdict::hit) {
+      ASSERT_EQ(answer.hits.at(0).distance_m, i);
+    }
+  }
+  const std::vector<std::uint32_t> chunks = server_.query_chunks();
+  EXPECT_EQ(chunks.size(), 100u);
+  EXPECT_EQ(*std::max_element(chunks.begin(), chunks.end()), wire_contract::kMaxQuestionsPerChunk);
+}
+
+TEST_F(ClientAsk, NoMoreChunksAreUnderWayThanTheWindowHolds) {
+  server_.delay_us = 2000;
+  const std::vector<RayQuestion> rays(20'500, ray_from(1));
+  const Result<Answers> answers = client_->ask(rays, {.timeout = 20s});
+  ASSERT_TRUE(answers) << answers.error().message;
+  EXPECT_EQ(answers->answers.size(), rays.size());
+  EXPECT_EQ(server_.query_chunks().size(), 21u);
+  EXPECT_EQ(server_.most_in_flight(), wire_contract::kChunksInFlight);
+}
+
+TEST_F(ClientAsk, RepeatedRepliesCountOnce) {
+  const std::vector<RayQuestion> rays(5'000, ray_from(1));
+  const Result<Answers> answers = client_->ask(rays, {.only = "twice"});
+  ASSERT_TRUE(answers) << answers.error().message;
+  EXPECT_EQ(answers->answers.back().hits.size(), 1u);
+}
+
+TEST_F(ClientAsk, RefusalCarriesReasonAndHint) {
+  const Result<Answer> answer = client_->ask(ray_from(1), {.only = "refuse"});
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, ErrorCode::refused);
+  EXPECT_EQ(answer.error().message, "server refused: 'box' against 'octree' is not supported");
+  EXPECT_EQ(answer.error().hint, "collide plan");
+}
+
+TEST_F(ClientAsk, SilenceOfALivingServerIsATimeout) {
+  const auto start = std::chrono::steady_clock::now();
+  const Result<Answer> answer = client_->ask(ray_from(1), {.only = "silent", .timeout = 500ms});
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, ErrorCode::timeout) << answer.error().message;
+  EXPECT_GE(std::chrono::steady_clock::now() - start, 500ms);
+}
+
+TEST_F(ClientAsk, LateReplyIsNotTakenForTheNextAnswer) {
+  ASSERT_FALSE(client_->ask(ray_from(111), {.only = "late", .timeout = 100ms}));
+  server_.release_late();
+  std::this_thread::sleep_for(50ms);
+  for (int i = 0; i < 10; ++i) {
+    const Result<Answer> answer = client_->ask(ray_from(i));
+    ASSERT_TRUE(answer);
+    ASSERT_EQ(answer->hits.at(0).distance_m, i);
+  }
+}
+
+TEST_F(ClientAsk, NonsenseIsNotPassedOn) {
+  const Result<Answer> answer = client_->ask(ray_from(1), {.only = "nonsense"});
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, ErrorCode::internal);
+}
+
+TEST_F(ClientAsk, DeadServerIsDisconnectedNotATimeout) {
+  ASSERT_TRUE(client_->status());
+  server_.beating = false;
+  server_.answering = false;
+  const auto start = std::chrono::steady_clock::now();
+  const Result<Answer> answer = client_->ask(ray_from(1), {.timeout = 10s});
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, ErrorCode::disconnected) << answer.error().message;
+  EXPECT_LE(std::chrono::steady_clock::now() - start, 2s);
+  EXPECT_EQ(client_->ask(ray_from(1)).error().code, ErrorCode::disconnected);
+  server_.beating = true;
+  server_.answering = true;
+  EXPECT_TRUE(test::eventually([&] { return static_cast<bool>(client_->ask(ray_from(1))); }));
+}
+
+TEST(ClientReconnect, RestartedServerIsGreetedAnew) {
+  auto first = std::make_unique<FakeServer>(test::own_namespace(), 1);
+  Result<Client> client = Client::connect(here());
+  ASSERT_TRUE(client) << client.error().message;
+  ASSERT_TRUE(client->ask(ray_from(1)));
+  first.reset();
+  const FakeServer second(test::own_namespace(), 2);
+  ASSERT_TRUE(test::eventually([&] { return static_cast<bool>(client->ask(ray_from(1))); }));
+  EXPECT_EQ(client->status()->epoch, 102u);
+}
+
+TEST_F(ClientAsk, WrongQuestionsAreNamedAndNothingIsSent) {
+  const auto message = [&](const auto& question) {
+    const Result<Answer> answer = client_->ask(question);
+    EXPECT_FALSE(answer);
+    EXPECT_EQ(answer.error().code, ErrorCode::bad_input);
+    EXPECT_EQ(answer.error().hint, "nothing was sent");
+    return answer.error().message;
+  };
+  EXPECT_EQ(message(RayQuestion{{0, 0, 0}, {0, 0, 0}}), "ray: direction 0 0 0 has no direction");
+  EXPECT_EQ(message(RayQuestion{{0, kNan, 0}, {0, 0, 1}}), "ray: origin 0 nan 0 is not finite");
+  EXPECT_EQ(message(RayQuestion{{0, 0, 0}, {0, 0, 1}, -2}), "ray: length -2: allowed 0 to inf");
+  EXPECT_EQ(message(RayQuestion{{0, 0, 0}, {0, 0, 1}, kNan}), "ray: length nan: allowed 0 to inf");
+  EXPECT_EQ(message(SphereQuestion{{0, 0, 0}, -0.5}), "sphere: radius -0.5: allowed 0 or more, and finite");
+  EXPECT_EQ(message(SphereQuestion{{0, 0, 0}, kInf}), "sphere: radius inf: allowed 0 or more, and finite");
+  EXPECT_EQ(message(BoxQuestion{{0, 0, 0}, {1, -1, 1}}), "box: half size 1 -1 1: allowed 0 or more, and finite");
+  EXPECT_EQ(message(BoxQuestion{{0, 0, 0}, {1, 1, 1}, Quat(0.5, 0, 0, 0)}),
+            "box: rotation 0.5 0 0 0 has norm 0.5, allowed 1 +- 1e-06");
+  EXPECT_EQ(message(NearQuestion{{kInf, 0, 0}}), "near: point inf 0 0 is not finite");
+
+  std::vector<RayQuestion> rays(2'000, ray_from(1));
+  rays[1'812].direction.z() = kNan;
+  const Result<Answers> answers = client_->ask(rays);
+  ASSERT_FALSE(answers);
+  EXPECT_EQ(answers.error().message, "ray 1812: direction 0 0 nan is not finite");
+  EXPECT_TRUE(server_.query_chunks().empty());
+}
+
+// Its squares vanish, so a test of the norm would call it zero.
+TEST_F(ClientAsk, TinyDirectionIsADirection) {
+  EXPECT_TRUE(client_->ask(RayQuestion{{0, 0, 0}, {0, 0, 5e-324}}));
+}
+
+TEST_F(ClientAsk, RotationInSinglePrecisionIsTaken) {
+  const Eigen::Quaternionf rotation(Eigen::AngleAxisf(0.7f, Eigen::Vector3f(1, 2, 3).normalized()));
+  EXPECT_TRUE(client_->ask(BoxQuestion{{0, 0, 0}, {1, 1, 1}, rotation.cast<double>()}));
+}
+
+TEST_F(ClientAsk, TooManyOrNoQuestionsAreRefused) {
+  const std::vector<RayQuestion> rays(100'001, ray_from(1));
+  EXPECT_EQ(client_->ask(rays).error().message, "ray: 100001 questions; a request holds 1 to 100000");
+  EXPECT_EQ(client_->ask(std::span<const RayQuestion>()).error().code, ErrorCode::bad_input);
+  EXPECT_EQ(client_->ask(ray_from(1), {.only = std::string(256, 'x')}).error().code, ErrorCode::bad_input);
+}
+
+TEST_F(ClientAsk, AsynchronousAnswersReachTheirFutures) {
+  std::vector<std::future<Result<Answers>>> futures;
+  for (int i = 0; i < 50; ++i) {
+    futures.push_back(client_->ask_async(std::vector<RayQuestion>(10, ray_from(i))));
+  }
+  for (int i = 0; i < 50; ++i) {
+    const Result<Answers> answers = futures[static_cast<std::size_t>(i)].get();
+    ASSERT_TRUE(answers) << answers.error().message;
+    EXPECT_EQ(answers->answers.at(9).hits.at(0).distance_m, i);
+  }
+}
+
+TEST_F(ClientAsk, SeveralThreadsAskOverOneClient) {
+  std::atomic<int> wrong{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 200; ++i) {
+        const Result<Answer> answer = client_->ask(ray_from(1000 * t + i));
+        wrong += !answer || answer->hits.at(0).distance_m != 1000 * t + i;
+      }
+    });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST_F(ClientAsk, CommandAnswersInSeveralChunksArePutTogether) {
+  const Result<std::string> answer = client_->command("long", "{}");
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(answer->size(), 400'000 + std::string(R"({"answer":""})").size());
+  EXPECT_EQ(answer->front(), '{');
+  EXPECT_EQ(answer->back(), '}');
+}
+
+TEST_F(ClientAsk, CommandCarriesArgumentsAndShape) {
+  const Result<std::string> answer =
+      client_->command("add", R"({"name":"crate"})", {SphereShape{.radius_m = 1}});
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(answer->find(R"({"command":"add","name":"crate","blob":)"), 0u) << *answer;
+  EXPECT_EQ(answer->find("\"blob\":0"), std::string::npos) << *answer;
+  EXPECT_EQ(client_->command("add", "[1]").error().code, ErrorCode::bad_input);
+  EXPECT_EQ(client_->command("add", "{oops").error().code, ErrorCode::bad_input);
+  EXPECT_EQ(client_->command("add", '"' + std::string(5'000, 'x') + '"').error().code, ErrorCode::bad_input);
+  EXPECT_EQ(client_->command("refuse", "{}").error().code, ErrorCode::refused);
+}
+
+// Each word of progress starts the timeout anew: loading may take long as long as it goes on.
+TEST_F(ClientAsk, ProgressKeepsALongCommandAlive) {
+  std::vector<double> fractions;
+  const Result<std::string> answer =
+      client_->command("load", "{}", {}, 700ms, [&](double fraction) { fractions.push_back(fraction); });
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(*answer, R"({"scene":"warehouse"})");
+  EXPECT_EQ(fractions, (std::vector<double>{0.25, 0.5, 0.75}));
+}
+
+TEST_F(ClientAsk, StatusIsTheNewestHeard) {
+  const Result<ServerStatus> status = client_->status();
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_EQ(status->name_space, test::own_namespace());
+  EXPECT_EQ(status->state, "ready");
+  EXPECT_EQ(status->pid, 4711u);
+  EXPECT_EQ(status->scenes, (std::vector<std::string>{"warehouse", "yard"}));
+  EXPECT_LT(status->age, 1s);
+}
+
+}  // namespace
+}  // namespace collided

@@ -1,0 +1,227 @@
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "client/library/published_objects.hpp"
+#include "collided/client.hpp"
+#include "tests/service/wire_fake_server.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using test::eventually;
+using test::FakeServer;
+
+ObjectOptions ball(const std::string& name) { return {.name = name, .shape = {SphereShape{.radius_m = 0.5}}}; }
+
+class ClientPublish : public testing::Test {
+ protected:
+  void SetUp() override {
+    Result<Client> connected =
+        Client::connect({.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s});
+    ASSERT_TRUE(connected) << connected.error().message;
+    client_.emplace(std::move(*connected));
+    Result<Publisher> publisher = client_->publish("arm");
+    ASSERT_TRUE(publisher) << publisher.error().message;
+    publisher_.emplace(std::move(*publisher));
+  }
+  Publisher::Object add(const std::string& name) {
+    const Result<Publisher::Object> object = publisher_->add(ball(name));
+    EXPECT_TRUE(object) << object.error().message;
+    return *object;
+  }
+  FakeServer server_{test::own_namespace()};
+  std::optional<Client> client_;
+  std::optional<Publisher> publisher_;
+};
+
+TEST_F(ClientPublish, DefinitionsAndPosesArriveUnderOneGaplessCount) {
+  const Publisher::Object first = add("first");
+  const Publisher::Object second = add("second");
+  ASSERT_TRUE(publisher_->move(first, {.position = {1, 2, 3}}));
+  ASSERT_TRUE(publisher_->move(second, {.position = {4, 5, 6}}));
+  ASSERT_TRUE(publisher_->move(first, {.position = {7, 8, 9}}));  // the newest wins
+  const Result<std::uint64_t> sequence = publisher_->flush(123ns);
+  ASSERT_TRUE(sequence) << sequence.error().message;
+  EXPECT_EQ(*sequence, 3u);
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  const FakeServer::Received received = server_.received();
+  EXPECT_EQ(std::set(received.sequences.begin(), received.sequences.end()), (std::set<std::uint64_t>{1, 2, 3}));
+  EXPECT_EQ(received.names, (std::map<std::uint32_t, std::string>{{0, "first"}, {1, "second"}}));
+  EXPECT_EQ(received.batch_sizes, std::vector<std::size_t>{2});
+  EXPECT_EQ(received.definitions_through, std::vector<std::uint64_t>{2});
+  EXPECT_EQ(received.poses.at(0).numbers, (std::vector<double>{7, 8, 9, 1, 0, 0, 0}));
+  EXPECT_EQ(received.poses.at(1).numbers, (std::vector<double>{4, 5, 6, 1, 0, 0, 0}));
+}
+
+TEST_F(ClientPublish, TenThousandPosesGoInBatchesOfAtMost4096) {
+  std::vector<Publisher::Object> objects;
+  for (int i = 0; i < 10'000; ++i) {
+    objects.push_back(add("object_" + std::to_string(i)));
+  }
+  for (int round = 0; round < 30; ++round) {
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      ASSERT_TRUE(publisher_->move(objects[i], {.position = {static_cast<double>(i), 0, static_cast<double>(round)}}));
+    }
+    ASSERT_TRUE(publisher_->flush());
+  }
+  ASSERT_TRUE(publisher_->wait_applied(5s));
+  const FakeServer::Received received = server_.received();
+  // 90 batches through a history of 64: none was pushed out before the server had it.
+  ASSERT_EQ(received.batch_sizes.size(), 90u);
+  EXPECT_EQ(std::vector(received.batch_sizes.begin(), received.batch_sizes.begin() + 3),
+            (std::vector<std::size_t>{4'096, 4'096, 1'808}));
+  EXPECT_EQ(received.sequences.size(), 10'090u);
+  EXPECT_EQ(received.poses.at(9'999).numbers[0], 9'999);
+  EXPECT_EQ(received.poses.at(9'999).numbers[2], 29);
+}
+
+TEST_F(ClientPublish, TeleportsTravelApart) {
+  const Publisher::Object walks = add("walks");
+  const Publisher::Object jumps = add("jumps");
+  ASSERT_TRUE(publisher_->move(jumps, {.position = {9, 0, 0}}, true));
+  ASSERT_TRUE(publisher_->move(walks, {.position = {1, 0, 0}}));
+  ASSERT_TRUE(publisher_->move(jumps, {.position = {9, 1, 0}}));  // still arrives by a jump
+  ASSERT_TRUE(publisher_->flush());
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  const FakeServer::Received received = server_.received();
+  EXPECT_EQ(received.batch_sizes, (std::vector<std::size_t>{1, 1}));
+  EXPECT_FALSE(received.poses.at(0).teleported);
+  EXPECT_TRUE(received.poses.at(1).teleported);
+  EXPECT_EQ(received.poses.at(1).numbers[1], 1);
+}
+
+TEST_F(ClientPublish, RemovedNumbersAreReusedAndOldHandlesFindNothing) {
+  const Publisher::Object old_handle = add("old");
+  ASSERT_TRUE(publisher_->move(old_handle, {.position = {1, 0, 0}}));
+  ASSERT_TRUE(publisher_->remove(old_handle));
+  const Publisher::Object next = add("new");
+  EXPECT_NE(next, old_handle);
+  EXPECT_EQ(client::PublishedObjects::number(next), client::PublishedObjects::number(old_handle));
+  EXPECT_EQ(publisher_->move(old_handle, {}).error().code, ErrorCode::bad_input);
+  EXPECT_EQ(publisher_->remove(old_handle).error().code, ErrorCode::bad_input);
+  ASSERT_TRUE(publisher_->flush());
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  const FakeServer::Received received = server_.received();
+  EXPECT_EQ(received.names, (std::map<std::uint32_t, std::string>{{0, "new"}}));
+  EXPECT_TRUE(received.batch_sizes.empty()) << "the removed object's pose was sent to its successor";
+}
+
+TEST_F(ClientPublish, WrongObjectsAndPosesAreRefusedByName) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Publisher::Object object = add("crate");
+  EXPECT_EQ(publisher_->add(ball("crate")).error().message,
+            "object 'crate': this publisher has an object of that name already");
+  EXPECT_EQ(publisher_->add(ball("")).error().code, ErrorCode::bad_input);
+  EXPECT_EQ(publisher_->add(ball(std::string(256, 'x'))).error().code, ErrorCode::bad_input);
+  EXPECT_EQ(publisher_->add({.name = "empty"}).error().message, "object 'empty': its shape has no part");
+  EXPECT_EQ(publisher_->add({.name = "bad", .shape = {SphereShape{.radius_m = -1}}}).error().message,
+            "object 'bad': part 0: radius -1: allowed 0 or more, and finite");
+  const MeshShape outside{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 3}}};
+  EXPECT_EQ(publisher_->add({.name = "mesh", .shape = {outside}}).error().message,
+            "object 'mesh': part 0: triangle 0 names vertex 3 of 3");
+  EXPECT_EQ(publisher_->move(object, {.position = {nan, 0, 0}}).error().message,
+            "object 'crate': position nan 0 0 is not finite");
+  EXPECT_EQ(publisher_->move(object, {.rotation = Quat(0.87, 0, 0, 0)}).error().message,
+            "object 'crate': rotation 0.87 0 0 0 has norm 0.87, allowed 1 +- 1e-06");
+  EXPECT_EQ(client_->publish("").error().code, ErrorCode::bad_input);
+}
+
+TEST_F(ClientPublish, ShapeBeyondOneSampleIsRefusedWithItsSize) {
+  MeshShape mesh;
+  mesh.vertices.assign(50'000, Vec3(1, 2, 3));
+  mesh.triangles.assign(1, {0, 1, 2});
+  const Result<Publisher::Object> object = publisher_->add({.name = "big", .shape = {mesh}});
+  ASSERT_FALSE(object);
+  EXPECT_EQ(object.error().message.find("object 'big': its shape takes 1200"), 0u) << object.error().message;
+  mesh.vertices.resize(40'000);
+  ASSERT_TRUE(publisher_->add({.name = "fits", .shape = {mesh}}));
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  EXPECT_GT(server_.received().largest_shape, 960'000u);
+}
+
+TEST_F(ClientPublish, FreshQuestionsNameTheLastWrite) {
+  const Publisher::Object object = add("crate");
+  ASSERT_TRUE(publisher_->move(object, {.position = {1, 0, 0}}));
+  const Result<std::uint64_t> sequence = publisher_->flush();
+  ASSERT_TRUE(client_->ask(RayQuestion{{1, 0, 0}, {0, 0, 1}}, {.fresh = true}));
+  EXPECT_EQ(server_.last_query().fence_sequence, *sequence);
+  EXPECT_NE(server_.last_query().fence_publisher, 0u);
+  ASSERT_TRUE(client_->ask(RayQuestion{{1, 0, 0}, {0, 0, 1}}));
+  EXPECT_EQ(server_.last_query().fence_publisher, 0u);
+}
+
+// Whoever was silent for longer than the lease is forgotten with all its objects: it must say everything anew, at the
+// newest poses, before it goes on.
+TEST_F(ClientPublish, AfterAHangEverythingIsDefinedAnew) {
+  const Publisher::Object first = add("first");
+  add("second");
+  ASSERT_TRUE(publisher_->move(first, {.position = {1, 0, 0}}));
+  ASSERT_TRUE(publisher_->flush());
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  EXPECT_EQ(server_.received().definition_count, 2u);
+  std::this_thread::sleep_for(700ms);
+  ASSERT_TRUE(publisher_->keep_alive());
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  const FakeServer::Received received = server_.received();
+  EXPECT_EQ(received.definition_count, 4u);
+  EXPECT_EQ(received.poses.at(0).numbers[0], 1);
+}
+
+TEST_F(ClientPublish, KeepAliveInTimeDefinesNothingAnew) {
+  add("first");
+  for (int i = 0; i < 8; ++i) {
+    std::this_thread::sleep_for(100ms);
+    ASSERT_TRUE(publisher_->keep_alive());
+  }
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  EXPECT_EQ(server_.received().definition_count, 1u);
+}
+
+TEST_F(ClientPublish, ServerThatCallsItLostGetsEverythingOnce) {
+  add("first");
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  server_.hold_publisher_lost = true;
+  ASSERT_TRUE(eventually([&] {
+    EXPECT_TRUE(publisher_->keep_alive());
+    return server_.received().definition_count >= 2;
+  }));
+  server_.hold_publisher_lost = false;
+  std::this_thread::sleep_for(250ms);
+  const std::size_t count = server_.received().definition_count;
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(publisher_->keep_alive());
+  }
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  EXPECT_EQ(server_.received().definition_count, count);
+}
+
+TEST_F(ClientPublish, LeavingRemovesItsObjects) {
+  add("first");
+  add("second");
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  EXPECT_EQ(server_.received().names.size(), 2u);
+  publisher_.reset();
+  EXPECT_TRUE(eventually([&] { return server_.received().names.empty(); }));
+}
+
+TEST_F(ClientPublish, NewServerLearnsTheNewestPoses) {
+  const Publisher::Object object = add("first");
+  ASSERT_TRUE(publisher_->move(object, {.position = {1, 0, 0}}));
+  ASSERT_TRUE(publisher_->flush());
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  server_.beating = false;
+  std::this_thread::sleep_for(350ms);
+  const dds::ParticipantOptions elsewhere{.domain = test::own_domain(), .role = dds::Role::server,
+                                          .process_domain = test::own_domain() + 200'000};
+  FakeServer second(test::own_namespace(), 2, elsewhere);
+  EXPECT_TRUE(eventually([&] {
+    EXPECT_TRUE(publisher_->keep_alive());
+    const FakeServer::Received received = second.received();
+    return received.poses.contains(0) && received.poses.at(0).numbers[0] == 1;
+  }));
+}
+
+}  // namespace
+}  // namespace collided

@@ -1,0 +1,334 @@
+#include "server/service/publishers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace collided::service {
+namespace {
+
+using wire_contract::EndReason;
+using wire_contract::EventKind;
+using wire_contract::LostPolicy;
+using wire_contract::PublisherState;
+
+constexpr std::uint64_t kPublisher = 7;
+
+/// A world with a floor at z = 0 and publishers around it, without DDS.
+class PublishersTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    Scene scene{.name = "room"};
+    scene.mesh.vertices = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
+    scene.mesh.triangles = {{0, 1, 2}};
+    scene.parts = {{.name = "room/floor", .first_triangle = 0, .triangle_count = 1, .filter = {}}};
+    const auto indexed = World::index_scene(scene, {});
+    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+    step();
+  }
+  static DefinitionSample definition(std::uint32_t number, std::uint64_t sequence, const std::string& name, double z = 3) {
+    DefinitionSample sample;
+    sample.publisher = kPublisher;
+    sample.object_number = number;
+    sample.incarnation = 1;
+    sample.sequence = sequence;
+    sample.name = name;
+    sample.publisher_name = "test";
+    sample.pose = {0, 0, z, 1, 0, 0, 0};
+    Shape ball;
+    ball.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 0.5});
+    sample.shape = ball;
+    return sample;
+  }
+  static DefinitionSample removal(std::uint32_t number, std::uint64_t sequence) {
+    DefinitionSample sample = definition(number, sequence, "");
+    sample.removed = true;
+    return sample;
+  }
+  static PoseSample pose(std::uint64_t sequence, const std::vector<std::pair<std::uint32_t, double>>& heights,
+                         std::uint64_t through = 0) {
+    PoseSample sample;
+    sample.publisher = kPublisher;
+    sample.incarnation = 1;
+    sample.sequence = sequence;
+    sample.definitions_through = through;
+    for (const auto& [number, z] : heights) {
+      sample.object_numbers.push_back(number);
+      sample.poses.insert(sample.poses.end(), {0, 0, z, 1, 0, 0, 0});
+    }
+    return sample;
+  }
+  void step() {
+    ASSERT_TRUE(world.step(++now_ns, 1, {}));
+    publishers.stepped();
+    for (const Event& event : world.events()) events.push_back(event);
+  }
+  void define(DefinitionSample sample) {
+    while (publishers.define(sample, now_ns) == Applied::step_first) step();
+    while (publishers.release_parked(now_ns) == Applied::step_first) step();
+  }
+  void move(PoseSample sample) {
+    sample.received_ns = ++now_ns;
+    while (publishers.move(sample, now_ns) == Applied::step_first) step();
+  }
+  void lose() {
+    for (const WriterKind kind : {WriterKind::object, WriterKind::pose}) {
+      while (publishers.writer_lost(kPublisher, kind, now_ns) == Applied::step_first) step();
+    }
+  }
+  double height(const std::string& name) {
+    const std::optional<ObjectId> id = world.find(name);
+    return id ? world.newest()->poses[slot_of(*id)].position.z() : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  World world{WorldOptions{}};
+  Publishers publishers{world, PublisherLimits{.publishers = 3, .object_numbers = 20, .parked_batches = 2}};
+  std::int64_t now_ns = 1'000;
+  std::vector<Event> events;
+};
+
+TEST_F(PublishersTest, LateAndRepeatedSamplesChangeNothing) {
+  define(definition(1, 1, "ball"));
+  move(pose(3, {{1, 2}}));
+  move(pose(2, {{1, 9}}));  // overtaken
+  move(pose(3, {{1, 8}}));  // again
+  define(definition(1, 1, "other"));
+  step();
+  EXPECT_EQ(height("ball"), 2);
+  EXPECT_FALSE(world.find("other"));
+  EXPECT_EQ(publishers.counts().poses_late, 2U);
+  EXPECT_EQ(publishers.counts().definitions_late, 1U);
+  EXPECT_EQ(publishers.counts().poses_applied, 1U);
+}
+
+// A slot is used again: a pose that was sent for the earlier object must not move the later one.
+TEST_F(PublishersTest, APoseOlderThanItsDefinitionIsForAnEarlierObject) {
+  define(definition(1, 1, "first"));
+  define(removal(1, 3));
+  define(definition(1, 4, "second"));
+  move(pose(2, {{1, 9}}));
+  step();
+  EXPECT_FALSE(world.find("first"));
+  EXPECT_EQ(height("second"), 3);
+  EXPECT_EQ(publishers.counts().poses_late, 1U);
+}
+
+TEST_F(PublishersTest, BatchesWaitForTheirDefinitions) {
+  move(pose(5, {{1, 2}}, 4));
+  EXPECT_EQ(publishers.counts().batches_parked, 1U);
+  EXPECT_EQ(publishers.applied_through(kPublisher), 0U);
+  define(definition(1, 4, "ball"));
+  step();
+  EXPECT_EQ(height("ball"), 2);
+  EXPECT_EQ(publishers.applied_through(kPublisher), 5U);
+}
+
+TEST_F(PublishersTest, ParkedBatchesAreBounded) {
+  for (std::uint64_t sequence = 5; sequence < 10; ++sequence) move(pose(sequence, {{1, static_cast<double>(sequence)}}, 4));
+  EXPECT_EQ(publishers.counts().batches_dropped, 3U);
+  define(definition(1, 4, "ball"));
+  step();
+  EXPECT_EQ(height("ball"), 9);
+}
+
+// Every accepted pose is examined: through the floor and back within one step would be missed.
+TEST_F(PublishersTest, AnObjectThatMovedWaitsForAStep) {
+  define(definition(1, 1, "ball"));
+  step();
+  move(pose(2, {{1, 0.1}}));
+  PoseSample next = pose(3, {{1, 3}});
+  EXPECT_EQ(publishers.move(next, now_ns), Applied::step_first);
+  move(next);
+  step();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].kind, EventKind::began);
+  EXPECT_EQ(events[1].kind, EventKind::ended);
+}
+
+TEST_F(PublishersTest, AnObjectThatIsRemovedAtOnceHasBeenThere) {
+  define(definition(1, 1, "ball", 0.1));
+  define(removal(1, 2));
+  step();
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[1].reason, EndReason::removed);
+}
+
+TEST_F(PublishersTest, ABadPoseIsRefusedAndItsNeighboursAreApplied) {
+  define(definition(1, 1, "good"));
+  define(definition(2, 2, "bad"));
+  PoseSample sample = pose(3, {{1, 2}, {2, 2}, {9, 2}});
+  sample.poses[7 + 3] = 0.99;  // |q|
+  move(sample);
+  step();
+  EXPECT_EQ(height("good"), 2);
+  EXPECT_EQ(height("bad"), 3);
+  EXPECT_EQ(publishers.counts().poses_refused, 1U);
+  EXPECT_EQ(publishers.counts().poses_unknown, 1U);
+  const std::vector<std::string> notices = publishers.take_notices();
+  ASSERT_EQ(notices.size(), 1U);
+  EXPECT_EQ(notices[0],
+            "pose of object 'bad' of publisher 'test' refused: quaternion norm 0.99, allowed 1 +- 1e-06. Refused so far: 1.");
+}
+
+TEST_F(PublishersTest, QuaternionsAreDividedByTheirNormOnce) {
+  define(definition(1, 1, "ball"));
+  PoseSample sample = pose(2, {{1, 2}});
+  const double scale = 1 + 0.9e-6;
+  const double q[] = {0.6 * scale, 0.8 * scale, 0, 0};
+  std::copy_n(q, 4, &sample.poses[3]);
+  move(sample);
+  step();
+  const Quat rotation = world.newest()->poses[slot_of(*world.find("ball"))].rotation;
+  EXPECT_NEAR(rotation.norm(), 1, 1e-15);
+}
+
+TEST_F(PublishersTest, MalformedBatchesAreCountedWhole) {
+  define(definition(1, 1, "ball"));
+  PoseSample sample = pose(2, {{1, 2}});
+  sample.poses.pop_back();
+  move(sample);
+  sample = pose(3, {{1, 2}});
+  sample.velocities = {1, 2, 3};
+  move(sample);
+  EXPECT_EQ(publishers.counts().batches_malformed, 2U);
+  EXPECT_EQ(publishers.counts().poses_applied, 0U);
+  EXPECT_EQ(publishers.applied_through(kPublisher), 3U) << "who waits for a malformed sample must not wait for ever";
+}
+
+TEST_F(PublishersTest, TheFirstKeepsItsNameAndTheSecondWaits) {
+  define(definition(1, 1, "ball"));
+  DefinitionSample second = definition(1, 1, "ball", 5);
+  second.publisher = 8;
+  define(second);
+  step();
+  EXPECT_EQ(height("ball"), 3);
+  EXPECT_EQ(publishers.counts().name_conflicts, 1U);
+  EXPECT_EQ(publishers.waiting_for("ball"), std::vector<std::uint64_t>{8});
+  define(removal(1, 2));
+  publishers.settle(now_ns);
+  step();
+  EXPECT_EQ(height("ball"), 5);
+  EXPECT_TRUE(publishers.waiting_for("ball").empty());
+}
+
+// A program that restarts is another publisher; what the dead one has frozen makes room at once.
+TEST_F(PublishersTest, ALostPublishersObjectGivesWay) {
+  DefinitionSample frozen = definition(1, 1, "arm");
+  frozen.lost_policy = static_cast<std::uint8_t>(LostPolicy::freeze);
+  define(frozen);
+  step();
+  lose();
+  DefinitionSample again = definition(1, 1, "arm", 5);
+  again.publisher = 8;
+  define(again);
+  step();
+  EXPECT_EQ(height("arm"), 5);
+}
+
+TEST_F(PublishersTest, EachPolicyForTheLost) {
+  for (const LostPolicy policy : {LostPolicy::remove, LostPolicy::freeze, LostPolicy::hold}) {
+    const auto number = static_cast<std::uint32_t>(policy);
+    DefinitionSample sample = definition(number, number + 1, "object" + std::to_string(number), 3 + 2 * number);
+    sample.lost_policy = static_cast<std::uint8_t>(policy);
+    define(sample);
+  }
+  step();
+  lose();
+  step();
+  EXPECT_FALSE(publishers.is_live(kPublisher));
+  EXPECT_FALSE(world.find("object0"));
+  EXPECT_EQ(world.newest()->stale[slot_of(*world.find("object1"))], 1);
+  EXPECT_EQ(world.newest()->stale[slot_of(*world.find("object2"))], 0);
+  move(pose(9, {{0, 4}}));  // a word from it: it is back, with everything
+  step();
+  EXPECT_TRUE(publishers.is_live(kPublisher));
+  EXPECT_EQ(height("object0"), 4);
+  EXPECT_EQ(world.newest()->stale_count, 0U);
+}
+
+TEST_F(PublishersTest, OneOfTwoWritersIsEnoughToLive) {
+  define(definition(1, 1, "ball"));
+  move(pose(2, {{1, 2}}));
+  step();
+  EXPECT_EQ(publishers.writer_lost(kPublisher, WriterKind::object, now_ns), Applied::done);
+  EXPECT_TRUE(publishers.is_live(kPublisher));
+  EXPECT_EQ(publishers.writer_lost(kPublisher, WriterKind::pose, now_ns), Applied::done);
+  EXPECT_FALSE(publishers.is_live(kPublisher));
+}
+
+TEST_F(PublishersTest, ANewIncarnationStartsEmpty) {
+  define(definition(1, 10, "old"));
+  step();
+  DefinitionSample fresh = definition(2, 1, "new");
+  fresh.incarnation = 2;
+  define(fresh);
+  move(pose(11, {{1, 9}}));  // of the earlier incarnation
+  step();
+  EXPECT_FALSE(world.find("old"));
+  EXPECT_EQ(height("new"), 3);
+  EXPECT_EQ(publishers.counts().poses_late, 1U);
+}
+
+TEST_F(PublishersTest, PublishersAndNumbersAreBounded) {
+  for (std::uint64_t publisher = 1; publisher <= 5; ++publisher) {
+    DefinitionSample sample = definition(1, 1, "ball" + std::to_string(publisher), 2.0 * static_cast<double>(publisher));
+    sample.publisher = publisher;
+    define(sample);
+  }
+  EXPECT_EQ(publishers.size(), 3U);
+  EXPECT_EQ(publishers.counts().publishers_refused, 2U);
+  for (std::uint32_t number = 2; number < 40; ++number) {
+    DefinitionSample sample = definition(number << 20, number, "n" + std::to_string(number), 2.0 * number);
+    sample.publisher = 1;
+    define(sample);
+  }
+  EXPECT_EQ(publishers.counts().definitions_refused, 21U);  // 38 offered, 17 of 20 numbers were free
+}
+
+TEST_F(PublishersTest, BadDefinitionsLeaveWhatIsThere) {
+  define(definition(1, 1, "ball"));
+  DefinitionSample bad = definition(1, 2, std::string("ba\xffll"));
+  define(bad);
+  bad = definition(1, 3, "ball");
+  bad.lost_policy = 3;
+  define(bad);
+  bad = definition(1, 4, "ball");
+  bad.shape = Refusal{"sphere 0: radius -1"};
+  define(bad);
+  bad = definition(1, 5, "ball");
+  bad.pose[0] = std::numeric_limits<double>::infinity();
+  define(bad);
+  step();
+  EXPECT_EQ(publishers.counts().definitions_refused, 4U);
+  EXPECT_EQ(height("ball"), 3);
+}
+
+TEST_F(PublishersTest, StatesAreShown) {
+  define(definition(1, 1, "ball"));
+  step();
+  const auto state = [&](std::int64_t at_ns) {
+    PublisherState shown = PublisherState::lost;
+    publishers.for_each(at_ns, [&](const PublisherView& view) { shown = view.state; });
+    return shown;
+  };
+  EXPECT_EQ(state(now_ns), PublisherState::alive);
+  EXPECT_EQ(state(now_ns + 3'000'000'000), PublisherState::silent);
+  lose();
+  EXPECT_EQ(state(now_ns), PublisherState::lost);
+  publishers.settle(now_ns + 61'000'000'000);
+  EXPECT_EQ(publishers.size(), 0U);
+}
+
+TEST_F(PublishersTest, WhoTookEverythingBackIsNoLoss) {
+  define(definition(1, 1, "ball"));
+  define(removal(1, 2));
+  step();
+  lose();
+  int shown = 0;
+  publishers.for_each(now_ns, [&](const PublisherView&) { ++shown; });
+  EXPECT_EQ(shown, 0);
+  EXPECT_EQ(publishers.applied_through(kPublisher), 2U) << "somebody may still ask after its last write";
+}
+
+}  // namespace
+}  // namespace collided::service

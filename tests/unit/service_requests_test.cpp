@@ -1,0 +1,216 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
+
+#include "server/service/epoch.hpp"
+#include "server/service/fences.hpp"
+#include "server/service/lease_book.hpp"
+#include "server/service/reply_columns.hpp"
+#include "server/service/sequence_watermark.hpp"
+
+namespace collided::service {
+namespace {
+
+TEST(SequenceWatermark, TwoTopicsOneSeries) {
+  SequenceWatermark mark;
+  mark.apply_definition(1, 0);
+  mark.apply_definition(2, 0);
+  mark.apply_pose(4, 0);  // 3 may still be under way on the object topic
+  EXPECT_EQ(mark.through(), 2U);
+  mark.apply_definition(3, 0);
+  EXPECT_EQ(mark.through(), 4U);
+}
+
+// Each topic is in order, so a number that both have passed will never come.
+TEST(SequenceWatermark, WhatBothTopicsHavePassedNeverComes) {
+  SequenceWatermark mark;
+  mark.apply_definition(1, 0);
+  mark.apply_pose(10, 0);
+  mark.apply_definition(9, 0);
+  EXPECT_EQ(mark.through(), 10U);
+}
+
+TEST(SequenceWatermark, AGapIsGivenUpInTheEnd) {
+  SequenceWatermark mark;
+  mark.apply_pose(1, 0);
+  mark.apply_pose(3, 0);
+  mark.settle(SequenceWatermark::kGapPatienceNs - 1);
+  EXPECT_EQ(mark.through(), 1U);
+  mark.settle(SequenceWatermark::kGapPatienceNs);
+  EXPECT_EQ(mark.through(), 3U);
+  for (std::uint64_t sequence = 5; sequence < 200; ++sequence) mark.apply_pose(sequence, 0);
+  EXPECT_EQ(mark.through(), 199U) << "a long run beyond a gap must not be kept";
+}
+
+class LeaseBookTest : public ::testing::Test {
+ protected:
+  void step() { ASSERT_TRUE(world.step(++time_ns, 1, {})); }
+  std::optional<std::uint64_t> version(std::uint64_t request, std::uint32_t chunk, std::uint32_t count, std::int64_t now_ns = 0,
+                                       bool fresh = false) {
+    const std::optional<SnapshotRing::Lease> lease = book.take(1, request, chunk, count, fresh, now_ns);
+    return lease ? std::optional((*lease)->version) : std::nullopt;
+  }
+  World world{WorldOptions{}};
+  LeaseBook book{world};
+  std::int64_t time_ns = 0;
+};
+
+TEST_F(LeaseBookTest, AllChunksOfARequestSeeOneState) {
+  const auto first = version(1, 0, 3);
+  step();
+  EXPECT_EQ(version(1, 1, 3), first);
+  EXPECT_NE(version(2, 0, 2), first);
+  EXPECT_EQ(version(1, 2, 3), first);
+  EXPECT_EQ(book.size(), 1U) << "the last chunk lets the state go";
+  EXPECT_FALSE(version(1, 1, 3)) << "a chunk after the last one has no state";
+  EXPECT_FALSE(version(9, 1, 3)) << "nor has one whose first chunk never came";
+}
+
+// Who opens requests and never ends them must not stop the world.
+TEST_F(LeaseBookTest, OpenRequestsNeverHoldAllStates) {
+  for (std::uint64_t request = 1; request < 100; ++request) {
+    version(request, 0, 2, 1'000'000'000 * static_cast<std::int64_t>(request));
+    step();
+  }
+  EXPECT_LE(book.size(), LeaseBook::kMostStates);
+  EXPECT_FALSE(version(1, 1, 2));
+  book.expire(1'000'000'000'000);
+  EXPECT_EQ(book.size(), 0U);
+}
+
+TEST_F(LeaseBookTest, ManyAtOnceShareYoungStates) {
+  for (std::uint64_t request = 1; request <= 50; ++request) {
+    version(request, 0, 2, static_cast<std::int64_t>(request));
+    step();
+  }
+  EXPECT_EQ(book.size(), 50U);
+  for (std::uint64_t request = 1; request <= 50; ++request) EXPECT_TRUE(version(request, 1, 2)) << request;
+}
+
+AskPointer fenced(std::uint64_t request, std::uint64_t sequence) {
+  auto ask = std::make_unique<Ask>();
+  ask->query->request = request;
+  ask->query->fence_publisher = 7;
+  ask->query->fence_sequence = sequence;
+  return ask;
+}
+
+TEST(Fences, LetPassInOrderOnceTheSampleIsIn) {
+  Fences fences;
+  AskPointer first = fenced(1, 5);
+  AskPointer second = fenced(2, 4);
+  AskPointer third = fenced(3, 9);
+  EXPECT_EQ(fences.pass(first), Fences::Outcome::parked);
+  EXPECT_EQ(fences.pass(second), Fences::Outcome::parked);
+  EXPECT_EQ(fences.pass(third), Fences::Outcome::parked);
+  fences.update({{3, 100}, {7, 5}});
+  const std::vector<AskPointer> ready = fences.take_ready();
+  ASSERT_EQ(ready.size(), 2U);
+  EXPECT_EQ(ready[0]->query->request, 1U);
+  EXPECT_EQ(ready[1]->query->request, 2U);
+  AskPointer fourth = fenced(4, 5);
+  EXPECT_EQ(fences.pass(fourth), Fences::Outcome::passed);
+  EXPECT_EQ(fences.take_overdue(Fences::kPatienceNs + 1).size(), 1U);
+  EXPECT_TRUE(fences.empty());
+}
+
+/// Answers of `questions` spheres that all meet the same `objects`.
+class ReplyFilling : public ::testing::Test {
+ protected:
+  void fill(std::uint32_t objects, std::uint32_t questions, std::size_t name_bytes) {
+    for (std::uint32_t i = 0; i < objects; ++i) {
+      Shape ball;
+      ball.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 1});
+      std::string name = std::to_string(i);
+      name.resize(std::max(name.size(), name_bytes), '_');
+      ObjectDefinition definition;
+      definition.name = name;
+      definition.shape = ball;
+      definition.moving = false;
+      ASSERT_TRUE(std::holds_alternative<ObjectId>(world.define(definition)));
+    }
+    world.step(1, 1, {});
+    std::vector<double> numbers;
+    for (std::uint32_t i = 0; i < questions; ++i) numbers.insert(numbers.end(), {0, 0, 0, 1});
+    QueryScratch scratch;
+    Questions asked;
+    asked.kind = wire_contract::QueryKind::sphere;
+    asked.max_hits = 0xffffffff;
+    asked.numbers = numbers;
+    const auto state = world.newest();
+    answer(*state, asked, answers, scratch);
+    ReplyFiller filler(*state, answers, named_in, reply_number);
+    ReplyColumns columns;
+    while (filler.fill(columns)) {
+      EXPECT_EQ(filler.first(), answered);
+      EXPECT_LE(columns.objects.size(), wire_contract::kMaxHitsPerChunk);
+      const std::size_t bytes = columns.numbers.size() * 8 + columns.objects.size() * 13 + columns.named.names.size() +
+                                columns.named.ids.size() * 8 + columns.answers.size() * 15;
+      EXPECT_LT(bytes, wire_contract::kMaxMessageBytes);
+      EXPECT_EQ(static_cast<std::size_t>(std::count(columns.named.names.begin(), columns.named.names.end(), 0)), columns.named.ids.size());
+      answered += columns.answers.size();
+      hits += columns.objects.size();
+      ++replies;
+      for (const std::uint8_t reason : columns.reasons) truncated += reason == static_cast<std::uint8_t>(wire_contract::UndecidedReason::truncated);
+    }
+  }
+  World world{WorldOptions{}};
+  Answers answers;
+  std::vector<std::uint64_t> named_in;
+  std::uint64_t reply_number = 0;
+  std::size_t answered = 0, hits = 0, replies = 0, truncated = 0;
+};
+
+TEST_F(ReplyFilling, OneReplyWhereItFits) {
+  fill(3, 100, 1);
+  EXPECT_EQ(answered, 100U);
+  EXPECT_EQ(hits, 300U);
+  EXPECT_EQ(replies, 1U);
+}
+
+TEST_F(ReplyFilling, SplitsBetweenQuestions) {
+  fill(1'000, 20, 1);
+  EXPECT_EQ(answered, 20U);
+  EXPECT_EQ(hits, 20'000U);
+  EXPECT_EQ(replies, 3U);
+  EXPECT_EQ(truncated, 0U);
+}
+
+// What no reply has room for is left out, and the answer says so.
+TEST_F(ReplyFilling, TruncatesAloudWhereOneQuestionIsTooMuch) {
+  fill(6'000, 2, 250);
+  EXPECT_EQ(answered, 2U);
+  EXPECT_EQ(truncated, 2U);
+  EXPECT_LT(hits, 12'000U);
+  EXPECT_GT(hits, 4'000U);
+}
+
+class EpochFile : public ::testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove_all(folder); }
+  Epoch next(const std::string& dir) {
+    return next_epoch(dir, 3, "a/b", [](const char*) -> const char* { return nullptr; });
+  }
+  const std::string folder = (std::filesystem::temp_directory_path() / ("collided_epoch_" + std::to_string(getpid()))).string();
+};
+
+TEST_F(EpochFile, GrowsWithEachStart) {
+  const Epoch first = next(folder);
+  EXPECT_EQ(first.kept_in, folder + "/3-a-b.epoch");
+  EXPECT_GT(next(folder).value, first.value);
+  std::ofstream(first.kept_in) << "99999999999\n";
+  EXPECT_EQ(next(folder).value, 100'000'000'000U);
+}
+
+TEST_F(EpochFile, FallsBackToTheClockAndSaysSo) {
+  const Epoch epoch = next("/proc/nowhere");
+  EXPECT_TRUE(epoch.kept_in.empty());
+  EXPECT_FALSE(epoch.problem.empty());
+  EXPECT_GT(epoch.value, 1'700'000'000U);
+}
+
+}  // namespace
+}  // namespace collided::service
