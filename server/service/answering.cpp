@@ -246,7 +246,7 @@ void Answering::take_more() {
 
 void Answering::admit(AskPointer ask) {
   const wire::Query& query = *ask->query;
-  if (query.chunk_count > 1) {
+  if (query.chunk_count > 1 && query.chunk_index < query.chunk_count) {
     std::optional<SnapshotRing::Lease> lease = leases_.take(query.client, query.request, query.chunk_index,
                                                             query.chunk_count, query.fence_publisher != 0, steady_ns());
     if (!lease) {

@@ -29,7 +29,7 @@ class AskPool {
   void put(AskPointer ask);
 
  private:
-  static constexpr std::size_t kMost = 4'096;
+  static constexpr std::size_t kMost = 256;  // up to 80 kB each
   std::mutex mutex_;
   std::vector<AskPointer> spares_;
 };

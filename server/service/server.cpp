@@ -135,6 +135,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
 
 void Server::Parts::tick() {
   answering->tick(listeners->askers());
+  listeners->take_left_definitions();
 }
 
 /// Waits until the world's thread has done what commands have asked of it so far.

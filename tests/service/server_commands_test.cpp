@@ -80,7 +80,7 @@ TEST_F(ServerCommands, ASceneIsLoadedReplacedAndCleared) {
   EXPECT_NEAR(client.ask(up)->hits.at(0).distance_m, 5, 1e-12);
   EXPECT_EQ(refusal(client, "load", {{"path", path}}), "server refused: scene 'roof' is loaded already");
   done(client, "load", {{"path", path}, {"unit_m", 0.5}, {"replace", true}});
-  EXPECT_NEAR(client.ask(RayQuestion{.origin = {1, 0, 1}, .direction = {0, 0, 1}})->hits.at(0).distance_m, 2, 1e-12);
+  EXPECT_NEAR(client.ask(RayQuestion{.origin = {3, 2, 1}, .direction = {0, 0, 1}})->hits.at(0).distance_m, 2, 1e-12);
   done(client, "clear", {{"scene", "roof"}});
   EXPECT_EQ(client.ask(up)->verdict, Verdict::miss);
   EXPECT_EQ(client.status()->scenes, std::vector<std::string>{"warehouse"});

@@ -45,8 +45,8 @@ TEST_F(ServerEvents, PosesInAHurryAreEachLookedAt) {
   }
   ASSERT_TRUE(publisher.wait_applied(5s));
   for (int i = 0; i < kTouches; ++i) {
-    EXPECT_EQ(next(events).what, What::began) << i;
-    EXPECT_EQ(next(events).what, What::ended) << i;
+    ASSERT_EQ(next(events).what, What::began) << i;
+    ASSERT_EQ(next(events).what, What::ended) << i;
   }
 }
 

@@ -117,7 +117,7 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
       {"pattern", [](wire::Query& q) { std::strcpy(q.only, "\xff\xfe"); }, "not text"},
       {"later chunk", [](wire::Query& q) { q.chunk_index = 2; q.chunk_count = 3; }, "no longer kept"},
       {"fence", [](wire::Query& q) { q.fence_publisher = 77; q.fence_sequence = 1; }, "not known"},
-      {"command", [](wire::Query& q) { q.kind = 5; std::strcpy(q.text, "{\"command\": \"lode\"}"); }, "did you mean 'load'"},
+      {"command", [](wire::Query& q) { q.kind = 5; std::strcpy(q.text, "{\"command\": \"laod\"}"); }, "did you mean 'load'"},
       {"not JSON", [](wire::Query& q) { q.kind = 5; std::strcpy(q.text, "{\"command\":"); }, "not a JSON object"},
   };
   for (const Bad& bad : all) {
