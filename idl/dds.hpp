@@ -332,6 +332,14 @@ class Loans {
   dds_sample_info_t infos_[kMost];
 };
 
+/// What a take returned as a count. A callback may run while its reader is being deleted: there is nothing to take then.
+inline std::size_t taken_count(dds_return_t code) {
+  if (code == DDS_RETCODE_BAD_PARAMETER || code == DDS_RETCODE_ALREADY_DELETED) {
+    return 0;
+  }
+  return static_cast<std::size_t>(check(code, "take"));
+}
+
 /// Takes from a reader; cheap to copy; valid as long as the reader.
 template <class T>
 class Taker {
@@ -342,7 +350,7 @@ class Taker {
   /// The next sample into memory that is reused; false when there is none.
   [[nodiscard]] bool take(Sample<T>& sample) const {
     void* buffer = &sample.value_;
-    return check(dds_take(reader_, &buffer, &sample.info_, 1, 1), "take") > 0;
+    return taken_count(dds_take(reader_, &buffer, &sample.info_, 1, 1)) > 0;
   }
   /// As many as wait, at most samples.size(), in one call; fewer than that means that none are left.
   [[nodiscard]] std::size_t take(std::span<Sample<T>* const> samples) const {
@@ -353,8 +361,7 @@ class Taker {
     for (std::size_t i = 0; i < most; ++i) {
       buffers[i] = &samples[i]->value_;
     }
-    const auto count = static_cast<std::size_t>(
-        check(dds_take(reader_, buffers, infos, most, static_cast<std::uint32_t>(most)), "take"));
+    const std::size_t count = taken_count(dds_take(reader_, buffers, infos, most, static_cast<std::uint32_t>(most)));
     for (std::size_t i = 0; i < count; ++i) {
       samples[i]->info_ = infos[i];
     }
@@ -363,7 +370,8 @@ class Taker {
   /// Up to 32 lent samples; call again until none come.
   Loans<T> take_loans() const {
     Loans<T> loans(reader_);
-    loans.count_ = check(dds_take(reader_, loans.samples_, loans.infos_, Loans<T>::kMost, Loans<T>::kMost), "take");
+    loans.count_ = static_cast<std::int32_t>(
+        taken_count(dds_take(reader_, loans.samples_, loans.infos_, Loans<T>::kMost, Loans<T>::kMost)));
     return loans;
   }
 

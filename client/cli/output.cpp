@@ -48,7 +48,7 @@ void append_json_value(std::string& out, const Value& value) {
     out += '[';
     for (int axis = 0; axis < 3; ++axis) {
       if (axis > 0) out += ',';
-      append_json_number(out, (**vector)[axis]);
+      append_json_number(out, vector->value[axis]);
     }
     out += ']';
   }
@@ -56,7 +56,7 @@ void append_json_value(std::string& out, const Value& value) {
 
 bool is_absent(const Value& value) {
   const auto* vector = std::get_if<MaybeVector>(&value);
-  return std::holds_alternative<std::monostate>(value) || (vector != nullptr && !vector->has_value());
+  return std::holds_alternative<std::monostate>(value) || (vector != nullptr && !vector->given);
 }
 
 void append_csv_text(std::string& out, std::string_view text) {
@@ -98,8 +98,8 @@ void append_column_value(std::string& out, const Value& value, char separator) {
   const bool csv = separator == ',';
   if (const auto* vector = std::get_if<MaybeVector>(&value)) {
     for (int axis = 0; axis < 3; ++axis) {
-      if (axis > 0 && (csv || vector->has_value())) out += csv ? ',' : ' ';
-      if (vector->has_value()) append_number(out, (**vector)[axis]);
+      if (axis > 0 && (csv || vector->given)) out += csv ? ',' : ' ';
+      if (vector->given) append_number(out, vector->value[axis]);
     }
   } else if (const auto* number = std::get_if<double>(&value)) {
     append_number(out, *number);
@@ -131,6 +131,12 @@ void append_json_string(std::string& out, std::string_view text) {
   } else {
     out += nlohmann::json(std::string(text)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   }
+}
+
+std::string value_text(const Value& value) {
+  std::string text;
+  append_column_value(text, value, '\t');
+  return text;
 }
 
 std::string printable(std::string_view text) {

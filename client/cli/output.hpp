@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -21,7 +20,12 @@ struct RawJson {
 };
 
 /// A vector or its absence: in CSV it takes three columns either way.
-using MaybeVector = std::optional<Eigen::Vector3d>;
+struct MaybeVector {
+  MaybeVector() = default;
+  explicit MaybeVector(const Eigen::Vector3d& vector) : value(vector), given(true) {}
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  bool given = false;
+};
 
 using Value = std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string_view, std::string,
                            MaybeVector, RawJson>;
@@ -73,6 +77,9 @@ class Printer {
 
 /// A name as it may stand on a terminal: control characters become '?'.
 std::string printable(std::string_view text);
+
+/// A value as one cell of plain output.
+std::string value_text(const Value& value);
 
 /// Appends a JSON string with its quotes; bytes that are not UTF-8 become U+FFFD.
 void append_json_string(std::string& out, std::string_view text);

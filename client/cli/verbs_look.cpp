@@ -123,7 +123,7 @@ class ListCommand : public Command {
       printer.row({"OBJECT", "KIND", "MOVES", "AT", "FROM"},
                   {printable(text_of(object, "name")), printable(text_of(object, "kind")),
                    std::string(flag_of(object, "moving") ? "yes" : "no") + (flag_of(object, "stale") ? ", stale" : ""),
-                   position ? format_vector(*position) : std::string(), printable(from)});
+                   position.given ? format_vector(position.value) : std::string(), printable(from)});
       return;
     }
     printer.record({{"name", text_of(object, "name")},

@@ -8,7 +8,7 @@
 
 namespace collided {
 
-struct Client::State {
+struct [[gnu::visibility("hidden")]] Client::State {
   std::shared_ptr<client::Connection> connection;
   client::Workers workers;  // goes first: its tasks ask over the connection
 

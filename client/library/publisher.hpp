@@ -12,7 +12,7 @@ namespace collided {
 /// The stream of one publisher: definitions and pose batches under one count, kept alive by its user's calls only, so
 /// that a user thread that hangs is seen as lost. Having been away longer than the lease, or meeting a new server, it
 /// defines everything anew before it goes on.
-struct Publisher::State {
+struct [[gnu::visibility("hidden")]] Publisher::State {
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& name);
   ~State();
 

@@ -8,6 +8,8 @@
 namespace collided::client {
 namespace {
 
+using wire_contract::kUnitQuaternionSlack;
+
 void put(double*& numbers, const Vec3& value) { numbers = std::copy_n(value.data(), 3, numbers); }
 
 // Of a reach, which may be endless.

@@ -50,11 +50,6 @@ void encode(const SphereQuestion& question, double* numbers);
 void encode(const BoxQuestion& question, double* numbers);
 void encode(const NearQuestion& question, double* numbers);
 
-/// Largest |1 - |q|| of a quaternion that is taken for a rotation.
-/// Absorbs rotations kept in single precision (6e-8 a component) and a few products of them; at zero,
-/// ClientAsk.RotationInSinglePrecisionIsTaken fails.
-inline constexpr double kUnitQuaternionSlack = 1e-6;
-
 std::optional<std::string> rotation_fault(const Quat& rotation);
 std::optional<std::string> finite_fault(const Vec3& value, const char* name);
 /// Of a size: finite and not negative.

@@ -40,11 +40,19 @@ Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchO
       watch_([this](const Event& event) { emit(event); }),
       event_topic_(connection_->participant(), connection_->options().name_space),
       contact_topic_(connection_->participant(), connection_->options().name_space) {
-  event_reader_.emplace(event_topic_, dds::ReaderOptions<wire::EventFrame>{
-                                          .data = [this](dds::Taker<wire::EventFrame> taker) { take(taker, frames_); }});
-  contact_reader_.emplace(contact_topic_,
-                          dds::ReaderOptions<wire::ContactShard>{
-                              .data = [this](dds::Taker<wire::ContactShard> taker) { take(taker, shards_); }});
+  using Frames = dds::Taker<wire::EventFrame>;
+  using FrameReader = dds::ReaderOptions<wire::EventFrame>;
+  using Shards = dds::Taker<wire::ContactShard>;
+  if (options_.persisted) {
+    persisted_topic_.emplace(connection_->participant(), connection_->options().name_space,
+                             wire_contract::kPersistedTopic);
+    persisted_reader_.emplace(*persisted_topic_,
+                              FrameReader{.data = [this](Frames taker) { take<PersistedFrame>(taker, frames_); }});
+  }
+  event_reader_.emplace(event_topic_,
+                        FrameReader{.data = [this](Frames taker) { take<FramePool::Pointer>(taker, frames_); }});
+  contact_reader_.emplace(contact_topic_, dds::ReaderOptions<wire::ContactShard>{
+                                              .data = [this](Shards taker) { take<ShardPool::Pointer>(taker, shards_); }});
 }
 
 Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client::Connection> connection,
@@ -83,6 +91,7 @@ Watch::State::~State() {
     return;
   }
   connection_->pulse().stop_observing(status_observer_);
+  persisted_reader_.reset();
   event_reader_.reset();
   contact_reader_.reset();
   {
@@ -93,12 +102,12 @@ Watch::State::~State() {
   thread_.join();
 }
 
-template <class T>
+template <class As, class T>
 void Watch::State::take(const dds::Taker<T>& taker, client::SamplePool<T>& pool) {
   auto sample = pool.get();
   while (taker.take(*sample)) {
     if (sample->info().valid_data) {
-      queue(std::exchange(sample, pool.get()));
+      queue(As{std::exchange(sample, pool.get())});
     }
   }
   pool.put(std::move(sample));
@@ -137,6 +146,11 @@ void Watch::State::hear(Message& message) {
       watch_.hear(*heard, now);
     }
     frames_.put(std::move(*frame));
+  } else if (auto* const persisted = std::get_if<PersistedFrame>(&message)) {
+    if (const auto heard = client::decode(**persisted->sample, connection_->names())) {
+      watch_.hear_persisted(*heard);
+    }
+    frames_.put(std::move(persisted->sample));
   } else if (auto* const shard = std::get_if<ShardPool::Pointer>(&message)) {
     if (const auto heard = client::decode(***shard, connection_->names())) {
       watch_.hear(*heard, now);
@@ -161,8 +175,6 @@ void Watch::State::emit(const Event& event) {
     --open_contacts_;
   } else if (event.what != What::persisted) {
     ++open_contacts_;
-  } else if (!options_.persisted) {
-    return;
   }
   if (callback_) {
     callback_(event);

@@ -16,7 +16,7 @@ namespace collided {
 
 /// A watch's readers and its thread. The readers' callbacks only queue what came; the thread decodes it, lets
 /// client::WatchState make events of it, and calls back or queues them for next().
-struct Watch::State {
+struct [[gnu::visibility("hidden")]] Watch::State {
   using Callback = std::function<void(const Event&)>;
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection,
                                               const WatchOptions& options, Callback callback);
@@ -31,11 +31,14 @@ struct Watch::State {
  private:
   using FramePool = client::SamplePool<wire::EventFrame>;
   using ShardPool = client::SamplePool<wire::ContactShard>;
-  using Message = std::variant<FramePool::Pointer, ShardPool::Pointer, client::HeardBookmark>;
+  struct PersistedFrame {
+    FramePool::Pointer sample;
+  };
+  using Message = std::variant<FramePool::Pointer, PersistedFrame, ShardPool::Pointer, client::HeardBookmark>;
 
   State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback);
   std::optional<Error> wait_for_server() const;
-  template <class T>
+  template <class As, class T>
   void take(const dds::Taker<T>& taker, client::SamplePool<T>& pool);
   void queue(Message message);
   void work();
@@ -64,7 +67,9 @@ struct Watch::State {
 
   dds::Topic<wire::EventFrame> event_topic_;
   dds::Topic<wire::ContactShard> contact_topic_;
+  std::optional<dds::Topic<wire::EventFrame>> persisted_topic_;  // only where they are asked for: they cost the server
   std::optional<dds::Reader<wire::EventFrame>> event_reader_;
+  std::optional<dds::Reader<wire::EventFrame>> persisted_reader_;
   std::optional<dds::Reader<wire::ContactShard>> contact_reader_;
   int status_observer_ = 0;
   std::thread thread_;

@@ -98,11 +98,10 @@ void WatchState::note(const HeardFrame::Entry& entry) {
 }
 
 void WatchState::apply(const Event& event) {
-  switch (event.what) {
-    case What::began: return apply_began(event);
-    case What::ended: return apply_ended(event);
-    case What::persisted: return apply_persisted(event);
-    case What::open: return;  // not an event of the wire
+  if (event.what == What::began) {
+    apply_began(event);
+  } else if (event.what == What::ended) {
+    apply_ended(event);
   }
 }
 
@@ -141,22 +140,21 @@ void WatchState::apply_ended(const Event& event) {
   emit_(ended);
 }
 
-void WatchState::apply_persisted(const Event& event) {
-  carry_over(event);
-  const auto held = held_.find(pair_of(event));
-  if (held == held_.end() || held->second.episode != event.episode) {
-    doubt();
-    if (held != held_.end()) {
-      emit_missed(held->second, What::ended, Why::none, event.sequence);
-    }
-    emit_missed(event, What::began, Why::none, event.sequence);
-    held_.insert_or_assign(pair_of(event), as_open(event));
+void WatchState::hear_persisted(const HeardFrame& frame) {
+  if (life_ != frame.from || mode_ == Mode::starting) {
+    return;
   }
-  Event& contact = held_.at(pair_of(event));
-  Event persisted = event;
-  persisted.began = contact.began;
-  contact = as_open(persisted);
-  emit_(persisted);
+  for (const HeardFrame::Entry& entry : frame.entries) {
+    const auto held = held_.find(pair_of(entry.event));
+    if (entry.event.what != What::persisted || held == held_.end() || held->second.episode != entry.event.episode) {
+      continue;
+    }
+    Event persisted = entry.event;
+    persisted.epoch = frame.from.epoch;
+    persisted.began = held->second.began;
+    persisted.sequence = applied_;
+    emit_(persisted);
+  }
 }
 
 // The ids of another life mean nothing in this one: names tell which pair it is.

@@ -23,7 +23,7 @@ struct ServerLife {
   bool operator==(const ServerLife&) const = default;
 };
 
-/// `event.what` is began, persisted or ended; the sequence of event i is first_sequence + i.
+/// `event.what` is began or ended; the sequence of event i is first_sequence + i.
 struct HeardFrame {
   ServerLife from;
   std::uint64_t first_sequence = 0;
@@ -67,6 +67,8 @@ class WatchState {
   void hear(const HeardFrame& frame, Clock::time_point now);
   void hear(const HeardShard& shard, Clock::time_point now);
   void hear(const HeardBookmark& bookmark, Clock::time_point now);
+  /// News of contacts that go on, from the topic without a count: passed on for those that were told, else dropped.
+  void hear_persisted(const HeardFrame& frame);
 
   bool in_step() const { return mode_ == Mode::in_step; }
   std::uint64_t resyncs() const { return resyncs_; }
@@ -88,7 +90,6 @@ class WatchState {
   void apply(const Event& event);
   void apply_began(const Event& event);
   void apply_ended(const Event& event);
-  void apply_persisted(const Event& event);
   /// Takes a pair held over from an earlier life into this one; false when there is none of these names.
   bool carry_over(const Event& event);
   void emit_missed(const Event& contact, What what, Why why, std::uint64_t sequence);

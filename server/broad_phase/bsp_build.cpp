@@ -122,21 +122,33 @@ class Builder {
   }
 
  private:
-  /// Cuts the child of largest surface until there are eight or none is larger than a leaf.
+  /// Which child to cut next: the one of largest surface, or of most triangles where only the count still divides;
+  /// -1 when each fits a leaf.
+  static int next_cut(const Range (&children)[kWidth], int count, bool by_count) {
+    int next = -1;
+    for (int i = 0; i < count; ++i) {
+      if (children[i].size() <= kWidth) continue;
+      if (next < 0) {
+        next = i;
+        continue;
+      }
+      const float area = by_count ? 0.0f : children[i].bounds.half_area();
+      const float best = by_count ? 0.0f : children[next].bounds.half_area();
+      if (area > best || (area == best && children[i].size() > children[next].size())) next = i;
+    }
+    return next;
+  }
+
+  /// Cuts until there are eight children or none is larger than a leaf.
   int cut(const Range& range, std::uint32_t depth, Range (&children)[kWidth]) const {
+    const bool by_count = depth >= kMaxHeuristicDepth;
     int count = 1;
     children[0] = range;
     while (count < kWidth) {
-      int largest = -1;
-      float area = -1;
-      for (int i = 0; i < count; ++i) {
-        if (children[i].size() <= kWidth || children[i].bounds.half_area() <= area) continue;
-        area = children[i].bounds.half_area();
-        largest = i;
-      }
-      if (largest < 0) break;
-      const Range whole = children[largest];
-      split(primitives_, whole, depth >= kMaxHeuristicDepth, children[largest], children[count]);
+      const int next = next_cut(children, count, by_count);
+      if (next < 0) break;
+      const Range whole = children[next];
+      split(primitives_, whole, by_count, children[next], children[count]);
       ++count;
     }
     return count;

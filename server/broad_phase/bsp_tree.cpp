@@ -53,13 +53,15 @@ void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, const Trian
 void BspTree::walk_box(const Aabb& asked, BoxCandidate candidate, void* context, WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
   if (layout.root == bsp::kNothing || asked.empty()) return;
-  const Vec3 low = layout.frame.to_local(asked.low);
-  const Vec3 high = layout.frame.to_local(asked.high);
+  // Just beyond the scene, and finite, so that missing children stay out.
+  constexpr double kBeyond = 4;
+  const Vec3 low = layout.frame.to_local(asked.low).cwiseMax(-kBeyond);
+  const Vec3 high = layout.frame.to_local(asked.high).cwiseMin(kBeyond);
   bsp::LocalBox box;
   for (int axis = 0; axis < 3; ++axis) {
     // Two roundings in double, where a vertex had none.
-    box.low[axis] = bsp::round_down(low[axis] - 0x1p-50 * std::min(std::abs(low[axis]), 2.0) - 0x1p-60);
-    box.high[axis] = bsp::round_up(high[axis] + 0x1p-50 * std::min(std::abs(high[axis]), 2.0) + 0x1p-60);
+    box.low[axis] = bsp::round_down(low[axis] - 0x1p-50);
+    box.high[axis] = bsp::round_up(high[axis] + 0x1p-50);
   }
   bsp::walk_box(layout, box, candidate, context, cost);
 }

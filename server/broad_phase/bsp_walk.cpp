@@ -472,7 +472,9 @@ HWY_EXPORT(WalkNear);
 
 float LocalPoint::local_limit(double limit_m2) const {
   if (!(limit_m2 >= 0)) return -1;
-  return round_up(limit_m2 * limit_scale * limit_scale * (1 + 0x1p-21) + 0x1p-120);
+  const double local = limit_m2 * limit_scale * limit_scale * (1 + 0x1p-21) + 0x1p-120;
+  // Finite, so that the infinitely far missing children stay out.
+  return round_up(std::min(local, 0x1p127));
 }
 
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,

@@ -160,6 +160,15 @@ double extent(const Core& core) {
   return largest;
 }
 
+void scale(Core& core, int power) {
+  const auto scale_vector = [power](Vec3& v) {
+    for (double& x : v) x = std::ldexp(x, power);
+  };
+  for (Vec3& point : core.point) scale_vector(point);
+  scale_vector(core.half_m);
+  core.radius_m = std::ldexp(core.radius_m, power);
+}
+
 FacetAxes facet_axes(const Core& a, const Core& b) {
   FacetAxes axes;
   EdgeDirection edge_a[3];

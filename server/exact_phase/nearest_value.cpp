@@ -1,6 +1,7 @@
 #include "server/exact_phase/nearest_value.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace collided::kernel {
 
@@ -57,7 +58,11 @@ Vec3 any_normal(const Vec3& along) {
 }
 
 Vec3 any_normal(const Triangle& triangle) {
-  const Vec3 normal = unit(Facet<Dyadic>(triangle).normal);
+  const Vector<Bounded> quick = Facet<Bounded>(triangle).normal;
+  const double largest = std::max({std::abs(quick.x.value), std::abs(quick.y.value), std::abs(quick.z.value)});
+  const double error = std::max({quick.x.bound(), quick.y.bound(), quick.z.bound()});
+  const bool good = error <= kRefineDistance * largest && largest > 0;
+  const Vec3 normal = good ? unit(quick) : unit(Facet<Dyadic>(triangle).normal);
   if (!normal.isZero(0)) return normal;
   const Vec3 edges[3] = {triangle.b - triangle.a, triangle.c - triangle.b, triangle.a - triangle.c};
   return any_normal(*std::max_element(std::begin(edges), std::end(edges), [](const Vec3& a, const Vec3& b) {

@@ -19,6 +19,8 @@ struct Scaled {
 
 inline Scaled scaled(const Bounded& x) { return {x, 0}; }
 
+inline Scaled scaled(const Traced& x) { return {{x.value, x.error}, 0}; }
+
 inline Scaled scaled(const Expansion& x) {
   if (x.lost()) return {{0, std::numeric_limits<double>::infinity()}, 0};
   if (x.leading() == 0) return {};

@@ -135,7 +135,11 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
     const std::string said = first_line(result.errors);
     const std::string ended = result.exit_code > 0 ? fmt::format("failed with code {}", result.exit_code)
                                                    : fmt::format("was ended by signal {}", result.signal);
-    refuse_file(path, said.empty() ? fmt::format("the converter {}", ended) : fmt::format("the converter {}: {}", ended, said));
+    refuse_file(
+        path, said.empty() ? fmt::format("the converter {}", ended) : fmt::format("the converter {}: {}", ended, said));
+  }
+  if (!fs::exists(this->path())) {
+    refuse_file(path, "the converter ended well and wrote nothing");
   }
   report_lines(result.output, report);
 }

@@ -30,8 +30,7 @@ class TemporaryDirectory {
 class ConvertedFile {
  public:
   /// throws    LoadError when there is no converter, it fails or takes too long, or the caller cancels
-  ConvertedFile(const std::string& path, const std::string& scene_name, const LoadOptions& options,
-                LoadReport& report);
+  ConvertedFile(const std::string& path, const std::string& scene_name, const LoadOptions& options, LoadReport& report);
 
   std::string path() const { return directory_.path() + "/scene.cscene"; }
 

@@ -29,9 +29,7 @@ struct OpenFile {
 
 }  // namespace
 
-std::string file_name(const std::string& path) {
-  return std::filesystem::path(path).filename().string();
-}
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& options) {
   const std::string name = file_name(path);

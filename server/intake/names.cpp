@@ -35,9 +35,7 @@ std::size_t character_bytes(std::string_view text) {
   return 0;
 }
 
-bool is_control(char c) {
-  return (c >= 0 && c < ' ') || c == 0x7f;
-}
+bool is_control(char c) { return (c >= 0 && c < ' ') || c == 0x7f; }
 
 std::string cut_to(std::string name, std::size_t byte_limit) {
   if (name.size() > byte_limit) {
@@ -139,7 +137,8 @@ void name_parts(const Reading& reading, Scene& scene) {
   if (empty_count > 0) {
     reading.report.refused.push_back(fmt::format("{} parts without triangles left out", empty_count));
   }
-  tell_mended(reading, changed_count, "names were not UTF-8 of at most 255 bytes; what did not fit was replaced by '?'");
+  tell_mended(reading, changed_count,
+              "names were not UTF-8 of at most 255 bytes; what did not fit was replaced by '?'");
   tell_mended(reading, numbered_count, "names stood there before and got '#2', '#3', ...");
 }
 

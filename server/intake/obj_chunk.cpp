@@ -9,12 +9,16 @@
 namespace collided {
 namespace {
 
+/// Words of OBJ that say nothing about where surfaces are, or only more about curves.
+constexpr std::string_view kPassedOver[] = {
+    "vn",    "vt",       "s",        "mtllib", "vp",     "cstype",     "deg",       "bmat",  "step",
+    "parm",  "trim",     "hole",     "scrv",   "sp",     "end",        "con",       "mg",    "lod",
+    "bevel", "c_interp", "d_interp", "usemap", "maplib", "shadow_obj", "trace_obj", "ctech", "stech"};
+
 class ChunkParser {
  public:
   ChunkParser(const Reading& reading, ObjChunk& chunk)
-      : reading_(reading),
-        chunk_(chunk),
-        cursor_(reading, chunk.text, TextCursor::LineEnd::newline_or_comment, true) {}
+      : reading_(reading), chunk_(chunk), cursor_(reading, chunk.text, TextCursor::LineEnd::newline_or_comment, true) {}
 
   void parse() {
     while (cursor_.find_word()) {
@@ -117,6 +121,8 @@ class ChunkParser {
       ++chunk_.point_lines;
     } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {
       ++chunk_.curve_lines;
+    } else if (std::find(std::begin(kPassedOver), std::end(kPassedOver), keyword) == std::end(kPassedOver)) {
+      chunk_.first_unknown_line = chunk_.unknown_lines++ == 0 ? line_ : chunk_.first_unknown_line;
     }
   }
 

@@ -29,6 +29,8 @@ struct ObjChunk {
   std::uint64_t curve_lines = 0;
   std::uint64_t weighted_vertices = 0;
   std::uint64_t short_faces = 0;
+  std::uint64_t unknown_lines = 0;
+  const char* first_unknown_line = nullptr;
 };
 
 /// Vertex numbers from the file's start are kept as 0, 1, ...; those that count back from the last vertex are kept

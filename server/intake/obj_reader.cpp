@@ -231,6 +231,9 @@ class ObjReader {
       sum.curve_lines += chunks_[i].curve_lines;
       sum.weighted_vertices += chunks_[i].weighted_vertices;
       sum.short_faces += chunks_[i].short_faces;
+      sum.unknown_lines += chunks_[i].unknown_lines;
+      sum.first_unknown_line =
+          sum.first_unknown_line == nullptr ? chunks_[i].first_unknown_line : sum.first_unknown_line;
       cut.concave_count += triangles_[i].concave_count;
       cut.crossing_count += triangles_[i].crossing_count;
     }
@@ -243,6 +246,11 @@ class ObjReader {
     tell(lines.refused, sum.point_lines, "point and line elements left out; only surfaces are loaded");
     tell(lines.refused, sum.curve_lines, "free-form curves and surfaces left out; only polygons are loaded");
     tell(lines.refused, sum.short_faces, "faces of fewer than 3 corners left out");
+    if (sum.unknown_lines > 0) {
+      const auto line = 1 + std::count(reading_.begin(), sum.first_unknown_line, '\n');
+      lines.refused.push_back(fmt::format("{} lines that begin with no word of OBJ left out, the first is line {}",
+                                          sum.unknown_lines, line));
+    }
     tell(lines.warnings, sum.weighted_vertices, "vertices with a weight other than 1; the weight is not used");
     tell(lines.mended, cut.crossing_count, "polygons that cross or touch themselves cut into triangles by a guess");
   }
@@ -261,8 +269,6 @@ class ObjReader {
 
 }  // namespace
 
-Scene read_obj(const Reading& reading) {
-  return ObjReader(reading).read();
-}
+Scene read_obj(const Reading& reading) { return ObjReader(reading).read(); }
 
 }  // namespace collided

@@ -128,8 +128,6 @@ class OffReader {
 
 }  // namespace
 
-Scene read_off(const Reading& reading) {
-  return OffReader(reading).read();
-}
+Scene read_off(const Reading& reading) { return OffReader(reading).read(); }
 
 }  // namespace collided

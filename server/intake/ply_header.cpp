@@ -27,9 +27,7 @@ std::optional<PlyType> type_named(std::string_view name) {
   return std::nullopt;
 }
 
-bool is_whole_number(PlyType type) {
-  return type != PlyType::float32 && type != PlyType::float64;
-}
+bool is_whole_number(PlyType type) { return type != PlyType::float32 && type != PlyType::float64; }
 
 class HeaderParser {
  public:
@@ -182,8 +180,6 @@ int PlyElement::find(std::string_view property_name) const {
   return -1;
 }
 
-PlyHeader parse_ply_header(const Reading& reading) {
-  return HeaderParser(reading).parse();
-}
+PlyHeader parse_ply_header(const Reading& reading) { return HeaderParser(reading).parse(); }
 
 }  // namespace collided

@@ -82,9 +82,7 @@ void scale(Shape& shape, double unit_m) {
   }
 }
 
-Vec3 turned_up(const Vec3& v) {
-  return {v[0], -v[2], v[1]};
-}
+Vec3 turned_up(const Vec3& v) { return {v[0], -v[2], v[1]}; }
 
 /// From the file's units and axes to metres with z up. A scene that has both already is not touched.
 void place(const Reading& reading, Scene& scene) {
@@ -216,7 +214,7 @@ Scene load(Format format, Reading reading) {
 
 Scene load_converted(const std::string& path, const LoadOptions& options, LoadReport& report) {
   const ConvertedFile converted(path, scene_name(path, options), options, report);
-  const FileBytes bytes(converted.path(), FileBytes::Access::mapped, options);
+  const FileBytes bytes(converted.path(), FileBytes::Access::mapped, {});  // the limit on bytes was for what came
   const Reading reading{file_name(path), bytes.bytes(), options, report};
   check_options(reading);
   Scene scene = read_scene_file(reading);

@@ -44,10 +44,10 @@ struct LoadReport {
 };
 
 struct LoadOptions {
-  std::string name{};       // empty: the file's stem
-  double unit_m = 1;        // metres per unit of the file
-  char up = 'z';            // axis of the file that points up: 'y' is turned to z by (x, y, z) -> (x, -z, y)
-  bool strict = false;      // refuse what would be mended
+  std::string name{};   // empty: the file's stem
+  double unit_m = 1;    // metres per unit of the file
+  char up = 'z';        // axis of the file that points up: 'y' is turned to z by (x, y, z) -> (x, -z, y)
+  bool strict = false;  // refuse what would be mended
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
   std::function<void(double)> progress{};  // fraction done in [0, 1]

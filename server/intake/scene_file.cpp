@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "idl/scene_generated.h"
+#include "server/geometry/tolerance.hpp"
 #include "server/intake/file_bytes.hpp"
 #include "server/intake/limits.hpp"
 #include "server/intake/names.hpp"
@@ -196,8 +197,7 @@ class Decoder {
     const auto capsules = take(from.capsules());
     for (std::size_t i = 0; i < capsules.size(); ++i) {
       const std::string name = fmt::format("capsule {}: ", i);
-      shape.primitives.push_back(Capsule{point(capsules[i].a(), name + "end a"),
-                                         point(capsules[i].b(), name + "end b"),
+      shape.primitives.push_back(Capsule{point(capsules[i].a(), name + "end a"), point(capsules[i].b(), name + "end b"),
                                          size(capsules[i].radius(), name + "radius")});
     }
   }
@@ -319,15 +319,9 @@ Scene decode_scene_bytes(const void* bytes, std::size_t byte_count, std::uint64_
   return decode_scene(*root, byte_count, max_triangles);
 }
 
-format::Vec3 packed(const Vec3& from) {
-  return {from[0], from[1], from[2]};
-}
-format::Quat packed(const Quat& from) {
-  return {from.w(), from.x(), from.y(), from.z()};
-}
-format::Filter packed(const Filter& from) {
-  return {from.layers, from.mask, from.group};
-}
+format::Vec3 packed(const Vec3& from) { return {from[0], from[1], from[2]}; }
+format::Quat packed(const Quat& from) { return {from.w(), from.x(), from.y(), from.z()}; }
+format::Filter packed(const Filter& from) { return {from.layers, from.mask, from.group}; }
 
 /// Turns values into tables of one buffer.
 class Encoder {

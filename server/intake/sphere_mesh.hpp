@@ -10,7 +10,8 @@ namespace collided {
 /// latitudes   bands from pole to pole, at least 2; the bands at the poles are fans around one vertex
 /// returns     2 * longitudes * (latitudes - 1) triangles, closed (16 by 9 gives 256); vertices within a few roundings
 ///             of the sphere, both poles and the seam shared
-/// error       the triangles lie inside the sphere, at most radius_m (1 - cos(pi/latitudes) cos(pi/longitudes)) deep
+/// error       the triangles lie inside the sphere, at most
+///             radius_m (1 - cos(pi / (2 latitudes)) cos(pi / longitudes)) deep
 /// throws      std::invalid_argument
 TriangleMesh latitude_longitude_sphere(double radius_m, unsigned longitudes, unsigned latitudes);
 

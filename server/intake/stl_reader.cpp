@@ -13,7 +13,7 @@
 namespace collided {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 84;  // 80 of anything, then the triangle count
+constexpr std::size_t kHeaderBytes = 84;    // 80 of anything, then the triangle count
 constexpr std::size_t kTriangleBytes = 50;  // normal, three corners, two bytes of anything
 
 std::uint64_t claimed_triangles(const Reading& reading) {

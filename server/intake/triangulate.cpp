@@ -12,13 +12,16 @@ namespace {
 std::vector<PlanePoint> flattened(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices) {
   const Vec3& origin = vertices[corners[0]];
   Vec3 normal = Vec3::Zero();
+  Vec3 seen = Vec3::Zero();  // of each coordinate plane; unlike the normal, lobes that turn both ways do not cancel
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec3 from = vertices[corners[i]] - origin;
     const Vec3 to = vertices[corners[(i + 1) % corners.size()]] - origin;
-    normal += from.cross(to);
+    const Vec3 fan_triangle = from.cross(to);
+    normal += fan_triangle;
+    seen += fan_triangle.cwiseAbs();
   }
   int drop = 0;
-  normal.cwiseAbs().maxCoeff(&drop);
+  seen.maxCoeff(&drop);
   const int u = (drop + 1) % 3;
   const int v = (drop + 2) % 3;
   std::vector<PlanePoint> points;
@@ -129,7 +132,9 @@ class EarClipper {
   }
 
   static bool lies_between(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
-    const auto within = [](double low, double x, double high) { return (low <= x && x <= high) || (high <= x && x <= low); };
+    const auto within = [](double low, double x, double high) {
+      return (low <= x && x <= high) || (high <= x && x <= low);
+    };
     return within(a[0], b[0], c[0]) && within(a[1], b[1], c[1]);
   }
 

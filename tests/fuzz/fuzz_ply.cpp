@@ -46,7 +46,8 @@ std::vector<std::string> fuzz_seeds() {
   return {
       binary(false),
       binary(true),
-      "ply\nformat ascii 1.0\ncomment c\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement "
+      "ply\nformat ascii 1.0\ncomment c\nelement vertex 5\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement "
       "face 2\nproperty list uchar int vertex_indices\nelement tristrips 1\nproperty list int int vertex_indices\n"
       "end_header\n0 0 0\n1 0 0\n1 1 0.1\n0 1 0.1\n.5 .5 0\n3 0 1 2\n5 0 1 4 2 3\n7 0 1 2 3 -1 0 1\n",
       "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\nelement vertex 3\nproperty double "

@@ -1,8 +1,8 @@
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-
-#include <unistd.h>
 
 #include "server/intake/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

@@ -16,8 +16,10 @@ std::vector<std::string> fuzz_seeds() {
   }
   return {
       binary,
-      "solid left\nfacet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0.1\n endloop\nendfacet\n"
-      "endsolid left\nsolid right\nfacet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0.1\nvertex 0 "
+      "solid left\nfacet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0.1\n "
+      "endloop\nendfacet\n"
+      "endsolid left\nsolid right\nfacet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0.1\nvertex "
+      "0 "
       "0 0\nendloop\nendfacet\nendsolid\n",
   };
 }

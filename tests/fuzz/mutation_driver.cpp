@@ -97,7 +97,7 @@ class Mutator {
   }
 
   void put_number(std::string& bytes, std::size_t at) {
-    static constexpr std::uint32_t kNumbers[] = {0,          1,          2,          3,          4,         7,
+    static constexpr std::uint32_t kNumbers[] = {0,          1,          2,          3,          4,          7,
                                                  0x7f,       0xff,       0x7fff,     0xffff,     0x7fffffff, 0x80000000,
                                                  0xffffffff, 0xfffffffe, 1000000000, 0x7fc00000, 0x7ff00000};
     const std::uint32_t number = kNumbers[below(std::size(kNumbers))];
@@ -108,11 +108,36 @@ class Mutator {
   }
 
   std::string word() {
-    static const char* const kWords[] = {" nan ", " inf ",  " 1e309 ", " 1e-309 ", " -1 ",    " 0 ",       "\\\n",
-                                         "/",     "//",     "\n",      "\r\n",     "#",       "f 1 1 1\n", "o a\n",
-                                         "g\n",   "usemtl", "vertex ", "endloop",  "solid ",  "facet ",    "v 1 2 3\n",
-                                         " 4294967296 ",    " 999999999999999999999 ", "property list char double x\n",
-                                         "element face 9\n", "\xff\xfe", "\xef\xbb\xbf", "end_header\n", "OFF", "BINARY"};
+    static const char* const kWords[] = {" nan ",
+                                         " inf ",
+                                         " 1e309 ",
+                                         " 1e-309 ",
+                                         " -1 ",
+                                         " 0 ",
+                                         "\\\n",
+                                         "/",
+                                         "//",
+                                         "\n",
+                                         "\r\n",
+                                         "#",
+                                         "f 1 1 1\n",
+                                         "o a\n",
+                                         "g\n",
+                                         "usemtl",
+                                         "vertex ",
+                                         "endloop",
+                                         "solid ",
+                                         "facet ",
+                                         "v 1 2 3\n",
+                                         " 4294967296 ",
+                                         " 999999999999999999999 ",
+                                         "property list char double x\n",
+                                         "element face 9\n",
+                                         "\xff\xfe",
+                                         "\xef\xbb\xbf",
+                                         "end_header\n",
+                                         "OFF",
+                                         "BINARY"};
     return kWords[below(std::size(kWords))];
   }
 
@@ -200,9 +225,7 @@ void load_or_refuse(const std::string& file, const std::uint8_t* data, std::size
 
 // Called by the address sanitizer, where there is one, before it ends the process.
 extern "C" void __asan_on_error();
-extern "C" void __asan_on_error() {
-  collided::fuzz::say_where();
-}
+extern "C" void __asan_on_error() { collided::fuzz::say_where(); }
 
 int main(int argument_count, char** arguments) {
   using namespace collided::fuzz;

@@ -322,10 +322,10 @@ TEST_F(ClientAsk, CommandCarriesArgumentsAndShape) {
 TEST_F(ClientAsk, ProgressKeepsALongCommandAlive) {
   std::vector<double> fractions;
   const Result<std::string> answer =
-      client_->command("load", "{}", {}, 150ms, [&](double fraction) { fractions.push_back(fraction); });
+      client_->command("load", "{}", {}, 700ms, [&](double fraction) { fractions.push_back(fraction); });
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_EQ(*answer, R"({"scene":"warehouse"})");
-  EXPECT_EQ(fractions, (std::vector<double>{0.25, 0.75}));
+  EXPECT_EQ(fractions, (std::vector<double>{0.25, 0.5, 0.75}));
 }
 
 TEST_F(ClientAsk, StatusIsTheNewestHeard) {

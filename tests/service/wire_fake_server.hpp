@@ -33,14 +33,15 @@ class FakeServer {
         object_topic_(participant_, name_space),
         pose_topic_(participant_, name_space),
         event_topic_(participant_, name_space),
+        persisted_topic_(participant_, name_space, wire_contract::kPersistedTopic),
         contact_topic_(participant_, name_space),
         status_writer_(status_topic_),
         event_writer_(event_topic_),
+        persisted_writer_(persisted_topic_),
         contact_writer_(contact_topic_),
         pose_reader_(pose_topic_, {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_poses(taker); }}),
         object_reader_(object_topic_, {.data = [this](dds::Taker<wire::Definition> taker) { take_definitions(taker); }}),
-        query_reader_(query_topic_, {.data = [this](dds::Taker<wire::Query> taker) { take_queries(taker); }}),
-        helper_([this] { help(); }) {
+        query_reader_(query_topic_, {.data = [this](dds::Taker<wire::Query> taker) { take_queries(taker); }}) {
     status->server = server_;
     status->epoch = 100 + server_;
     status->version = 5;
@@ -48,10 +49,14 @@ class FakeServer {
     status->pid = 4711;
     static_cast<void>(dds::set_text(status->namespace_name, name_space));
     static_cast<void>(dds::set_text(status->scenes, "warehouse\nyard"));
+    helper_ = std::thread([this] { help(); });
   }
   ~FakeServer() {
     ending_ = true;
     helper_.join();
+    if (slow_.joinable()) {
+      slow_.join();
+    }
   }
 
   /// Change under `mutex`; sent ten times a second while `beating`.
@@ -62,7 +67,7 @@ class FakeServer {
   std::atomic<bool> answering{true};
 
   struct Pose {
-    std::uint32_t number = 0;
+    std::uint64_t sequence = 0;
     std::vector<double> numbers;
     bool teleported = false;
   };
@@ -97,6 +102,7 @@ class FakeServer {
     static_cast<void>(status_writer_.write(*status));
   }
   dds::Writer<wire::EventFrame>& events() { return event_writer_; }
+  dds::Writer<wire::EventFrame>& persisted() { return persisted_writer_; }
   dds::Writer<wire::ContactShard>& contacts() { return contact_writer_; }
   dds::Participant& participant() { return participant_; }
   std::uint64_t number() const { return server_; }
@@ -117,7 +123,7 @@ class FakeServer {
       const auto poses = dds::view(batch->poses);
       for (std::size_t i = 0; i < numbers.size(); ++i) {
         const auto pose = poses.subspan(i * 7, 7);
-        received_.poses[numbers[i]] = {numbers[i], {pose.begin(), pose.end()}, (batch->flags & 1) != 0};
+        received_.poses[numbers[i]] = {batch->sequence_number, {pose.begin(), pose.end()}, (batch->flags & 1) != 0};
       }
     }
   }
@@ -135,8 +141,11 @@ class FakeServer {
       received_.names.erase(definition->object_number);
       if (!definition->removed) {
         received_.names[definition->object_number] = definition->name;
-        received_.poses[definition->object_number] = {definition->object_number,
-                                                      {definition->pose, definition->pose + 7}, false};
+        // The two topics are not in order with each other.
+        Pose& pose = received_.poses[definition->object_number];
+        if (pose.sequence < definition->sequence_number) {
+          pose = {definition->sequence_number, {definition->pose, definition->pose + 7}, false};
+        }
       }
     }
   }
@@ -252,7 +261,26 @@ class FakeServer {
     }
   }
 
-  // "long": a text in three chunks, the last first. "load": two words of progress, 100 ms apart. Else an echo.
+  // On a thread of its own: the receive thread must not sleep, or nothing lost is sent again meanwhile.
+  void load(const wire::Query& query, dds::Writer<wire::Reply>& writer) const {
+    wire::Reply reply;
+    start_reply(reply, query, server_);
+    for (const char* const word : {R"({"fraction":0.25})", R"({"fraction":0.5})", R"({"fraction":0.75})"}) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(250));
+      const std::string_view text(word);
+      const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+      dds::borrow(reply.text, bytes);
+      reply.status = static_cast<std::uint8_t>(wire_contract::ReplyStatus::progress);
+      static_cast<void>(writer.write(reply));
+    }
+    const std::string_view text = R"({"scene":"warehouse"})";
+    const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+    dds::borrow(reply.text, bytes);
+    reply.status = static_cast<std::uint8_t>(wire_contract::ReplyStatus::ok);
+    static_cast<void>(writer.write(reply));
+  }
+
+  // "long": a text in three chunks, the last first. "load": three words of progress, 250 ms apart. Else an echo.
   void answer_command(const wire::Query& query, dds::Writer<wire::Reply>& writer) {
     const std::string text = query.text;
     const auto send = [&](std::string_view part, std::uint32_t index, std::uint32_t count, std::uint8_t status_code) {
@@ -270,11 +298,10 @@ class FakeServer {
       send(part, 1, 3, 0);
       send("{\"answer\":\"" + part, 0, 3, 0);
     } else if (text.find("\"load\"") != std::string::npos) {
-      send(R"({"fraction":0.25})", 0, 1, 2);
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      send(R"({"fraction":0.75})", 0, 1, 2);
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      send(R"({"scene":"warehouse"})", 0, 1, 0);
+      wire::Query header = query;
+      header.numbers = {};
+      header.blob = {};
+      slow_ = std::thread([this, header, &writer] { load(header, writer); });
     } else if (text.find("\"refuse\"") != std::string::npos) {
       send(std::string_view(reinterpret_cast<const char*>(kRefusal.data()), kRefusal.size()), 0, 1, 1);
     } else {
@@ -339,8 +366,8 @@ class FakeServer {
     }
     for (const auto& query : due) {
       std::this_thread::sleep_for(std::chrono::microseconds(delay_us));
+      --delayed_count_;  // before the answer, which lets the client send the next one
       answer(query);
-      --delayed_count_;
     }
   }
 
@@ -428,14 +455,17 @@ class FakeServer {
   dds::Topic<wire::Definition> object_topic_;
   dds::Topic<wire::PoseBatch> pose_topic_;
   dds::Topic<wire::EventFrame> event_topic_;
+  dds::Topic<wire::EventFrame> persisted_topic_;
   dds::Topic<wire::ContactShard> contact_topic_;
   dds::Writer<wire::Status> status_writer_;
   dds::Writer<wire::EventFrame> event_writer_;
+  dds::Writer<wire::EventFrame> persisted_writer_;
   dds::Writer<wire::ContactShard> contact_writer_;
   dds::Reader<wire::PoseBatch> pose_reader_;
   dds::Reader<wire::Definition> object_reader_;
   dds::Reader<wire::Query> query_reader_;
   std::thread helper_;
+  std::thread slow_;
 };
 
 }  // namespace collided::test

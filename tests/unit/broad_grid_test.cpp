@@ -6,7 +6,7 @@
 #include <set>
 
 #include "server/broad_phase/grid.hpp"
-#include "tests/scenes/seed.hpp"
+#include "tests/oracle/seed.hpp"
 
 namespace collided {
 namespace {
@@ -166,20 +166,198 @@ void expect_right(const std::vector<Aabb>& boxes, double extent, std::mt19937_64
 }
 
 TEST(BroadGrid, EqualsBruteForceOnBoxesOfOneSize) {
-  std::mt19937_64 random(scenes::seed());
+  std::mt19937_64 random = oracle::seeded(20240607);
   std::vector<Aabb> boxes;
   for (int i = 0; i < 2000; ++i) boxes.push_back(make_box(in_cube(random), Vec3::Constant(0.05)));
   expect_right(boxes, 1, random);
 }
 
 TEST(BroadGrid, EqualsBruteForceOnSizesOverTenDecades) {
-  std::mt19937_64 random(scenes::seed());
+  std::mt19937_64 random = oracle::seeded(20240607);
   std::uniform_real_distribution<double> decade(-9, 1);
   std::vector<Aabb> boxes;
   for (int i = 0; i < 2000; ++i) {
     boxes.push_back(make_box(in_cube(random), std::pow(10.0, decade(random)) * in_cube(random).cwiseAbs()));
   }
   expect_right(boxes, 1, random);
+}
+
+// Cell borders, also negative ones and both zeros: an object there is found from all eight cells, once.
+TEST(BroadGrid, ObjectsOnCellBordersAreFoundOnce) {
+  std::mt19937_64 random = oracle::seeded(20240620);
+  std::vector<Aabb> boxes;
+  for (int x = -3; x <= 3; ++x) {
+    for (int y = -3; y <= 3; ++y) {
+      for (int z = -3; z <= 3; ++z) {
+        const Vec3 corner(x == 0 ? -0.0 : x, y, z == 0 ? -0x1p-1074 : z);
+        boxes.push_back(make_box(corner, Vec3::Ones()));
+        boxes.push_back(make_box(corner, Vec3::Zero()));
+        boxes.push_back(make_box(Vec3(std::nextafter(x, -9), y, std::nextafter(z, 9)), Vec3(1, 0.5, 1)));
+      }
+    }
+  }
+  expect_right(boxes, 4, random);
+}
+
+TEST(BroadGrid, CoordinatesFarOutLoseNothing) {
+  std::mt19937_64 random = oracle::seeded(20240621);
+  for (const double far : {1e6, 1e9, 1e12, 1e15, 1e100, 1e300}) {
+    SCOPED_TRACE(far);
+    const double extent = std::max(1.0, 1e-13 * far);
+    std::vector<Aabb> boxes;
+    for (int i = 0; i < 500; ++i) {
+      const Vec3 low = Vec3(far, -far, far) + extent * in_cube(random);
+      boxes.push_back(make_box(low, 0.1 * extent * in_cube(random).cwiseAbs()));
+    }
+    Grid grid;
+    grid.rebuild(boxes);
+    EXPECT_EQ(pairs_of(grid), pairs_by_force(boxes));
+    for (int i = 0; i < 50; ++i) {
+      const Aabb& aim = boxes[random() % boxes.size()];
+      const Ray ray{Vec3(far, -far, far) + 3 * extent * in_cube(random), Vec3(extent, 2 * extent, -extent)};
+      const Numbers met = along_ray(grid, ray, kInfinity);
+      const Numbers expected = along_ray_by_force(boxes, ray, kInfinity);
+      EXPECT_TRUE(std::includes(met.begin(), met.end(), expected.begin(), expected.end()));
+      EXPECT_EQ(in_box(grid, aim), in_box_by_force(boxes, aim));
+      const Numbers close = near_point(grid, aim.low, extent * extent);
+      const Numbers expected_close = near_by_force(boxes, aim.low, extent * extent);
+      EXPECT_TRUE(std::includes(close.begin(), close.end(), expected_close.begin(), expected_close.end()));
+    }
+  }
+}
+
+TEST(BroadGrid, EveryScaleOfDoublesInOneSceneLosesNothing) {
+  std::mt19937_64 random = oracle::seeded(20240622);
+  std::uniform_real_distribution<double> decade(-307, 307);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 low = std::pow(10.0, decade(random)) * in_cube(random);
+    boxes.push_back(make_box(low, std::pow(10.0, decade(random)) * in_cube(random).cwiseAbs()));
+  }
+  Grid grid;
+  grid.rebuild(boxes);
+  EXPECT_EQ(pairs_of(grid), pairs_by_force(boxes));
+  for (int i = 0; i < 100; ++i) {
+    const Aabb& asked = boxes[i];
+    EXPECT_EQ(in_box(grid, asked), in_box_by_force(boxes, asked));
+    const Ray ray{boxes[i].low, boxes[i + 1].low};
+    const Numbers met = along_ray(grid, ray, kInfinity);
+    const Numbers expected = along_ray_by_force(boxes, ray, kInfinity);
+    EXPECT_TRUE(std::includes(met.begin(), met.end(), expected.begin(), expected.end()));
+  }
+}
+
+TEST(BroadGrid, InfiniteAndEmptyBoxes) {
+  std::mt19937_64 random = oracle::seeded(20240623);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 300; ++i) boxes.push_back(make_box(in_cube(random), Vec3::Constant(0.1)));
+  boxes.push_back({Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity)});
+  boxes.push_back({Vec3(-kInfinity, -kInfinity, -kInfinity), Vec3(kInfinity, kInfinity, 0)});
+  boxes.push_back({Vec3::Constant(-1.7e308), Vec3::Constant(1.7e308)});
+  boxes.push_back(Aabb{});
+  boxes.push_back({Vec3::Constant(std::nan("")), Vec3::Ones()});
+  expect_right(boxes, 1, random);
+  Grid grid;
+  grid.rebuild(boxes);
+  EXPECT_EQ(grid.size(), 303u);
+}
+
+TEST(BroadGrid, EmptySceneAndFewBoxes) {
+  std::mt19937_64 random = oracle::seeded(20240624);
+  Grid grid;
+  EXPECT_TRUE(pairs_of(grid).empty());
+  EXPECT_TRUE(in_box(grid, {Vec3::Constant(-1), Vec3::Constant(1)}).empty());
+  EXPECT_TRUE(along_ray(grid, {Vec3::Zero(), Vec3::UnitX()}, kInfinity).empty());
+  EXPECT_TRUE(near_point(grid, Vec3::Zero(), kInfinity).empty());
+  std::vector<Aabb> boxes;
+  for (int count = 1; count < 40; ++count) {
+    boxes.push_back(make_box(in_cube(random), in_cube(random).cwiseAbs()));
+    expect_right(boxes, 1, random);
+  }
+}
+
+TEST(BroadGrid, RebuildForgetsTheOldBoxes) {
+  std::mt19937_64 random = oracle::seeded(20240625);
+  Grid grid;
+  for (const int count : {2000, 10, 0, 500, 3000}) {
+    std::vector<Aabb> boxes;
+    for (int i = 0; i < count; ++i) boxes.push_back(make_box(in_cube(random), 0.1 * in_cube(random).cwiseAbs()));
+    grid.rebuild(boxes);
+    EXPECT_EQ(pairs_of(grid), pairs_by_force(boxes));
+    EXPECT_EQ(grid.size(), boxes.size());
+  }
+}
+
+struct PairCount {
+  std::uint64_t count = 0;
+};
+
+std::uint64_t count_pairs(const Grid& grid, WalkCost& cost) {
+  PairCount pairs;
+  grid.pairs([](void* context, std::uint32_t, std::uint32_t) { ++static_cast<PairCount*>(context)->count; }, &pairs,
+             cost);
+  return pairs.count;
+}
+
+TEST(BroadGrid, BoxesInOnePointAreEnumeratedWithoutMemory) {
+  const std::vector<Aabb> boxes(20'000, make_box(Vec3(1, 2, 3), Vec3::Constant(0.5)));
+  Grid grid;
+  grid.rebuild(boxes);
+  WalkCost cost;
+  EXPECT_EQ(count_pairs(grid, cost), 20'000ull * 19'999 / 2);
+  EXPECT_LT(grid.bytes(), boxes.size() * 120);
+}
+
+// One giant over a million grains adds one comparison a grain, not a cell a grain's size across itself.
+TEST(BroadGrid, AGiantAmongDustCostsAlmostNothing) {
+  std::mt19937_64 random(11);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 100'000; ++i) boxes.push_back(make_box(1000 * in_cube(random), Vec3::Constant(0.5)));
+  Grid grid;
+  WalkCost without;
+  grid.rebuild(boxes);
+  const std::uint64_t dust_pairs = count_pairs(grid, without);
+  boxes.push_back(make_box(Vec3::Constant(-1e6), Vec3::Constant(2e6)));
+  WalkCost with;
+  grid.rebuild(boxes);
+  EXPECT_EQ(count_pairs(grid, with), dust_pairs + 100'000);
+  EXPECT_LT(with.nodes, without.nodes + 1000);
+}
+
+TEST(BroadGrid, FalseAndNegativeLimitsEndTheWalk) {
+  std::mt19937_64 random(12);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 5000; ++i) boxes.push_back(make_box(in_cube(random), Vec3::Constant(0.2)));
+  Grid grid;
+  grid.rebuild(boxes);
+  WalkCost cost;
+  grid.walk_box({Vec3::Constant(-1), Vec3::Constant(1)}, [](void*, std::uint32_t) { return false; }, nullptr, cost);
+  EXPECT_EQ(cost.candidates, 1u);
+  cost = {};
+  const auto stop = [](void*, std::uint32_t, double) { return -1.0; };
+  grid.walk_ray({Vec3(-2, 0, 0), Vec3(1, 0, 0)}, kInfinity, stop, nullptr, cost);
+  EXPECT_EQ(cost.candidates, 1u);
+  cost = {};
+  grid.walk_near(Vec3::Zero(), kInfinity, stop, nullptr, cost);
+  EXPECT_EQ(cost.candidates, 1u);
+}
+
+// Rays look at cells along their way, not at every box.
+TEST(BroadGrid, RaysAndPointsLookAtFewBoxes) {
+  std::mt19937_64 random(13);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 100'000; ++i) boxes.push_back(make_box(in_cube(random), Vec3::Constant(0.02)));
+  Grid grid;
+  grid.rebuild(boxes);
+  WalkCost ray_cost;
+  WalkCost near_cost;
+  for (int i = 0; i < 20; ++i) {
+    grid.walk_ray({in_cube(random), in_cube(random)}, kInfinity, [](void*, std::uint32_t, double) { return 0.0; },
+                  nullptr, ray_cost);
+    grid.walk_near(in_cube(random), kInfinity, [](void*, std::uint32_t, double) { return 1e-4; }, nullptr, near_cost);
+  }
+  EXPECT_LT(ray_cost.nodes, 20u * 3000);
+  EXPECT_LT(near_cost.nodes, 20u * 100);
 }
 
 }  // namespace

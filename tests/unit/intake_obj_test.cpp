@@ -22,7 +22,8 @@ TEST(IntakeObj, CornerFormsAndNegativeNumbersNameTheSameVertices) {
 }
 
 TEST(IntakeObj, NegativeNumbersCountFromWhereTheyStand) {
-  const Scene scene = load("two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf -3 -2 -1\n").scene;
+  const Scene scene =
+      load("two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf -3 -2 -1\n").scene;
   EXPECT_EQ(scene.mesh.triangles[0], (TriangleCorners{0, 1, 2}));
   EXPECT_EQ(scene.mesh.triangles[1], (TriangleCorners{3, 4, 5}));
 }
@@ -104,10 +105,18 @@ TEST(IntakeObj, PointsAndLinesAreLeftOutWithALine) {
   EXPECT_EQ(loaded.report.refused[1].substr(0, 1), "1");
 }
 
+TEST(IntakeObj, LinesOfNoKnownKindAreCounted) {
+  const test::Loaded loaded =
+      load("u.obj", "mtllib m.mtl\ns off\nface 1 2 3\n" + std::string(kSquare) + "ff 1 2\nf 1 2 3\n");
+  ASSERT_EQ(loaded.report.refused.size(), 1u);
+  EXPECT_EQ(loaded.report.refused[0], "2 lines that begin with no word of OBJ left out, the first is line 3");
+}
+
 TEST(IntakeObj, ComplaintsNameTheLineTheValueAndTheLimit) {
   const std::string head = std::string(kSquare);
   EXPECT_EQ(complaint("a.obj", head + "\nf 1 2 90\n"), "a.obj: line 6: vertex number 90 of 4. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.obj", head + "f 1 2 0\n"), "a.obj: line 5: vertex number 0, they begin at 1. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.obj", head + "f 1 2 0\n"),
+            "a.obj: line 5: vertex number 0, they begin at 1. Nothing was loaded.");
   EXPECT_EQ(complaint("a.obj", head + "f 1 2 -5\n"),
             "a.obj: line 5: vertex number -1 before the first vertex. Nothing was loaded.");
   EXPECT_EQ(complaint("a.obj", "v 0 nan 0\n"),

@@ -118,7 +118,8 @@ TEST(IntakePly, ComplaintsNameThePlace) {
             "a.ply: line 1: the first line is not 'ply'. Nothing was loaded.");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\n"),
             "a.ply: line 4: 'quad' is no type of PLY. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n"),
+  EXPECT_EQ(complaint("a.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n"),
             "a.ply: element 'vertex' has no number 'z'. Nothing was loaded.");
   EXPECT_EQ(complaint("a.ply", "ply\nformat ascii 1.0\n"),
             "a.ply: line 3: the header has no 'end_header' line. Nothing was loaded.");

@@ -15,9 +15,7 @@ namespace {
 
 using test::complaint;
 
-bool same_bits(const Vec3& a, const Vec3& b) {
-  return std::memcmp(a.data(), b.data(), sizeof(Vec3)) == 0;
-}
+bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), sizeof(Vec3)) == 0; }
 
 void expect_same(const TriangleMesh& a, const TriangleMesh& b) {
   ASSERT_EQ(a.vertices.size(), b.vertices.size());
@@ -251,13 +249,12 @@ TEST(IntakeShape, RefusalsSayWhat) {
     return decode_shape(encode_shape(shape), limits).refusal;
   };
   EXPECT_EQ(refusal(Shape{}), "shape of nothing");
-  EXPECT_EQ(refusal(of({Sphere{{0, 0, 0}, -1}})),
-            "sphere 0: radius -1 m, allowed are finite sizes of 0 and more");
+  EXPECT_EQ(refusal(of({Sphere{{0, 0, 0}, -1}})), "sphere 0: radius -1 m, allowed are finite sizes of 0 and more");
   EXPECT_EQ(refusal(of({Sphere{{0, 0, 0}, 1}, Capsule{{0, 0, 0}, {0, std::nan(""), 0}, 1}})),
             "capsule 0: end b is (0, nan, 0)");
-  EXPECT_EQ(refusal(of({Box{.center = {0, 0, 0}, .axes = 2 * Mat3::Identity()}})).substr(0, 12),
-            "box 0: axes ");
-  EXPECT_EQ(refusal(of_mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 3}}})), "triangle 0: corner 2 is vertex 3 of 3");
+  EXPECT_EQ(refusal(of({Box{.center = {0, 0, 0}, .axes = 2 * Mat3::Identity()}})).substr(0, 12), "box 0: axes ");
+  EXPECT_EQ(refusal(of_mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 3}}})),
+            "triangle 0: corner 2 is vertex 3 of 3");
   const Shape ball = of_mesh(latitude_longitude_sphere(1, 16, 9));
   EXPECT_EQ(refusal(ball, {.max_triangles = 255}), "256 triangles, 255 more are allowed");
   EXPECT_NE(refusal(ball, {.max_bytes = 100}).find("limit 100"), std::string::npos);

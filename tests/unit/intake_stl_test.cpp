@@ -30,7 +30,8 @@ constexpr std::array<float, 9> kFirst = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 constexpr std::array<float, 9> kSecond = {1, 0, 0, 1, 1, 0, 0, 1, 0};
 
 const std::string kText =
-    "solid left\nfacet normal nan 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0.1\n endloop\nendfacet\n"
+    "solid left\nfacet normal nan 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 0 1 0.1\n "
+    "endloop\nendfacet\n"
     "endsolid left\nSOLID right\n FACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 1 0 0\nVERTEX 1 1 0\nVERTEX 0 1 0.1\nENDLOOP\n"
     "ENDFACET\nENDSOLID right\n";
 

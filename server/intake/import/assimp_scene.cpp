@@ -93,7 +93,8 @@ class AssimpReader {
       const aiVector3D& v = mesh.mVertices[i];
       scene_.mesh.vertices.push_back(placement.linear * Vec3(v.x, v.y, v.z) + placement.offset);
       if (!scene_.mesh.vertices.back().allFinite()) {
-        throw LoadError(fmt::format("node {}: vertex {} is ({}, {}, {})", quoted(node.mName.C_Str()), i, v.x, v.y, v.z));
+        throw LoadError(
+            fmt::format("node {}: vertex {} is ({}, {}, {})", quoted(node.mName.C_Str()), i, v.x, v.y, v.z));
       }
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {

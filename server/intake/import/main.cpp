@@ -14,8 +14,8 @@
 
 // collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--strict]
 //
-// Turns a file in any format that Assimp reads into a .cscene file. A process of its own, because Assimp is large, works
-// in single precision and has been broken by crafted files: whatever happens to it here, the server lives on.
+// Turns a file in any format that Assimp reads into a .cscene file. A process of its own, because Assimp is large,
+// works in single precision and has been broken by crafted files: whatever happens to it here, the server lives on.
 
 namespace {
 
@@ -97,7 +97,8 @@ int main(int argument_count, char** arguments) {
     print("warning", report.warnings);
     return 0;
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "it needs more than %llu GiB of memory\n", static_cast<unsigned long long>(kMemoryBytes >> 30));
+    std::fprintf(stderr, "it needs more than %llu GiB of memory\n",
+                 static_cast<unsigned long long>(kMemoryBytes >> 30));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
   }

@@ -1,0 +1,136 @@
+#include "client/cli/publish/loop.hpp"
+
+#include <fmt/format.h>
+
+#include "client/cli/number.hpp"
+#include "client/cli/pace.hpp"
+#include "client/cli/progress.hpp"
+
+namespace collided::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A server takes a publisher for lost after 500 ms of silence.
+constexpr std::chrono::milliseconds kKeepAlive{100};
+constexpr double kLongestWait_s = 1e9;
+
+class Loop {
+ public:
+  Loop(Session& session, const Globals& globals, Source& source, const LoopOptions& options)
+      : io_(session.io),
+        globals_(globals),
+        source_(source),
+        options_(options),
+        publisher_(take(session.client(globals).publish(options.publisher_name))),
+        until_(options.most_frames, options.most_time) {
+    source_.begin(session.client(globals), publisher_);
+  }
+
+  Exit run() {
+    Progress progress(io_, globals_);
+    start_ = round_start_ = last_due_ = Clock::now();
+    while (!until_.reached(frames_) && io_.out.good()) {
+      const std::optional<double> time_s = next_frame_time();
+      if (!time_s) break;
+      if (!wait_until_due(*time_s)) break;
+      send();
+      progress.show(frames_, "frames");
+    }
+    if (options_.stay && !stop_requested) stay();
+    progress.clear();
+    return report();
+  }
+
+ private:
+  std::optional<double> next_frame_time() {
+    std::optional<double> time_s = source_.next_time();
+    const bool again = !time_s && options_.loop && frames_ > round_first_frame_;
+    if (!again || !source_.restart()) return time_s;
+    // The next round begins one frame after the last one of this round.
+    round_start_ = last_due_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(last_step_s_));
+    round_first_frame_ = frames_;
+    return source_.next_time();
+  }
+
+  bool wait_until_due(double time_s) {
+    const double seconds = options_.rate_hz > 0 ? static_cast<double>(frames_ - round_first_frame_) / options_.rate_hz : time_s / options_.speed;
+    const auto due = round_start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(seconds, kLongestWait_s)));
+    if (frames_ > round_first_frame_) last_step_s_ = std::chrono::duration<double>(due - last_due_).count();
+    const bool first_of_all = frames_ == 0;
+    if (!first_of_all && Clock::now() > due + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::max(last_step_s_, 1e-3)))) ++late_;
+    last_due_ = due;
+    while (Clock::now() + kKeepAlive < due) {
+      if (!sleep_until(std::min(Clock::now() + kKeepAlive, until_.end())) || Clock::now() >= until_.end()) return false;
+      keep_alive();
+    }
+    return sleep_until(std::min(due, until_.end())) && due <= until_.end();
+  }
+
+  void send() {
+    poses_ += source_.move(publisher_);
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    const Result<std::uint64_t> sent = publisher_.flush(std::chrono::duration_cast<std::chrono::nanoseconds>(now));
+    ++frames_;
+    if (!sent) lose(sent.error());
+  }
+
+  void keep_alive() {
+    if (const Result<Done> said = publisher_.keep_alive(); !said) lose(said.error());
+  }
+
+  /// A server that goes away comes back: the run goes on and counts what it could not send.
+  void lose(const Error& error) {
+    if (lost_++ == 0) print_hint(io_, globals_, "not sent: " + error.message + "; going on");
+  }
+
+  void stay() {
+    print_hint(io_, globals_, "the last frame is out; its objects stay until Ctrl-C");
+    while (!stop_requested && Clock::now() < until_.end()) {
+      keep_alive();
+      sleep_until(std::min(Clock::now() + kKeepAlive, until_.end()));
+    }
+  }
+
+  Exit report() {
+    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+    const double rate = seconds > 0 ? static_cast<double>(frames_) / seconds : 0;
+    Record record{{"frames", frames_}, {"poses", poses_}, {"seconds", seconds}, {"rate", rate}, {"late", late_}, {"lost", lost_},
+                  {"refused", source_.refused_count()}};
+    std::vector<std::string> lines{fmt::format("published {} frames, {} poses in {:.3g} s: {:.4g} frames/s, {} late, {} lost", format_count(frames_),
+                                               format_count(poses_), seconds, rate, format_count(late_), format_count(lost_))};
+    source_.report(record, lines);
+    Printer printer = make_printer(io_, globals_);
+    if (printer.human()) {
+      for (const std::string& line : lines) printer.line(line);
+    } else {
+      printer.record(record);
+    }
+    if (stop_requested) return Exit::interrupted;
+    return source_.refused_count() > 0 ? Exit::partly_refused : Exit::yes;
+  }
+
+  Io& io_;
+  const Globals& globals_;
+  Source& source_;
+  const LoopOptions& options_;
+  Publisher publisher_;
+  Until until_;
+  Clock::time_point start_;
+  Clock::time_point round_start_;
+  Clock::time_point last_due_;
+  double last_step_s_ = 0;
+  std::uint64_t round_first_frame_ = 0;
+  std::uint64_t frames_ = 0;
+  std::uint64_t poses_ = 0;
+  std::uint64_t late_ = 0;
+  std::uint64_t lost_ = 0;
+};
+
+}  // namespace
+
+Exit publish(Session& session, const Globals& globals, Source& source, const LoopOptions& options) {
+  return Loop(session, globals, source, options).run();
+}
+
+}  // namespace collided::cli

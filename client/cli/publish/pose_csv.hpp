@@ -1,0 +1,50 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <collided/client.hpp>
+
+#include "client/cli/line_reader.hpp"
+
+namespace collided::cli {
+
+struct PoseRow {
+  std::optional<double> time_s;
+  std::string name;
+  Pose pose;
+};
+
+/// Rows of poses: t,name,x,y,z,qw,qx,qy,qz with or without a header, CSV or blanks. A header may leave out t, name or the
+/// rotation and order the columns as it likes. Recordings round their quaternions: a norm within 1e-3 of 1 is taken and
+/// normalised.
+class PoseCsv {
+ public:
+  enum class Found { row, refused, end };
+
+  explicit PoseCsv(const InputFile& file) : file_(file), lines_(file.descriptor()) {}
+
+  /// The next row. `refusal` says why one was refused: "poses.csv line 7: 'nan' in column x". Throws Failure where the header
+  /// is not understood.
+  Found next(PoseRow& row, std::string& refusal);
+  /// True if next() would not wait.
+  bool ready() { return lines_.ready(); }
+  /// Known once a row was read.
+  bool has_time() const { return has_time_; }
+
+ private:
+  bool take_header();
+  void read(PoseRow& row);
+
+  const InputFile& file_;
+  LineReader lines_;
+  bool started_ = false;
+  bool has_time_ = true;
+  char separator_ = ',';
+  std::vector<int> column_of_cell_;
+  std::string text_;
+  std::vector<std::string> cells_;
+};
+
+}  // namespace collided::cli

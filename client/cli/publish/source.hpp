@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <collided/client.hpp>
+
+#include "client/cli/output.hpp"
+
+namespace collided::cli {
+
+/// What every publisher of objects may be told.
+struct ObjectTexts {
+  std::uint32_t layers = 1;
+  std::uint32_t mask = 0xffffffff;
+  WhenLost when_lost = WhenLost::remove;
+};
+
+/// Something that moves objects, frame by frame. The loop calls begin(), then next_time() and move() in turn.
+class Source {
+ public:
+  virtual ~Source() = default;
+  /// Adds what is known from the start.
+  virtual void begin(Client& client, Publisher& publisher) = 0;
+  /// When the next frame is due, in seconds since the first at speed 1; nothing at the end.
+  virtual std::optional<double> next_time() = 0;
+  /// Moves what moves in that frame; returns how many poses it gave.
+  virtual std::size_t move(Publisher& publisher) = 0;
+  /// Back to the first frame; false where a source cannot.
+  virtual bool restart() = 0;
+  /// What a run came to: fields for machines, lines for people.
+  virtual void report(Record&, std::vector<std::string>&) const {}
+  /// Lines of input that were refused.
+  virtual std::uint64_t refused_count() const { return 0; }
+};
+
+}  // namespace collided::cli

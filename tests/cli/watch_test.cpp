@@ -1,0 +1,84 @@
+#include <gtest/gtest.h>
+
+#include "tests/cli/fake_client.hpp"
+#include "tests/cli/scratch_file.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+class WatchVerb : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    Event began;
+    began.what = What::began;
+    began.a = "drone_2";
+    began.b = "pallet_07";
+    began.sequence = 881;
+    began.episode = 881;
+    began.world_time = began.began = std::chrono::milliseconds(12'201);
+    began.depth_m = 0.0031;
+    began.depth_error_m = 8.9e-16;
+    began.point = {0.93, 2, 0.5};
+    Event ended = began;
+    ended.what = What::ended;
+    ended.why = Why::separated;
+    ended.sequence = 884;
+    ended.world_time = std::chrono::milliseconds(12'455);
+    Event open = began;
+    open.what = What::open;
+    open.a = "arm/link_5";
+    open.b = "shelf_3";
+    fake::server().events = {open, began, ended};
+  }
+};
+
+TEST_F(WatchVerb, ALineAnEvent) {
+  const Ran ran = at_terminal("watch -n 3");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out,
+            "open     arm/link_5 x shelf_3  since 12.201\n"
+            "12.201 began  drone_2 x pallet_07  depth 3.1 mm at 0.93 2 0.5  seq 881\n"
+            "12.455 ended  drone_2 x pallet_07  after 254 ms  (separated)  seq 884\n");
+  EXPECT_EQ(ran.err.substr(0, 12), "3 events in ");
+  EXPECT_NE(ran.err.find(", 0 lost\n"), std::string::npos);
+}
+
+TEST_F(WatchVerb, MachinesGetEveryField) {
+  EXPECT_EQ(collide("watch -n 3 --json --fields what,a,b,depth,after,why,sequence").out,
+            "{\"what\":\"open\",\"a\":\"arm/link_5\",\"b\":\"shelf_3\",\"depth\":0.0031,\"sequence\":881}\n"
+            "{\"what\":\"began\",\"a\":\"drone_2\",\"b\":\"pallet_07\",\"depth\":0.0031,\"sequence\":881}\n"
+            "{\"what\":\"ended\",\"a\":\"drone_2\",\"b\":\"pallet_07\",\"after\":0.254,\"why\":\"separated\",\"sequence\":884}\n");
+}
+
+TEST_F(WatchVerb, AFormatNamesItsFields) {
+  EXPECT_EQ(collide("watch -n 2 --format '{t} {what} {a}|{b} {depth}'").out,
+            "12.201 open arm/link_5|shelf_3 0.0031\n12.201 began drone_2|pallet_07 0.0031\n");
+  const Ran ran = collide("watch --format '{deth}'");
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_EQ(ran.err.substr(0, ran.err.find('\n')), "error: watch: no field '{deth}'; did you mean 'depth'?");
+}
+
+TEST_F(WatchVerb, NothingInTimeIsANo) {
+  fake::server().events.clear();
+  EXPECT_EQ(collide("watch --for 20ms").code, 1);
+}
+
+// A name is data: the shell sees it in a variable, never as words of a command.
+TEST_F(WatchVerb, AHostileNameIsNotRunByTheShell) {
+  const ScratchFile log("log", "");
+  fake::server().events.resize(1);
+  const std::string act = "touch " + log.path() + ".owned";
+  const std::string hostile = "$(" + act + ")`" + act + "`\"; " + act + "; \"";
+  fake::server().events[0].a = hostile;
+  const Ran ran = collide("watch -n 1 --exec 'printf \"%s\" \"{a} hit {b}\" > " + log.path() + "'");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_FALSE(std::filesystem::exists(log.path() + ".owned"));
+  std::ifstream written(log.path());
+  const std::string text((std::istreambuf_iterator<char>(written)), {});
+  EXPECT_EQ(text, hostile + " hit shelf_3");
+}
+
+}  // namespace
+}  // namespace collided

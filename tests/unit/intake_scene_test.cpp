@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/unit/intake_loading.hpp"
+
+namespace collided {
+namespace {
+
+using test::complaint;
+using test::load;
+
+constexpr const char* kTriangle = "v 1 2 3\nv 4 5 6\nv 7 8 10\nf 1 2 3\n";
+
+TEST(IntakeScene, UnitsAndAxesAreTurnedToMetresWithZUp) {
+  EXPECT_EQ(load("a.obj", kTriangle).scene.mesh.vertices[0], Vec3(1, 2, 3));
+  EXPECT_EQ(load("a.obj", kTriangle, {.unit_m = 0.5}).scene.mesh.vertices[0], Vec3(0.5, 1, 1.5));
+  EXPECT_EQ(load("a.obj", kTriangle, {.up = 'y'}).scene.mesh.vertices[0], Vec3(1, -3, 2));
+}
+
+TEST(IntakeScene, BadOptionsAreRefusedWithTheirValue) {
+  EXPECT_EQ(complaint("a.obj", kTriangle, {.unit_m = -1}),
+            "a.obj: unit of -1 m, allowed are finite lengths above 0. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.obj", kTriangle, {.up = 'w'}),
+            "a.obj: up axis 'w', allowed are 'y' and 'z'. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.obj", "v 1e308 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n", {.unit_m = 10}),
+            "a.obj: a coordinate times 10 m is too large for a double. Nothing was loaded.");
+}
+
+TEST(IntakeScene, OdditiesAreCountedAndKept) {
+  const test::Loaded loaded =
+      load("o.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 1 0 0\nf 1 2 3\nf 3 5 1\nf 1 2 4\nf 1 1 1\n");
+  EXPECT_EQ(loaded.scene.mesh.triangles.size(), 4u);
+  ASSERT_EQ(loaded.report.warnings.size(), 3u);
+  EXPECT_EQ(loaded.report.warnings[0].substr(0, 24), "2 triangles without area");
+  EXPECT_EQ(loaded.report.warnings[1].substr(0, 22), "1 triangles with the t");
+  EXPECT_EQ(loaded.report.warnings[2].substr(0, 10), "1 vertices");
+}
+
+TEST(IntakeScene, ProgressRisesToOneAndCancellingEndsTheLoad) {
+  std::string text;
+  for (int i = 0; i < 200'000; ++i) {
+    text += "v " + std::to_string(i) + " 0 0.125\n";
+  }
+  for (int i = 3; i < 200'000; ++i) {
+    text += "f -1 -2 -3\n";
+  }
+  double last = -1;
+  int calls = 0;
+  LoadOptions options{.progress = [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+    ++calls;
+  }};
+  load("p.obj", text, options);
+  EXPECT_EQ(last, 1);
+  EXPECT_GT(calls, 4);
+  for (int stop = 0; stop < 4; ++stop) {  // how often it is asked depends on the threads, but not less than this
+    int asked = 0;
+    const std::string said = complaint("p.obj", text, {.cancelled = [&] { return asked++ >= stop; }});
+    ASSERT_EQ(said.substr(0, 21), "p.obj: cancelled afte") << stop;
+    ASSERT_EQ(said.substr(said.size() - 19), "Nothing was loaded.");
+  }
+}
+
+TEST(IntakeScene, EndingsMayBeWrittenLarge) { EXPECT_EQ(load("A.OBJ", kTriangle).scene.name, "A"); }
+
+TEST(IntakeScene, ByteOrderMarksAreSteppedOverOrNamed) {
+  EXPECT_EQ(load("a.obj", std::string("\xef\xbb\xbf") + kTriangle).scene.mesh.triangles.size(), 1u);
+  EXPECT_EQ(complaint("a.obj", std::string_view("\xff\xfev\0 \0", 6)),
+            "a.obj: the text is UTF-16; write it as UTF-8 or ASCII. Nothing was loaded.");
+}
+
+class IntakeFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    directory_ = std::filesystem::temp_directory_path() / ("intake_files_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(directory_);
+  }
+  void TearDown() override { std::filesystem::remove_all(directory_); }
+
+  std::string file(const std::string& name, const std::string& text) const {
+    std::ofstream(directory_ / name, std::ios::binary) << text;
+    return (directory_ / name).string();
+  }
+  std::string file_complaint(const std::string& path, const LoadOptions& options = {}) const {
+    LoadReport report;
+    try {
+      load_scene(path, options, report);
+    } catch (const LoadError& error) {
+      return error.what();
+    }
+    return "loaded";
+  }
+
+  std::filesystem::path directory_;
+};
+
+TEST_F(IntakeFiles, ASceneIsNamedAfterItsFileAndTimed) {
+  LoadReport report;
+  EXPECT_EQ(load_scene(file("my hall.obj", kTriangle), {}, report).parts.at(0).name, "my hall");
+  EXPECT_GT(report.seconds, 0);
+}
+
+TEST_F(IntakeFiles, WhatIsNoReadableFileIsNamed) {
+  EXPECT_NE(file_complaint("/nowhere/a.obj").find("/nowhere/a.obj: cannot be opened: "), std::string::npos);
+  std::filesystem::create_directory(directory_ / "d.obj");
+  EXPECT_NE(file_complaint((directory_ / "d.obj").string()).find("is a directory, a file is needed"),
+            std::string::npos);
+  EXPECT_EQ(file_complaint(file("e.obj", "")), "e.obj: the file is empty. Nothing was loaded.");
+  EXPECT_EQ(file_complaint(file("b.obj", kTriangle), {.max_file_bytes = 10}),
+            "b.obj: 33 bytes, limit 10. Nothing was loaded.");
+  EXPECT_NE(file_complaint("/dev/null.obj"), "loaded");
+}
+
+}  // namespace
+}  // namespace collided
