@@ -29,8 +29,8 @@ using Job = std::function<void()>;
 using Arrival = std::variant<std::unique_ptr<DefinitionSample>, std::unique_ptr<PoseSample>, WriterNews, Job>;
 
 struct InboxLimits {
-  std::size_t batches = 512;           // of poses, waiting as they came
-  std::size_t poses = 1 << 20;         // in those batches
+  std::size_t batches = 512;    // of poses, waiting as they came
+  std::size_t poses = 1 << 20;  // in those batches
   std::size_t merged_objects = 200'000;
   std::size_t definition_bytes = std::size_t{256} << 20;
   std::size_t jobs = 64;
@@ -42,7 +42,8 @@ struct InboxCounts {
 };
 
 /// From the listeners to the world's thread, in order of arrival. Definitions and news are never dropped (beyond the
-/// limit definitions stay with DDS, which keeps the newest of each object); poses beyond the limits are merged, the newest of each object staying, so that a slow world skips ways and never ends.
+/// limit definitions stay with DDS, which keeps the newest of each object); poses beyond the limits are merged, the
+/// newest of each object staying, so that a slow world skips ways and never ends.
 ///
 /// threads  any pushes; one drains
 class Inbox {

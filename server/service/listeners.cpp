@@ -113,7 +113,8 @@ void Listeners::take_poses(const dds::Taker<wire::PoseBatch>& taker) {
         inbox_.push(std::move(sample));
       }
       // The key is the publisher: an instance without writers is a publisher that has gone.
-      if (loans.info(i).instance_state == DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE) pose_writers_.lost(loans[i].publisher);
+      if (loans.info(i).instance_state == DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE)
+        pose_writers_.lost(loans[i].publisher);
     }
   }
 }

@@ -51,7 +51,8 @@ TEST(Inbox, MergesWhatIsSupersededAndCountsIt) {
   ASSERT_EQ(arrivals.size(), 3U);
   const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrivals[2]);
   std::map<std::uint32_t, double> heights;
-  for (std::size_t i = 0; i < merged.object_numbers.size(); ++i) heights[merged.object_numbers[i]] = merged.poses[7 * i + 2];
+  for (std::size_t i = 0; i < merged.object_numbers.size(); ++i)
+    heights[merged.object_numbers[i]] = merged.poses[7 * i + 2];
   EXPECT_EQ(heights, (std::map<std::uint32_t, double>{{1, 4}, {2, 3}, {3, 5}}));
   EXPECT_EQ(merged.sequence, 5U);
   EXPECT_EQ(inbox.counts().poses_superseded, 1U);
