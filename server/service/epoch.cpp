@@ -47,7 +47,8 @@ std::string replace_file(const fs::path& path, const std::string& text) {
   std::ofstream out(beside, std::ios::trunc);
   out << text;
   out.close();
-  if (!out || !sync_to_disk(beside, O_RDONLY)) return fmt::format("{} cannot be written: {}", beside.string(), std::strerror(errno));
+  if (!out || !sync_to_disk(beside, O_RDONLY))
+    return fmt::format("{} cannot be written: {}", beside.string(), std::strerror(errno));
   fs::rename(beside, path, error);
   if (error) return fmt::format("{} cannot be replaced: {}", path.string(), error.message());
   // The rename is lasting once its folder is.
@@ -58,7 +59,8 @@ std::string replace_file(const fs::path& path, const std::string& text) {
 }  // namespace
 
 void close_epoch(const Epoch& epoch) {
-  if (!epoch.kept_in.empty()) static_cast<void>(replace_file(epoch.kept_in, fmt::format("{} {}\n", epoch.value, kStopped)));
+  if (!epoch.kept_in.empty())
+    static_cast<void>(replace_file(epoch.kept_in, fmt::format("{} {}\n", epoch.value, kStopped)));
 }
 
 Epoch next_epoch(const std::string& state_dir, int domain, const std::string& name_space,

@@ -10,9 +10,9 @@ namespace collided::service {
 /// state from a new one.
 struct Epoch {
   std::uint64_t value = 0;
-  std::string kept_in;  // the file; empty: nowhere could be written, and the value is the clock's seconds
-  std::string problem;  // why nowhere
-  bool crashed = false; // the server before this one did not end in order: its publishers and watchers may be waiting
+  std::string kept_in;   // the file; empty: nowhere could be written, and the value is the clock's seconds
+  std::string problem;   // why nowhere
+  bool crashed = false;  // the server before this one did not end in order: its publishers and watchers may be waiting
 };
 
 /// One more than the last one, and at least the clock's seconds, so that it grows over a lost file as well. Written

@@ -109,12 +109,17 @@ void WorldLoop::step_if_due() {
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
   if (pending_changes_ == 0) return;
   const std::int64_t now_ns = steady_ns();
+  if (now_ns < next_step_ns_) return;
+  step_now();
   if (options_.step_ns > 0) {
-    if (now_ns < next_step_ns_) return;
     // From the last tick, not from now: the period holds on average.
     next_step_ns_ = std::max(next_step_ns_ + options_.step_ns, now_ns - options_.step_ns);
+  } else {
+    // A pause as long as the step itself: the batches that one tick of a publisher is cut into then share a step.
+    constexpr std::int64_t kLongestPauseNs = 5'000'000;
+    const std::int64_t end_ns = steady_ns();
+    next_step_ns_ = end_ns + std::min(end_ns - now_ns, kLongestPauseNs);
   }
-  step_now();
 }
 
 void WorldLoop::step_now() {
@@ -189,6 +194,13 @@ void WorldLoop::publish_contacts(const Stamp& stamp) {
       if (shard_of_[i] == shard) contacts_.add(open[i]);
     }
     contacts_.named.fill(name_of);
+    // DDS delivers no larger message. Names can be missed, contacts cannot.
+    constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
+    if (contacts_.bytes() > kRoom) contacts_.named.clear();
+    if (contacts_.bytes() > kRoom) {
+      around_.notice("more contacts hold than the contact topic carries; who joins now will not learn them all");
+      continue;
+    }
     around_.outlet.write_contacts(contacts_, stamp, around_.world.last_event_sequence());
   }
 }
@@ -209,8 +221,8 @@ void WorldLoop::write_status(ServerState state) {
   status_.contact_count = static_cast<std::uint32_t>(around_.world.contacts().size());
   status_.contact_hash = contact_hash_;
   status_.poses_applied = counts.poses_applied;
-  status_.poses_dropped = counts.poses_late + counts.poses_unknown + counts.poses_refused + inbox.poses_superseded +
-                          inbox.poses_dropped;
+  status_.poses_dropped =
+      counts.poses_late + counts.poses_unknown + counts.poses_refused + inbox.poses_superseded + inbox.poses_dropped;
   status_.questions_answered = around_.questions.answered.load();
   status_.questions_refused = around_.questions.refused.load();
   status_.undecided_answers = around_.questions.undecided.load();

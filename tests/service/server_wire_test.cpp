@@ -53,7 +53,8 @@ TEST_F(ServerWire, RaysOfTheEmbeddedSceneEqualBruteForce) {
   std::uniform_real_distribution<double> x(-9, 9), y(-7, 7), z(-0.5, 4.5);
   std::vector<double> numbers;
   for (int i = 0; i < 1'000; ++i) {
-    numbers.insert(numbers.end(), {x(random), y(random), z(random), x(random), y(random), z(random), i % 2 ? kInfinity : 0.3});
+    numbers.insert(numbers.end(),
+                   {x(random), y(random), z(random), x(random), y(random), z(random), i % 2 ? kInfinity : 0.3});
   }
   dds::Sample<wire::Query> query;
   set(*query, QueryKind::ray, numbers);
@@ -80,8 +81,9 @@ TEST_F(ServerWire, RaysOfTheEmbeddedSceneEqualBruteForce) {
 
 // Each malformed question is answered `invalid` for itself; its neighbours are answered.
 TEST_F(ServerWire, InvalidQuestionsDoNotSpoilTheirNeighbours) {
-  const std::vector<double> numbers{6, 0, 5, 0, 0, -1, kInfinity, kNan, 0, 5, 0, 0, -1, 1,  6, 0, 5, 0, 0, 0, 1,
-                                    6, 0, 5, 0, 0, -1, -1,        6,    0, 5, kInfinity, 0, 0, 1, 6, 0, 5, 0, 0, -2, kInfinity};
+  const std::vector<double> numbers{6, 0, 5, 0,         0, -1, kInfinity, kNan, 0, 5, 0, 0, -1, 1,
+                                    6, 0, 5, 0,         0, 0,  1,         6,    0, 5, 0, 0, -1, -1,
+                                    6, 0, 5, kInfinity, 0, 0,  1,         6,    0, 5, 0, 0, -2, kInfinity};
   dds::Sample<wire::Query> query;
   set(*query, QueryKind::ray, numbers);
   const auto reply = asker->ask(*query);
@@ -107,7 +109,12 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
       {"numbers", [&](wire::Query& q) { dds::borrow(q.numbers, eight); }, "8 numbers"},
       {"no numbers", [&](wire::Query& q) { dds::borrow(q.numbers, none); }, "0 numbers"},
       {"too many", [&](wire::Query& q) { dds::borrow(q.numbers, many); }, "1001 questions"},
-      {"chunk", [](wire::Query& q) { q.chunk_index = 3; q.chunk_count = 3; }, "chunk number 3 of 3"},
+      {"chunk",
+       [](wire::Query& q) {
+         q.chunk_index = 3;
+         q.chunk_count = 3;
+       },
+       "chunk number 3 of 3"},
       {"chunks", [](wire::Query& q) { q.chunk_count = 0xffffffff; }, "4294967295 chunks"},
       {"first", [](wire::Query& q) { q.first_question = 0xffffffff; }, "question 4294967295"},
       {"no hits", [](wire::Query& q) { q.max_hits = 0; }, "max_hits 0"},
@@ -115,10 +122,30 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
       {"deadline", [](wire::Query& q) { q.deadline_ns = -5; }, "deadline -5"},
       {"error", [](wire::Query& q) { q.error_asked_m = kNan; }, "error asked nan"},
       {"pattern", [](wire::Query& q) { std::strcpy(q.only, "\xff\xfe"); }, "not text"},
-      {"later chunk", [](wire::Query& q) { q.chunk_index = 2; q.chunk_count = 3; }, "no longer kept"},
-      {"fence", [](wire::Query& q) { q.fence_publisher = 77; q.fence_sequence = 1; }, "not known"},
-      {"command", [](wire::Query& q) { q.kind = 5; std::strcpy(q.text, "{\"command\": \"lode\"}"); }, "did you mean 'load'"},
-      {"not JSON", [](wire::Query& q) { q.kind = 5; std::strcpy(q.text, "{\"command\":"); }, "not a JSON object"},
+      {"later chunk",
+       [](wire::Query& q) {
+         q.chunk_index = 2;
+         q.chunk_count = 3;
+       },
+       "no longer kept"},
+      {"fence",
+       [](wire::Query& q) {
+         q.fence_publisher = 77;
+         q.fence_sequence = 1;
+       },
+       "not known"},
+      {"command",
+       [](wire::Query& q) {
+         q.kind = 5;
+         std::strcpy(q.text, "{\"command\": \"laod\"}");
+       },
+       "did you mean 'load'"},
+      {"not JSON",
+       [](wire::Query& q) {
+         q.kind = 5;
+         std::strcpy(q.text, "{\"command\":");
+       },
+       "not a JSON object"},
   };
   for (const Bad& bad : all) {
     dds::Sample<wire::Query> query;
@@ -231,7 +258,8 @@ TEST_F(HostilePublisher, MalformedBatchesAndShapesDoNotStopTheServer) {
   asker->define(*garbage);
   pose(5, {1}, {6, 0, 2, 1, 0, 0, 0});
   EXPECT_TRUE(asker->status_becomes([](const wire::Status& status) {
-    return status.poses_applied == 1 && status.applied_sequences._length == 1 && status.applied_sequences._buffer[0] == 5;
+    return status.poses_applied == 1 && status.applied_sequences._length == 1 &&
+           status.applied_sequences._buffer[0] == 5;
   }));
   EXPECT_TRUE(asker->status_becomes([](const wire::Status& status) { return status.moving_count == 1; }));
 }
