@@ -19,7 +19,7 @@ using wire_contract::EventKind;
 
 constexpr int kPublishers = 3;
 constexpr int kBalls = 6;
-constexpr int kFrames = 300;
+constexpr int kFrames = 600;
 constexpr double kRate = 150;
 constexpr double kRadius = 0.25;
 
