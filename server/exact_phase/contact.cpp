@@ -70,34 +70,61 @@ Push push_out(const FacetAxis& axis, const Core& a, const Core& b) {
   return backward.value < forward.value ? Push{backward, -normal, true} : Push{forward, normal, true};
 }
 
+/// By the error really made, which is none on small integers; exactly where that is still too wide.
+Push push_out_sharply(const FacetAxis& axis, const Core& a, const Core& b) {
+  const Push traced = push_out<Traced>(axis, a, b);
+  return traced.exists && sharp(traced.depth, kRefineRay) ? traced : push_out<Dyadic>(axis, a, b);
+}
+
+struct PushList {
+  std::array<Push, 15> push;
+  int count = 0;
+
+  double least_high() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < count; ++i) least = push[i].exists ? std::min(least, push[i].depth.high()) : least;
+    return least;
+  }
+  bool competes(int i, double least) const { return push[i].exists && push[i].depth.low() <= least; }
+
+  /// The push that wins, its depth widened over all that compete. Depths within `blunt` keep the earlier axis: faces
+  /// before edge pairs, in a fixed order.
+  Push least(double blunt) const {
+    const double high = least_high();
+    Push winner;
+    Bounded depth(std::numeric_limits<double>::max());
+    for (int i = 0; i < count; ++i) {
+      if (!competes(i, high)) continue;
+      depth = lesser(depth, push[i].depth);
+      if (!winner.exists || push[i].depth.value < winner.depth.value - blunt) winner = push[i];
+    }
+    winner.depth = depth;
+    return winner;
+  }
+};
+
 /// Least push that parts two cores that share a point: the nearest facet of the Minkowski difference. It is flat, and
 /// the push zero, when all facet axes vanish.
 Push least_push(const Core& a, const Core& b) {
   const FacetAxes axes = facet_axes(a, b);
-  std::array<Push, 15> push;
-  double least_high = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < axes.count; ++i) {
-    push[i] = push_out<Bounded>(axes.axis[i], a, b);
-    if (push[i].exists) least_high = std::min(least_high, push[i].depth.high());
-  }
-  // An axis whose interval reaches below the best one competes. Equal depths keep the earlier axis: faces before edge
-  // pairs, in a fixed order.
+  PushList list;
+  list.count = axes.count;
+  for (int i = 0; i < axes.count; ++i) list.push[i] = push_out<Bounded>(axes.axis[i], a, b);
   const double blunt = kRefineDistance * size_of(a, b);
-  Bounded others(std::numeric_limits<double>::max());
-  int winner = -1;
+  const double wide = list.least_high();
   for (int i = 0; i < axes.count; ++i) {
-    if (!push[i].exists || push[i].depth.low() > least_high) continue;
-    if (!(push[i].depth.bound() <= blunt)) push[i] = push_out<Dyadic>(axes.axis[i], a, b);
-    if (!push[i].exists) continue;
-    const bool wins = winner < 0 || push[i].depth.value < push[winner].depth.value - blunt;
-    if (winner >= 0) others = lesser(others, push[wins ? winner : i].depth);
-    if (wins) winner = i;
+    if (list.competes(i, wide) && !(list.push[i].depth.bound() <= blunt)) {
+      list.push[i] = push_out_sharply(axes.axis[i], a, b);
+    }
   }
-  if (winner < 0) return {};
+  const Push least = list.least(blunt);
+  if (!least.exists || sharp(least.depth, kRefineRay)) return least;
   // Hardly touching: the digits that cancelled are worth having, and a touch is exactly zero.
-  if (!sharp(push[winner].depth, kRefineRay)) push[winner] = push_out<Dyadic>(axes.axis[winner], a, b);
-  push[winner].depth = lesser(push[winner].depth, others);
-  return push[winner];
+  const double narrow = list.least_high();
+  for (int i = 0; i < axes.count; ++i) {
+    if (list.competes(i, narrow)) list.push[i] = push_out_sharply(axes.axis[i], a, b);
+  }
+  return list.least(0);
 }
 
 Vec3 edge_normal(const Core& core) { return any_normal(Vec3(core.point[1] - core.point[0])); }

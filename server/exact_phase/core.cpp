@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "server/exact_phase/nearest_value.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::kernel {
 namespace {
@@ -72,10 +73,6 @@ struct HalfSpace {
   Vec3 normal;
   double offset;
 };
-
-/// Slack relative to the size of the two cores when a point of both is looked for: rounding must not lose the only
-/// one. No decision depends on it.
-constexpr double kClipSlack = 1e-12;
 
 using HalfSpaces = Few<HalfSpace, 6>;
 

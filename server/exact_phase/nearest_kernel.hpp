@@ -203,7 +203,8 @@ bool sharp_direction(const Vector<N>&) {
 template <Rounding N>
 bool sharp_direction(const Vector<N>& v) {
   const double largest = std::max({std::abs(v.x.value), std::abs(v.y.value), std::abs(v.z.value)});
-  return std::max({v.x.bound(), v.y.bound(), v.z.bound()}) <= kRefineDirection * largest;
+  const double error = std::max({v.x.bound(), v.y.bound(), v.z.bound()});
+  return error <= kRefineDirection * largest && std::isfinite(error);
 }
 
 template <class N>

@@ -1,7 +1,6 @@
 #include "server/exact_phase/nearest_value.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace collided::kernel {
 
@@ -59,10 +58,8 @@ Vec3 any_normal(const Vec3& along) {
 
 Vec3 any_normal(const Triangle& triangle) {
   const Vector<Bounded> quick = Facet<Bounded>(triangle).normal;
-  const double largest = std::max({std::abs(quick.x.value), std::abs(quick.y.value), std::abs(quick.z.value)});
-  const double error = std::max({quick.x.bound(), quick.y.bound(), quick.z.bound()});
-  const bool good = error <= kRefineDistance * largest && largest > 0;
-  const Vec3 normal = good ? unit(quick) : unit(Facet<Dyadic>(triangle).normal);
+  const bool crisp = sharp_direction(quick) && is_zero(quick) != Decision::yes;
+  const Vec3 normal = crisp ? unit(quick) : unit(Facet<Dyadic>(triangle).normal);
   if (!normal.isZero(0)) return normal;
   const Vec3 edges[3] = {triangle.b - triangle.a, triangle.c - triangle.b, triangle.a - triangle.c};
   return any_normal(*std::max_element(std::begin(edges), std::end(edges), [](const Vec3& a, const Vec3& b) {

@@ -91,8 +91,9 @@ inline Traced operator+(const Traced& a, const Traced& b) {
 inline Traced operator-(const Traced& a, const Traced& b) { return a + -b; }
 
 inline Traced operator*(const Traced& a, const Traced& b) {
-  if (a.exactly_zero() || b.exactly_zero()) return {};
   const double value = a.value * b.value;
+  // Not simply zero: the other factor may be NaN.
+  if (a.exactly_zero() || b.exactly_zero()) return value;
   constexpr double kSplit = 0x1p27 + 1;
   const double a_big = kSplit * a.value;
   const double b_big = kSplit * b.value;

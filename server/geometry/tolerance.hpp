@@ -47,6 +47,11 @@ inline constexpr double kRefineDirection = 0x1p-36;
 /// At zero, ExactContact.DepthBoundsHoldOnRandomPairs fails.
 inline constexpr double kWitnessError = 32 * kRoundoff;
 
+/// Slack of the half-spaces that look for a point of both sets, relative to their extent: 64 roundings, so that the
+/// only common point of two sets that touch is not lost. It places a contact point and decides nothing. No unit.
+/// At zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
+inline constexpr double kClipSlack = 0x1p-46;
+
 /// Bound on the rounding of the plain 2-D orientation determinant, relative to the sum of its two products: Shewchuk's
 /// ccwerrboundA, (3 + 16 u) u. No unit. At zero, IntakePlanar.NearlyStraightTurnsAreExact fails.
 inline constexpr double kTurnError = (3 + 16 * kRoundoff) * kRoundoff;
