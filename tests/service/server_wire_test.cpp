@@ -164,16 +164,17 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
 
 // A reply that would outgrow a message comes as several, each with whole questions.
 TEST_F(ServerWire, LargeAnswersAreSplitAndNothingIsLost) {
+  constexpr std::size_t kQuestions = 400;
   std::vector<double> numbers;
-  for (int i = 0; i < 1'000; ++i) numbers.insert(numbers.end(), {0, 0, 0, 100});
+  for (std::size_t i = 0; i < kQuestions; ++i) numbers.insert(numbers.end(), {0, 0, 0, 100});
   dds::Sample<wire::Query> query;
   set(*query, QueryKind::sphere, numbers);
   asker->send(*query);
   std::size_t questions = 0;
   std::size_t hits = 0;
   std::size_t replies = 0;
-  while (questions < 1'000) {
-    const auto reply = asker->reply_to(query->request, 5s);
+  while (questions < kQuestions) {
+    const auto reply = asker->reply_to(query->request, 30s);
     ASSERT_TRUE(reply);
     ASSERT_EQ(reply->first_question, questions);
     ASSERT_LE(reply->objects.size(), wire_contract::kMaxHitsPerChunk);
@@ -181,9 +182,9 @@ TEST_F(ServerWire, LargeAnswersAreSplitAndNothingIsLost) {
     hits += reply->objects.size();
     ++replies;
   }
-  EXPECT_EQ(questions, 1'000U);
-  EXPECT_EQ(hits, 31'000U);  // 25 parts and 6 pallets each
-  EXPECT_GT(replies, 3U);
+  EXPECT_EQ(questions, kQuestions);
+  EXPECT_EQ(hits, kQuestions * 31);  // 25 parts and 6 pallets each
+  EXPECT_GT(replies, 1U);
 }
 
 class HostilePublisher : public ServerWire {
