@@ -11,7 +11,7 @@ collided >"$scratch/server.out" 2>&1 &
 server=$!
 trap 'kill -TERM $server 2>/dev/null; wait $server 2>/dev/null; rm -rf "$scratch"' EXIT
 for ((i = 0; i < 200; ++i)); do
-  grep -q '^ready' "$scratch/server.out" && break
+  grep -qs '^ready' "$scratch/server.out" && break
   sleep 0.05
 done
 grep -q '^ready' "$scratch/server.out" || { cat "$scratch/server.out"; exit 1; }
