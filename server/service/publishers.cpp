@@ -428,7 +428,6 @@ PublisherView Publishers::view(const Publisher& publisher, std::int64_t now_ns) 
   const PublisherState here = silent_ns > limits_.silent_after_ns ? PublisherState::silent : PublisherState::alive;
   return {.publisher = publisher.id,
           .name = publisher.name,
-          .applied_sequence = publisher.watermark.through(),
           .silent_ns = silent_ns,
           .state = publisher.lost ? PublisherState::lost : here};
 }

@@ -55,7 +55,6 @@ enum class Applied : std::uint8_t { done, step_first };
 struct PublisherView {
   std::uint64_t publisher = 0;
   std::string_view name;
-  std::uint64_t applied_sequence = 0;
   std::int64_t silent_ns = 0;
   wire_contract::PublisherState state = wire_contract::PublisherState::alive;
 };

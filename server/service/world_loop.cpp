@@ -48,22 +48,29 @@ void WorldLoop::run() {
   next_step_ns_ = next_status_ns_;
   while (!stopping_.load()) {
     around_.inbox.drain(next_wake(), arrivals_);
-    for (Arrival& arrival : arrivals_) take(arrival);
+    for (Arrival& arrival : arrivals_) {
+      take(arrival);
+      keep_time();
+    }
     apply([&] { return publishers_.release_parked(around_.clock.now_ns()); });
     step_if_due();
-    if (steady_ns() >= next_status_ns_) {
-      next_status_ns_ = steady_ns() + wire_contract::kStatusPeriodNs;
-      publishers_.settle(around_.clock.now_ns());
-      step_if_due();
-      let_fences_pass();
-      if (steady_ns() >= recovered_ns_) recovering_.store(false);
-      write_status(recovering() ? ServerState::recovering : ServerState::ready);
-      around_.tick();
-      say_notices();
-    }
+    // Samples that changed nothing need no step, but somebody may wait for them.
+    if (pending_changes_ == 0) let_fences_pass();
+    keep_time();
   }
   end_contacts();
   write_status(ServerState::stopping);
+}
+
+/// Ten times a second, however much has come: who hears no status for 0.3 s takes the server for dead.
+void WorldLoop::keep_time() {
+  if (steady_ns() < next_status_ns_) return;
+  next_status_ns_ = steady_ns() + wire_contract::kStatusPeriodNs;
+  publishers_.settle(around_.clock.now_ns());
+  if (steady_ns() >= recovered_ns_) recovering_.store(false);
+  write_status(recovering() ? ServerState::recovering : ServerState::ready);
+  around_.tick();
+  say_notices();
 }
 
 /// Offers a sample until it is applied, with steps between where it asks for them.
@@ -237,10 +244,14 @@ void WorldLoop::list_publishers() {
   for (auto* column : {&status_.publisher_states, &status_.publisher_names}) column->clear();
   const std::lock_guard lock(publisher_names_mutex_);
   publisher_names_.clear();
+  auto applied = applied_.begin();
   publishers_.for_each(around_.clock.now_ns(), [&](const PublisherView& view) {
     publisher_names_.emplace(view.publisher, view.name);
     status_.publishers.push_back(view.publisher);
-    status_.applied_sequences.push_back(view.applied_sequence);
+    // What is in a published state, not what waits for the next step. Both lists are in the publishers' order.
+    applied = std::find_if(applied, applied_.end(), [&](const auto& entry) { return entry.first >= view.publisher; });
+    const bool found = applied != applied_.end() && applied->first == view.publisher;
+    status_.applied_sequences.push_back(found ? applied->second : 0);
     status_.silent_ns.push_back(view.silent_ns);
     status_.publisher_states.push_back(static_cast<std::uint8_t>(view.state));
     status_.publisher_names.insert(status_.publisher_names.end(), view.name.begin(), view.name.end());

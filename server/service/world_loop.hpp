@@ -78,6 +78,7 @@ class WorldLoop {
   void take(DefinitionSample& sample);
   template <class Apply>
   void apply(Apply&& once);
+  void keep_time();
   void step_if_due();
   void publish();
   void publish_events(const Stamp& stamp);
