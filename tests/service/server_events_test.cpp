@@ -163,7 +163,7 @@ TEST_F(ServerEvents, ACrashIsRecoveredFrom) {
   const RayQuestion up{.origin = {6, 0, 1}, .direction = {0, 0, 1}};
   EXPECT_EQ(other.ask(up)->reason, Undecided::recovering);
   const auto until = std::chrono::steady_clock::now() + 15s;
-  while (std::chrono::steady_clock::now() < until && !(client.status() && client.status()->state == "ready")) {
+  while (std::chrono::steady_clock::now() < until && !(other.status() && other.status()->state == "ready")) {
     move(publisher, ball, at(6, 0, 0.05));
     std::this_thread::sleep_for(50ms);
   }
