@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -56,6 +57,23 @@ std::string replace_file(const fs::path& path, const std::string& text) {
   return {};
 }
 
+/// The process that holds the lock, or 0 after taking it. The file stays open until this process ends: that is the lock.
+int take_lock(const fs::path& path) {
+  std::error_code ignored;
+  fs::create_directories(path.parent_path(), ignored);
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (file < 0) return 0;  // where nothing can be written, replace_file says so
+  if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+    int holder = 0;
+    std::ifstream(path) >> holder;
+    close(file);
+    return holder > 0 ? holder : -1;
+  }
+  const std::string pid = fmt::format("{}\n", getpid());
+  static_cast<void>(ftruncate(file, 0) == 0 && pwrite(file, pid.data(), pid.size(), 0) > 0);
+  return 0;
+}
+
 }  // namespace
 
 void close_epoch(const Epoch& epoch) {
@@ -74,6 +92,8 @@ Epoch next_epoch(const std::string& state_dir, int domain, const std::string& na
     return epoch;
   }
   const fs::path path = dir / file_name(domain, name_space);
+  epoch.rival_pid = take_lock(path.string() + ".lock");
+  if (epoch.rival_pid != 0) return epoch;
   std::uint64_t last = 0;
   std::string how;
   std::ifstream in(path);

@@ -28,6 +28,13 @@ std::uint64_t random_number() {
   return (std::uint64_t{device()} << 32) | device();
 }
 
+StartError not_alone(const Options& options, long pid) {
+  return StartError(
+      fmt::format("another collided (pid {}) serves namespace '{}' on domain {}\n"
+                  "       stop it, or use another --namespace or --domain",
+                  pid, options.name_space, options.domain));
+}
+
 /// Two servers under one namespace would both answer every question. A server that lives says so ten times a second,
 /// and its last status waits for who joins.
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
@@ -43,10 +50,7 @@ void make_sure_to_be_alone(const dds::Participant& participant, const Options& o
     while (reader.take(status)) {
       const bool lives = status.info().valid_data && status.info().instance_state == DDS_ALIVE_INSTANCE_STATE;
       if (!lives) continue;
-      throw StartError(
-          fmt::format("another collided (pid {}) serves namespace '{}' on domain {}\n"
-                      "       stop it, or use another --namespace or --domain",
-                      status->pid, options.name_space, options.domain));
+      throw not_alone(options, static_cast<long>(status->pid));
     }
   }
 }
@@ -101,6 +105,7 @@ Epoch Server::Parts::make_epoch() {
   make_sure_to_be_alone(participant, options);
   Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space,
                           [](const char* name) { return std::getenv(name); });
+  if (kept.rival_pid != 0) throw not_alone(options, kept.rival_pid);
   if (kept.kept_in.empty()) {
     log->warn("the epoch is the clock's seconds, {}: {}; --state-dir names a folder that can be written", kept.value,
               kept.problem);
