@@ -57,8 +57,8 @@ std::string replace_file(const fs::path& path, const std::string& text) {
   return {};
 }
 
-/// The process that holds the lock, or 0 after taking it. The file stays open until this process ends: that is the lock.
-int take_lock(const fs::path& path) {
+/// The process that holds the lock, or 0 after taking it; the open file is the lock.
+int take_lock(const fs::path& path, std::shared_ptr<void>& lock) {
   std::error_code ignored;
   fs::create_directories(path.parent_path(), ignored);
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
@@ -69,6 +69,7 @@ int take_lock(const fs::path& path) {
     close(file);
     return holder > 0 ? holder : -1;
   }
+  lock = std::shared_ptr<void>(nullptr, [file](void*) { close(file); });
   const std::string pid = fmt::format("{}\n", getpid());
   static_cast<void>(ftruncate(file, 0) == 0 && pwrite(file, pid.data(), pid.size(), 0) > 0);
   return 0;
@@ -92,7 +93,7 @@ Epoch next_epoch(const std::string& state_dir, int domain, const std::string& na
     return epoch;
   }
   const fs::path path = dir / file_name(domain, name_space);
-  epoch.rival_pid = take_lock(path.string() + ".lock");
+  epoch.rival_pid = take_lock(path.string() + ".lock", epoch.lock);
   if (epoch.rival_pid != 0) return epoch;
   std::uint64_t last = 0;
   std::string how;

@@ -222,8 +222,10 @@ class EpochFile : public ::testing::Test {
 };
 
 TEST_F(EpochFile, GrowsWithEachStart) {
-  const Epoch first = next(folder);
+  Epoch first = next(folder);
   EXPECT_EQ(first.kept_in, folder + "/3-a-b.epoch");
+  EXPECT_EQ(next(folder).rival_pid, getpid()) << "the first one still runs";
+  first.lock.reset();
   EXPECT_GT(next(folder).value, first.value);
   std::ofstream(first.kept_in) << "99999999999\n";
   EXPECT_EQ(next(folder).value, 100'000'000'000U);
