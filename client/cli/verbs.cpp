@@ -57,6 +57,9 @@ const std::vector<Verb>& verbs() {
        make_publish},
       {"load", "Change", "load a file as a scene", "load FILE", "load warehouse.obj --unit mm --up y", make_load},
       {"clear", "Change", "empty the world, or one scene of it", "clear [SCENE]", "clear --moving", make_clear},
+      {"check", "Files", "what a file holds and what is wrong with it; needs no server", "check FILE", "check warehouse.obj --json", make_check, true},
+      {"convert", "Files", "read a file, write a .cscene file; needs no server", "convert IN OUT.cscene", "convert scan.ply scene.cscene --unit mm --center",
+       make_convert, true},
       {"help", "More", "what a verb does", "help [VERB]", "", make_help},
       {"version", "More", "versions", "version", "version --server", make_version},
   };

@@ -9,6 +9,7 @@
 #include "client/cli/progress.hpp"
 #include "client/cli/server_command.hpp"
 #include "client/cli/shape_text.hpp"
+#include "client/cli/undo.hpp"
 #include "idl/commands.hpp"
 
 namespace collided::cli {
@@ -146,6 +147,7 @@ class RemoveCommand : public Command {
   static std::size_t remove(Session& session, const Globals& globals, const std::string& name) {
     const bool is_glob = name.find_first_of("*?[") != std::string::npos;
     const nlohmann::json arguments{{"name", name}};
+    const Undo undo = undo_of(session, globals, name, false);
     const nlohmann::json answer = is_glob ? server_command(session, globals, wire::kRemove, arguments)
                                           : object_command(session, globals, wire::kRemove, name, arguments);
     const std::vector<std::string> removed = texts_of(answer, "removed");
@@ -155,6 +157,7 @@ class RemoveCommand : public Command {
                                        : fmt::format("removed {} (world {})", joined(removed), version);
     if (ended > 0) line += fmt::format("; it had {} open contact{}, ended (removed)", ended, ended == 1 ? "" : "s");
     print_done(session, globals, {{"removed", names_json(removed)}, {"ended", ended}, {"world", version}}, line);
+    if (!removed.empty()) print_undo(session, globals, undo);
     return removed.size();
   }
 
@@ -244,12 +247,21 @@ class ClearCommand : public Command {
   }
 
   Exit run(Session& session, const Globals& globals) override {
+    const bool objects_too = scene_.empty() || moving_;
+    const Undo undo = objects_too ? undo_of(session, globals, "", moving_) : Undo{};
+    const std::vector<std::string> scenes = take(session.client(globals).status()).scenes;
     const nlohmann::json answer = server_command(session, globals, wire::kClear, {{"scene", scene_}, {"moving", moving_}});
     const std::uint64_t removed = count_of(answer, "removed");
     const std::uint64_t ended = count_of(answer, "ended");
-    print_done(session, globals, {{"removed", removed}, {"ended", ended}, {"world", count_of(answer, "version")}},
-               fmt::format("removed {} objects, ended {} contacts (world {})", format_count(removed), format_count(ended),
-                           count_of(answer, "version")));
+    const std::uint64_t kept = count_of(answer, "kept");
+    std::string line = fmt::format("removed {} objects, ended {} contacts (world {})", format_count(removed), format_count(ended), count_of(answer, "version"));
+    if (kept > 0) line += fmt::format("; {} belong to publishers that live and stay", format_count(kept));
+    print_done(session, globals, {{"removed", removed}, {"kept", kept}, {"ended", ended}, {"world", count_of(answer, "version")}}, line);
+    print_undo(session, globals, undo);
+    for (const std::string& scene : scenes) {
+      const bool went = scene == scene_ || (scene_.empty() && !moving_);
+      if (went) print_hint(session.io, globals, fmt::format("     undo: collide load FILE --name {}", shell_word(scene)));
+    }
     return removed > 0 ? Exit::yes : Exit::no;
   }
 

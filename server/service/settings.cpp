@@ -132,8 +132,8 @@ Allowed apply_log_json(Options& options, Values values) {
 }
 
 constexpr Setting kSettings[] = {
-    {"server.namespace", "--namespace", "COLLIDED_NAMESPACE", "collided", "NAME", "topics are NAME/object, NAME/query, ...",
-     false, apply_namespace},
+    {"server.namespace", "--namespace", "COLLIDED_NAMESPACE", "collided", "NAME",
+     "topics are NAME/object, NAME/query, ...", false, apply_namespace},
     {"server.threads", "--threads", "COLLIDED_THREADS", "0", "N", "threads that answer; 0: one a core", false,
      apply_threads},
     {"server.step", "--step", "COLLIDED_STEP", "on-sample", "TIME", "period of the collision step, or on-sample", false,

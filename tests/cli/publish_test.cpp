@@ -51,10 +51,15 @@ TEST_F(Publish, FramesComeWhenTheyAreDue) {
   ASSERT_EQ(times.size(), 3U);
   EXPECT_GE(seconds(1), 0.099);
   EXPECT_GE(seconds(2), 0.199);
-  times.clear();
-  collide("publish " + file.path() + " --speed 4");
-  EXPECT_GE(seconds(2), 0.049);
-  EXPECT_LT(seconds(2), 0.199);
+  // A busy machine may be late once, but not every time.
+  double fastest = 1e9;
+  for (int trial = 0; trial < 20 && fastest >= 0.199; ++trial) {
+    times.clear();
+    collide("publish " + file.path() + " --speed 4");
+    EXPECT_GE(seconds(2), 0.049);
+    fastest = std::min(fastest, seconds(2));
+  }
+  EXPECT_LT(fastest, 0.199);
   times.clear();
   collide("publish " + file.path() + " --rate 20");
   EXPECT_GE(seconds(2), 0.099);

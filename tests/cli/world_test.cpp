@@ -47,11 +47,16 @@ TEST_F(World, MoveKeepsTheRotationUnlessOneIsGiven) {
   EXPECT_EQ(asked.back().second["pose"], nlohmann::json({1, 2, -0.8, 0, 1, 0, 0}));
 }
 
-TEST_F(World, RemoveSaysWhatWent) {
-  replies["remove"] = {{"removed", {"crate"}}, {"ended", 1}, {"version", 18207}};
-  const Ran ran = at_terminal("rm crate");
+TEST_F(World, RemoveSaysWhatWentAndHowToBringItBack) {
+  const nlohmann::json brief{{"name", "a crate"}, {"kind", "box"}, {"scene", ""}, {"publisher", ""}};
+  const nlohmann::json box{{"box", {{"center", {0, 0, 0}}, {"half_m", {0.2, 0.2, 0.1}}, {"rotation", {1, 0, 0, 0}}}}};
+  replies["list"] = {{"objects", {brief}}, {"count", 1}, {"version", 18206}};
+  replies["get"] = {{"name", "a crate"}, {"shape", {box}}, {"pose", {1, 2, 0.2, 0, 1, 0, 0}}, {"layers", 2}, {"mask", 0xffffffff}, {"group", 0}, {"moving", true}};
+  replies["remove"] = {{"removed", {"a crate"}}, {"ended", 1}, {"version", 18207}};
+  const Ran ran = at_terminal("rm 'a crate'");
   EXPECT_EQ(ran.code, 0);
-  EXPECT_EQ(ran.out, "removed crate (world 18207); it had 1 open contact, ended (removed)\n");
+  EXPECT_EQ(ran.out, "removed a crate (world 18207); it had 1 open contact, ended (removed)\n");
+  EXPECT_EQ(ran.err, "     undo: collide add 'a crate' box 0.4 0.4 0.2 --at 1 2 0.2 --quat 0 1 0 0 --layers 0x2\n");
   replies["remove"] = {{"removed", nlohmann::json::array()}, {"ended", 0}, {"version", 18207}};
   EXPECT_EQ(collide("rm 'crate*'").code, 1);
 }
@@ -147,6 +152,7 @@ TEST_F(World, TheConnectionComesFromFlagsThenTheEnvironment) {
 TEST_F(World, ManyVerbsShareOneConnection) {
   replies["add"] = {{"name", "crate"}, {"id", 7}, {"version", 18205}};
   replies["remove"] = {{"removed", {"crate"}}, {"ended", 1}, {"version", 18207}};
+  replies["list"] = {{"objects", nlohmann::json::array()}, {"count", 0}, {"version", 9}};
   fake::server().ray = [](const RayQuestion&, const AskOptions& options) {
     EXPECT_TRUE(options.fresh);
     return fake::hit_answer({fake::hit("crate", 4.6, {1, 2, 0.4})});
@@ -160,7 +166,37 @@ TEST_F(World, ManyVerbsShareOneConnection) {
   EXPECT_EQ(fake::server().connect_count, 1);
 }
 
+// What undoes a removal makes the same object again.
+TEST_F(World, TheUndoLineIsACommandOfCollide) {
+  const nlohmann::json brief{{"name", "it's"}, {"kind", "capsule"}, {"scene", ""}, {"publisher", ""}};
+  const nlohmann::json capsule{{"capsule", {{"a", {0, 0, -0.15}}, {"b", {0, 0, 0.15}}, {"radius_m", 0.05}}}};
+  replies["list"] = {{"objects", {brief}}, {"count", 1}, {"version", 18206}};
+  replies["get"] = {{"name", "it's"}, {"shape", {capsule}}, {"pose", {-1, 2, -0.2, 1, 0, 0, 0}}, {"layers", 1}, {"mask", 6}, {"group", 3}, {"moving", false}};
+  replies["remove"] = {{"removed", {"it's"}}, {"ended", 0}, {"version", 18207}};
+  replies["add"] = {{"name", "it's"}, {"id", 8}, {"version", 18208}};
+  const std::string hint = collide("rm \"it's\"").err;
+  const std::string command = hint.substr(hint.find("collide ") + 8);
+  ASSERT_EQ(collide(command.substr(0, command.find('\n'))).code, 0) << command;
+  EXPECT_EQ(asked.back().second["name"], "it's");
+  EXPECT_EQ(asked.back().second["pose"], nlohmann::json({-1, 2, -0.2, 1, 0, 0, 0}));
+  EXPECT_EQ(asked.back().second["mask"], 6);
+  EXPECT_EQ(asked.back().second["group"], 3);
+  EXPECT_EQ(asked.back().second["moving"], false);
+  EXPECT_EQ(std::get<CapsuleShape>(last_shape[0]).a, Vec3(0, 0, -0.15));
+  EXPECT_EQ(std::get<CapsuleShape>(last_shape[0]).radius_m, 0.05);
+}
+
+TEST_F(World, ClearNamesTheScenesThatWent) {
+  fake::server().status.scenes = {"warehouse"};
+  replies["list"] = {{"objects", nlohmann::json::array()}, {"count", 0}, {"version", 9}};
+  replies["clear"] = {{"removed", 48}, {"kept", 2}, {"ended", 3}, {"version", 10}};
+  const Ran ran = at_terminal("clear");
+  EXPECT_EQ(ran.out, "removed 48 objects, ended 3 contacts (world 10); 2 belong to publishers that live and stay\n");
+  EXPECT_EQ(ran.err, "     undo: collide load FILE --name warehouse\n");
+}
+
 TEST_F(World, ALineThatFailsIsNamedAndTheNextRuns) {
+  replies["list"] = {{"objects", nlohmann::json::array()}, {"count", 0}, {"version", 9}};
   replies["remove"] = {{"removed", {"crate"}}, {"ended", 0}, {"version", 2}};
   const Ran ran = collide("-", {.in = "ray 1 2\nrm crate\n"});
   EXPECT_EQ(ran.code, 6);

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "server/intake/files/file_options.hpp"
+
+namespace collided::files {
+
+/// Prints what a file holds and what is wrong with it. 0: all of it was taken; 1: something was refused.
+int check(const FileOptions& file, bool as_json);
+
+}  // namespace collided::files

@@ -1,0 +1,78 @@
+#include "server/intake/files/convert.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "server/geometry/aabb.hpp"
+#include "server/intake/scene_file.hpp"
+
+namespace collided::files {
+namespace {
+
+Vec3 parse_point(const std::string& text) {
+  Vec3 point = Vec3::Zero();
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [stop, error] = std::from_chars(at, end, point[axis]);
+    const bool separated = axis == 2 ? stop == end : stop != end && *stop == ',';
+    if (error != std::errc{} || !separated || !std::isfinite(point[axis])) throw LoadError(fmt::format("--origin '{}'; three finite numbers are needed: X,Y,Z", text));
+    at = stop + 1;
+  }
+  return point;
+}
+
+Vec3 middle(const Scene& scene) {
+  Aabb all;
+  for (const Vec3& vertex : scene.mesh.vertices) all.extend(vertex);
+  for (const SceneObject& object : scene.objects) all.extend(object.pose.position);
+  if (all.empty()) throw LoadError("--center: the file holds nothing that has a middle");
+  // Whole metres: the numbers of most files stay exact when they are taken away.
+  return (all.low / 2 + all.high / 2).array().round();
+}
+
+/// a - b, and whether a bit was lost. source  Knuth's TwoSum
+double subtract(double a, double b, std::uint64_t& rounded_count) {
+  const double difference = a - b;
+  const double b_part = a - difference;
+  const double a_part = difference + b_part;
+  const bool exact = (a - a_part) + (b_part - b) == 0;
+  if (!exact) ++rounded_count;
+  return difference;
+}
+
+void move_to_origin(Scene& scene, const Vec3& origin) {
+  std::uint64_t rounded_count = 0;
+  for (Vec3& vertex : scene.mesh.vertices) {
+    for (int axis = 0; axis < 3; ++axis) vertex[axis] = subtract(vertex[axis], origin[axis], rounded_count);
+  }
+  for (SceneObject& object : scene.objects) {
+    for (int axis = 0; axis < 3; ++axis) object.pose.position[axis] = subtract(object.pose.position[axis], origin[axis], rounded_count);
+  }
+  fmt::print("  origin   {},{},{} is now 0 0 0; {} numbers were rounded by that\n", shortest(origin.x()), shortest(origin.y()), shortest(origin.z()),
+             grouped(rounded_count));
+}
+
+}  // namespace
+
+int convert(const ConvertOptions& options) {
+  if (!options.output.ends_with(".cscene")) throw LoadError(fmt::format("{}: only .cscene files are written", options.output));
+  if (options.center && !options.origin.empty()) throw LoadError("--center and --origin exclude each other");
+  LoadReport report;
+  Scene scene = load(options.file, report);
+  fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()), grouped(scene.mesh.triangles.size()),
+             grouped(scene.objects.size()));
+  if (options.center) move_to_origin(scene, middle(scene));
+  if (!options.origin.empty()) move_to_origin(scene, parse_point(options.origin));
+  save_scene(options.output, scene);
+  for (const std::string& line : report.mended) fmt::print("  mended   {}\n", line);
+  for (const std::string& line : report.refused) fmt::print("  refused  {}\n", line);
+  for (const std::string& line : report.warnings) fmt::print("  warning  {}\n", line);
+  fmt::print("  written  {}\n", options.output);
+  return report.refused.empty() ? 0 : 1;
+}
+
+}  // namespace collided::files

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "server/intake/files/file_options.hpp"
+
+namespace collided::files {
+
+struct ConvertOptions {
+  FileOptions file;
+  std::string output;  // .cscene
+  bool center = false;
+  std::string origin;  // "X,Y,Z": this point becomes 0 0 0
+};
+
+/// Reads a file and writes it as a scene file, moved where asked. 0: all of it was taken; 1: something was refused.
+int convert(const ConvertOptions& options);
+
+}  // namespace collided::files
