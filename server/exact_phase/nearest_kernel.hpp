@@ -188,7 +188,7 @@ Vec3 foot(const Nearest<N>& nearest) {
 
 /// A nearest point ready to report.
 struct NearestValue {
-  Bounded gap;
+  Bounded gap{0, std::numeric_limits<double>::infinity()};
   Vec3 away = Vec3::Zero();  // unit, or zero if p is on the (unrounded) set
   Vec3 foot = Vec3::Zero();
   bool known = false;

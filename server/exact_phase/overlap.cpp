@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "server/exact_phase/nearest_kernel.hpp"
+#include "server/exact_phase/separation_filter.hpp"
 
 namespace collided {
 namespace {
@@ -60,6 +61,8 @@ Verdict overlaps(const Sphere& a, const Triangle& b) {
 }
 
 Verdict overlaps(const Box& a, const Box& b) {
+  const Decision quick = quickly_overlaps(a, b);
+  if (quick != Decision::undecided) return {quick, Level::filter};
   return climb([&]<class N>() {
     const Solid<N> solid_a(a);
     const Solid<N> solid_b(b);
@@ -74,6 +77,8 @@ Verdict overlaps(const Box& a, const Capsule& b) {
 }
 
 Verdict overlaps(const Box& a, const Triangle& b) {
+  const Decision quick = quickly_overlaps(a, b);
+  if (quick != Decision::undecided) return {quick, Level::filter};
   return climb([&]<class N>() {
     const Solid<N> solid(a);
     return bodies_meet(Body<N>(solid), Body<N>(Facet<N>(b)));

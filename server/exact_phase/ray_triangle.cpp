@@ -2,6 +2,7 @@
 
 #include "server/exact_phase/ray_cast.hpp"
 #include "server/exact_phase/ray_kernel.hpp"
+#include "server/exact_phase/triple.hpp"
 #include "server/exact_phase/value.hpp"
 #include "server/geometry/tolerance.hpp"
 
@@ -9,21 +10,6 @@ namespace collided {
 namespace {
 
 using namespace kernel;
-
-/// Three doubles by value: Eigen's vectors of three are not kept in registers here, and this is the innermost loop.
-struct Triple {
-  double x;
-  double y;
-  double z;
-
-  Triple operator-(const Triple& o) const { return {x - o.x, y - o.y, z - o.z}; }
-};
-
-inline Triple triple(const Vec3& v) { return {v[0], v[1], v[2]}; }
-inline double dot(const Triple& a, const Triple& b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
-inline Triple cross(const Triple& a, const Triple& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 /// Weights whose sum is 1 to one rounding; a hair below zero becomes zero.
 Vec3 normalized_weights(double a, double b, double c) {
@@ -119,7 +105,8 @@ struct FilterState {
   double side[3];
 };
 
-inline bool in_filter_range(double length2) { return length2 >= kFilterLowest2 && length2 <= kFilterHighest2; }
+/// Overflow needs no check: it makes the bound infinite, and nothing is above that.
+inline bool in_filter_range(double length2) { return length2 >= kFilterLowest2; }
 
 /// The line surely meets the triangle's inside: find out where, and whether that is within the ray.
 Verdict finish(const Ray& ray, const Triangle& triangle, const FilterState& s, RayHit& hit) {
@@ -142,10 +129,10 @@ Verdict finish(const Ray& ray, const Triangle& triangle, const FilterState& s, R
   if ((numerator > 0) != (denominator > 0)) return {Decision::no, Level::filter};
   const double parameter = numerator / denominator;
   const double distance = parameter * length;
-  // Relative: the quotient of two numbers with these errors, and the roundings of quotient, norm and product.
-  const double relative =
-      (numerator_error / std::abs(numerator) + denominator_error / (size - denominator_error)) * (1 + kBoundSlack) +
-      8 * kRoundoff;
+  // Of a quotient whose terms have the relative errors n and d: (n + d) / (1 - d); then quotient, norm and product.
+  const double denominator_part = denominator_error / size;
+  const double relative = (numerator_error / std::abs(numerator) + denominator_part) / (1 - denominator_part) *
+                              (1 + kBoundSlack) + 8 * kRoundoff;
   const double error = distance * relative;
   if (distance - error > ray.length_m) return {Decision::no, Level::filter};
   if (!(distance + error <= ray.length_m) || !std::isfinite(distance)) return climb_from_filter(ray, triangle, hit);

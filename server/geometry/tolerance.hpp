@@ -20,21 +20,20 @@ inline constexpr double kUnderflow = 0x1p-1000;
 /// Error of the triple product e . (p x d) in double, relative to |e| |p| |d|: seven roundings on each of six products
 /// (two differences, two products, three sums), and the six sum to at most sqrt(2) |e| |p| |d| (Cauchy-Schwarz twice).
 /// 7 sqrt(2) = 9.9; the rest up to 11 absorbs the roundings of the norms. No unit.
-/// At 1, ExactRayTriangle.AgreesWithRationalsAtTheFilterBoundary fails.
+/// At 1, ExactRayTriangle.EveryOrderOfCornersAgreesAtTheFilterBoundary fails.
 inline constexpr double kTripleProductError = 11 * kRoundoff;
 
-/// Squared lengths between these bounds neither overflow nor underflow in the triple-product filter: a product of six
-/// lengths stays in [2^-900, 2^900], and underflow inside it stays below 2^-900. Square metres.
-/// Without them ExtremeRay.TinyAndHugeScenesKeepTheirAnswers fails.
+/// Squared lengths from here on do not underflow in the triple-product filter: the square of its bound, a product of
+/// six lengths and 2^-99, stays above 2^-1000. Below, the bound would round to zero and believe every sign. Square
+/// metres. At zero, ExactRayTriangle.HardCasesKeepTheirAnswersAtEveryScale fails.
 inline constexpr double kFilterLowest2 = 0x1p-300;
-inline constexpr double kFilterHighest2 = 0x1p300;
 
 /// Relative width above which a distance is evaluated again exactly. A smaller value buys digits with microseconds.
 /// Without it ExactClosest.RelativeErrorStaysSmallAtTheSurface fails.
 inline constexpr double kRefineDistance = 0x1p-42;
 
 /// The same for the distance along a ray, where grazing hits are common: 1.2e-10, 0.12 micrometre at one kilometre.
-/// Without it ExactRayTriangle.GrazingDistanceIsRefined fails.
+/// Without it ExtremeRayGrazing.DistanceStaysSharp fails.
 inline constexpr double kRefineRay = 0x1p-33;
 
 /// Error of a nearest direction, relative to its length, above which it is evaluated again exactly: a depth d along a
@@ -44,13 +43,21 @@ inline constexpr double kRefineDirection = 0x1p-36;
 
 /// Error of a witness point, relative to the largest coordinate of the sets: a + u d with u in [0, 1] on an edge whose
 /// ends took four roundings each, or the foot on a face (two quotients and two sums on each coordinate). No unit.
-/// At zero, ExactContact.DepthBoundsHoldOnRandomPairs fails.
+/// At zero, ExactContactOracle.CapsuleCapsule fails.
 inline constexpr double kWitnessError = 32 * kRoundoff;
 
 /// Slack of the half-spaces that look for a point of both sets, relative to their extent: 64 roundings, so that the
 /// only common point of two sets that touch is not lost. It places a contact point and decides nothing. No unit.
 /// At zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
 inline constexpr double kClipSlack = 0x1p-46;
+
+/// Error of one gap of the plain separating-axis test, relative to A B (D + A H): axes of at most A, the axis or edge
+/// they are crossed with of at most B, corners and centres at most D apart, half sizes summing to H, all by largest
+/// coordinate. A cross product of two rounded differences is off by 8 u A B a coordinate, its dot product with a third
+/// vector X by 40 u A B X, and the reach (each of at most six terms 46 u A^2 B h, their sums 30 u A^2 B H more) by
+/// 76 u A^2 B H; the last subtraction adds 12 u. 96 covers all with the roundings of the bound. No unit.
+/// At a half, ExtremeSeparationFilter.AgreesWithRationalsAtTheFilterBoundary fails.
+inline constexpr double kSeparationError = 96 * kRoundoff;
 
 /// Bound on the rounding of the plain 2-D orientation determinant, relative to the sum of its two products: Shewchuk's
 /// ccwerrboundA, (3 + 16 u) u. No unit. At zero, IntakePlanar.NearlyStraightTurnsAreExact fails.

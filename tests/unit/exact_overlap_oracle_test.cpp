@@ -42,15 +42,15 @@ const auto kByDistance = [](const auto& a, const auto& b) { return oracle::overl
 const auto kByClipping = [](const auto& a, const auto& b) { return oracle::overlaps_by_clipping(a, b); };
 
 TEST(ExactOverlapOracle, SphereSphere) { compare(2000, 1, kSphere, kSphere, kByDistance); }
-TEST(ExactOverlapOracle, SphereBox) { compare(150, 2, kSphere, kBox, kByDistance); }
+TEST(ExactOverlapOracle, SphereBox) { compare(40, 2, kSphere, kBox, kByDistance); }
 TEST(ExactOverlapOracle, SphereCapsule) { compare(1000, 3, kSphere, kCapsule, kByDistance); }
-TEST(ExactOverlapOracle, SphereTriangle) { compare(400, 4, kSphere, kTriangle, kByDistance); }
-TEST(ExactOverlapOracle, BoxBox) { compare(60, 5, kBox, kBox, kByClipping); }
-TEST(ExactOverlapOracle, BoxCapsule) { compare(30, 6, kBox, kCapsule, kByDistance); }
-TEST(ExactOverlapOracle, BoxTriangle) { compare(60, 7, kBox, kTriangle, kByClipping); }
+TEST(ExactOverlapOracle, SphereTriangle) { compare(200, 4, kSphere, kTriangle, kByDistance); }
+TEST(ExactOverlapOracle, BoxBox) { compare(15, 5, kBox, kBox, kByClipping); }
+TEST(ExactOverlapOracle, BoxCapsule) { compare(15, 6, kBox, kCapsule, kByDistance); }
+TEST(ExactOverlapOracle, BoxTriangle) { compare(15, 7, kBox, kTriangle, kByClipping); }
 TEST(ExactOverlapOracle, CapsuleCapsule) { compare(300, 8, kCapsule, kCapsule, kByDistance); }
 TEST(ExactOverlapOracle, CapsuleTriangle) { compare(100, 9, kCapsule, kTriangle, kByDistance); }
-TEST(ExactOverlapOracle, TriangleTriangle) { compare(100, 10, kTriangle, kTriangle, kByClipping); }
+TEST(ExactOverlapOracle, TriangleTriangle) { compare(25, 10, kTriangle, kTriangle, kByClipping); }
 
 }  // namespace
 }  // namespace collided

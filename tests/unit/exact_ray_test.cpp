@@ -60,6 +60,22 @@ TEST(ExactRayTriangle, InThePlaneTheBorderIsMetFirst) {
   EXPECT_FALSE(cast_ray({{-1, 1, 1e-300}, {1, 0, 0}}, kFloor, hit).yes());
 }
 
+TEST(ExactRayTriangle, WeightsSumToOneAndPlaceThePoint) {
+  const Triangle t{{0.1, 0.2, 0.3}, {4.7, -0.3, 0.9}, {-0.4, 3.9, -1.1}};
+  for (const double s : {0.1, 0.3, 0.7}) {
+    const Vec3 target = 0.2 * t.a + 0.8 * (s * t.b + (1 - s) * t.c);
+    RayHit hit;
+    ASSERT_TRUE(cast_ray({{1, 2, 5}, target - Vec3(1, 2, 5)}, t, hit).yes());
+    EXPECT_NEAR(hit.weights.sum(), 1, 0x1p-52);
+    EXPECT_TRUE(hit.weights.isApprox(Vec3(0.2, 0.8 * s, 0.8 * (1 - s)), 1e-13));
+    EXPECT_TRUE(hit.point.isApprox(target, 1e-14));
+  }
+  RayHit corner;
+  ASSERT_TRUE(cast_ray({t.b, {1, 1, 1}}, t, corner).yes());
+  EXPECT_EQ(corner.weights, Vec3(0, 1, 0));
+  EXPECT_EQ(corner.distance_m, 0);
+}
+
 TEST(ExactRayTriangle, AFlatTriangleIsItsSegmentOrPoint) {
   RayHit hit;
   const Triangle segment{{0, 0, 0}, {1, 0, 0}, {3, 0, 0}};
