@@ -16,7 +16,7 @@
 
 #include <dds/dds.h>
 
-#include "collided.h"
+#include "idl/collided.h"
 #include "idl/topics.hpp"
 
 /// Owning C++ over Cyclone DDS's C interface: the only door to DDS.

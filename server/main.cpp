@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <pthread.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
@@ -21,8 +20,6 @@ namespace {
 
 using namespace collided::service;
 
-constexpr std::chrono::seconds kStopPatience{10};
-
 /// Blocked before any thread is made, so that only the waiting main thread gets them.
 sigset_t block_stop_signals() {
   sigset_t signals;
@@ -33,10 +30,10 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
-/// A stop that hangs ends anyway; who stops us waits no longer than this.
+/// A stop that hangs ends anyway.
 void limit_stopping() {
   std::thread([] {
-    std::this_thread::sleep_for(kStopPatience);
+    std::this_thread::sleep_for(std::chrono::seconds(10));
     fmt::print(stderr, "error: stopping took longer than 10 s; leaving at once\n");
     std::_Exit(1);
   }).detach();
@@ -61,9 +58,10 @@ int serve(const Options& options) {
 int run(const std::vector<std::string>& arguments) {
   const ParsedOptions parsed = parse_options(arguments, [](const char* name) { return std::getenv(name); });
   const Options& options = parsed.options;
-  if (options.show_help) fmt::print("{}", help_text());
-  if (options.show_version) fmt::print("collided {}\n", version_text());
-  if (options.show_help || options.show_version) return 0;
+  if (options.show_help || options.show_version) {
+    fmt::print("{}", options.show_help ? help_text() : "collided " + version_text() + "\n");
+    return 0;
+  }
   if (options.print_config) fmt::print("{}", print_config(parsed));
   if (options.print_config || options.check_config) return 0;
   return options.once ? run_once(options) : serve(options);

@@ -94,7 +94,7 @@ Failure as_failure(const Error& error) {
     case ErrorCode::no_server:
     case ErrorCode::disconnected:
     case ErrorCode::timeout: return {Exit::no_server, error.message, error.hint};
-    case ErrorCode::refused: return {Exit::refused, "server refused: " + error.message, error.hint};
+    case ErrorCode::refused: return {Exit::refused, error.message, error.hint};
     case ErrorCode::internal: break;
   }
   return {Exit::refused, "inside collide: " + error.message, error.hint};

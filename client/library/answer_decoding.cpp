@@ -18,10 +18,9 @@ Error nonsense(const std::string& what) {
 
 Vec3 vector_at(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
 
-Hit decode_hit(const wire::Reply& reply, std::size_t index, Names& names) {
+void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names, Hit& hit) {
   const double* const numbers = dds::view(reply.numbers).data() + index * kHitNumbers;
   const std::uint8_t flags = dds::view(reply.hit_flags)[index];
-  Hit hit;
   hit.object_id = dds::view(reply.objects)[index];
   hit.object = names.name(hit.object_id);
   hit.triangle = dds::view(reply.triangles)[index];
@@ -33,7 +32,6 @@ Hit decode_hit(const wire::Reply& reply, std::size_t index, Names& names) {
   hit.weights = vector_at(numbers + 9);
   hit.inside = (flags & wire_contract::kInside) != 0;
   hit.stale = (flags & wire_contract::kStale) != 0;
-  return hit;
 }
 
 }  // namespace
@@ -133,7 +131,7 @@ std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
       answer.cost = {dds::view(reply.nodes)[i], dds::view(reply.exact_tests)[i], dds::view(reply.levels)[i]};
       answer.hits.reserve(hit_count);
       for (std::size_t hit = 0; hit < hit_count; ++hit) {
-        answer.hits.push_back(decode_hit(reply, next_hit + hit, names_));
+        decode_hit(reply, next_hit + hit, names_, answer.hits.emplace_back());
       }
       note_answered(question);
     }

@@ -57,7 +57,7 @@ Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& optio
       return connection->no_server();
     }
     return connection;
-  } catch (const std::invalid_argument& wrong) {  // the namespace
+  } catch (const std::invalid_argument& wrong) {
     return bad_input(wrong.what());
   } catch (const dds::DdsError& failed) {
     return Error{ErrorCode::internal, failed.what(), "is '" + options.interface + "' an interface of this machine?"};

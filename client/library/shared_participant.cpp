@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <stdexcept>
 
 namespace collided::client {
 namespace {
@@ -41,8 +42,9 @@ std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options) {
   while (joined.open) {
     if (std::shared_ptr<dds::Participant> participant = joined.participant.lock()) {
       if (joined.interface != options.interface || joined.peers != options.peers) {
-        throw dds::DdsError("domain " + std::to_string(options.domain) + ": this process has joined it on interface '" +
-                            joined.interface + "'; one process uses one interface and one list of peers a domain");
+        throw std::invalid_argument("domain " + std::to_string(options.domain) +
+                                    ": this process has joined it on interface '" + joined.interface +
+                                    "'; one process uses one interface and one list of peers a domain");
       }
       return participant;
     }

@@ -8,7 +8,7 @@
 namespace collided::client {
 
 /// This process's participant of a domain, made by the first who asks and shared until the last lets go. Throws
-/// dds::DdsError, also when the domain was joined with another interface or other peers before.
+/// dds::DdsError, and std::invalid_argument when the domain was joined with another interface or other peers before.
 std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options);
 
 }  // namespace collided::client

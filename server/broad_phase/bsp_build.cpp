@@ -79,8 +79,8 @@ struct Job {
 
 void set_child(Node& node, int slot, const FloatBox& box, Ref ref) {
   for (int axis = 0; axis < 3; ++axis) {
-    node.low[axis][slot] = box.low[axis];
-    node.high[axis][slot] = box.high[axis];
+    node.plane[axis][0][slot] = box.low[axis];
+    node.plane[axis][1][slot] = box.high[axis];
   }
   node.child[slot] = ref;
 }
@@ -91,6 +91,37 @@ Node empty_node() {
   const FloatBox nothing{Float4::Constant(kInfinity), Float4::Constant(-kInfinity)};
   for (int slot = 0; slot < kWidth; ++slot) set_child(node, slot, nothing, kNothing);
   return node;
+}
+
+/// The cuts that made a node's children, in order: child `left` was cut along an axis, its upper part became `right`.
+struct Cut {
+  int left;
+  int right;
+  int axis;
+};
+
+/// Near to far for each octant of directions. A child's list starts with itself; undoing the cuts from the last to the
+/// first joins the lists of their two sides, nearer side first.
+void set_order(const Cut (&cuts)[kWidth], int child_count, Node& node) {
+  for (unsigned octant = 0; octant < 8; ++octant) {
+    std::uint32_t list[kWidth];
+    int length[kWidth];
+    for (int i = 0; i < kWidth; ++i) {
+      list[i] = static_cast<std::uint32_t>(i);
+      length[i] = 1;
+    }
+    for (int c = child_count - 2; c >= 0; --c) {
+      const auto [left, right, axis] = cuts[c];
+      const bool left_first = (octant >> axis & 1u) == 0;
+      const int first = left_first ? left : right;
+      const int second = left_first ? right : left;
+      list[left] = list[first] | list[second] << (3 * length[first]);
+      length[left] += length[right];
+    }
+    // Missing children go last, so that every lane is somewhere.
+    for (int i = child_count; i < kWidth; ++i) list[0] |= static_cast<std::uint32_t>(i) << (3 * i);
+    node.order[octant] = list[0];
+  }
 }
 
 class Builder {
@@ -109,14 +140,16 @@ class Builder {
       return add_leaf(range, piece);
     }
     Range children[kWidth];
-    const int count = cut(range, depth, children);
+    Cut cuts[kWidth];
+    const int count = cut(range, depth, children, cuts);
     const auto index = static_cast<std::uint32_t>(piece.nodes.size());
     piece.nodes.push_back(empty_node());
-    for (int slot = 0; slot < count; ++slot) {
-      const bool later = jobs != nullptr && children[slot].size() <= job_size;
-      if (later) jobs->push_back({children[slot], depth + 1, index, slot});
-      const Ref ref = later ? kNothing : build(children[slot], depth + 1, callers_thread, piece, job_size, jobs);
-      set_child(piece.nodes[index], slot, children[slot].bounds, ref);
+    set_order(cuts, count, piece.nodes.back());
+    for (int i = 0; i < count; ++i) {
+      const bool later = jobs != nullptr && children[i].size() <= job_size;
+      if (later) jobs->push_back({children[i], depth + 1, index, i});
+      const Ref ref = later ? kNothing : build(children[i], depth + 1, callers_thread, piece, job_size, jobs);
+      set_child(piece.nodes[index], i, children[i].bounds, ref);
     }
     return index;
   }
@@ -140,7 +173,7 @@ class Builder {
   }
 
   /// Cuts until there are eight children or none is larger than a leaf.
-  int cut(const Range& range, std::uint32_t depth, Range (&children)[kWidth]) const {
+  int cut(const Range& range, std::uint32_t depth, Range (&children)[kWidth], Cut (&cuts)[kWidth]) const {
     const bool by_count = depth >= kMaxHeuristicDepth;
     int count = 1;
     children[0] = range;
@@ -148,7 +181,8 @@ class Builder {
       const int next = next_cut(children, count, by_count);
       if (next < 0) break;
       const Range whole = children[next];
-      split(primitives_, whole, by_count, children[next], children[count]);
+      const int axis = split(primitives_, whole, by_count, children[next], children[count]);
+      cuts[count - 1] = {next, count, axis};
       ++count;
     }
     return count;

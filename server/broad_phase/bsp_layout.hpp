@@ -30,13 +30,16 @@ inline Ref leaf_ref(std::uint32_t index, int count) {
 inline bool is_leaf(Ref ref) { return (ref & kLeafBit) != 0; }
 inline int leaf_count(Ref ref) { return static_cast<int>((ref >> 28) & 7u) + 1; }
 
-/// Eight children with bounds in local coordinates, rounded outward. A missing child has low = +inf, high = -inf.
+/// Eight children with bounds in local coordinates, rounded outward: plane[axis][0] low, plane[axis][1] high. A
+/// missing child has low = +inf, high = -inf. order[octant] lists the children near to far for rays whose direction is
+/// negative on axis k where bit k of octant is set, three bits a child: of each cut that made the node, the side the
+/// ray comes from goes first, so the walk need not sort by distance.
 struct alignas(64) Node {
-  float low[3][kWidth];
-  float high[3][kWidth];
+  float plane[3][2][kWidth];
   Ref child[kWidth];
-  std::uint32_t unused[kWidth];
+  std::uint32_t order[kWidth];
 };
+inline constexpr std::uint32_t kPlaneBytes = sizeof(float) * kWidth;
 static_assert(sizeof(Node) == 256);
 
 /// Up to eight triangles in local coordinates. Where every vertex of the mesh is a float there, as most imported

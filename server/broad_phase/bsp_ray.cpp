@@ -111,9 +111,9 @@ void accept_everything(RayFrame& out) {
     out.direction[axis] = 1;
     out.near_offset[axis] = static_cast<float>(kEverything);
     out.far_offset[axis] = static_cast<float>(-kEverything);
-    set_planes(true, axis, out);
     out.moved[axis] = 0;
   }
+  set_planes(out);
   accept_triangles(out);
   // Any limit that is not negative stays infinite.
   out.to_local_1 = out.to_local_2 = std::numeric_limits<double>::infinity();

@@ -27,6 +27,7 @@ struct alignas(16) RayFrame {
   float direction[4];
   std::uint32_t near_plane[3];  // byte offset in Node
   std::uint32_t far_plane[3];
+  std::uint32_t octant;  // bit k: backward along axis k; the child in slot i ^ octant is the i-th to visit
   float sign_slope, sign_floor;
   float entry_slope, entry_linear, entry_floor;
   float parameter_cap;  // no triangle is met beyond it
@@ -63,11 +64,16 @@ struct LocalRay {
 inline float above(double value) { return static_cast<float>(value + 0x1p-23 * std::abs(value) + kTiny); }
 inline float below(double value) { return static_cast<float>(value - 0x1p-23 * std::abs(value) - kTiny); }
 
-inline void set_planes(bool forward, int axis, RayFrame& out) {
-  const auto low = static_cast<std::uint32_t>(offsetof(Node, low) + sizeof(float) * kWidth * axis);
-  const auto high = static_cast<std::uint32_t>(offsetof(Node, high) + sizeof(float) * kWidth * axis);
-  out.near_plane[axis] = forward ? low : high;
-  out.far_plane[axis] = forward ? high : low;
+/// From the signs of the inverse directions.
+inline void set_planes(RayFrame& out) {
+  out.octant = 0;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const unsigned backward = out.inverse[axis] < 0 ? 1 : 0;
+    const auto first = static_cast<std::uint32_t>(offsetof(Node, plane) + 2 * kPlaneBytes * axis);
+    out.near_plane[axis] = first + kPlaneBytes * backward;
+    out.far_plane[axis] = first + kPlaneBytes * (1 - backward);
+    out.octant |= backward << axis;
+  }
 }
 
 /// worst_error: of any axis; it lengthens the path along which a clamped direction drifts.
@@ -89,7 +95,6 @@ inline void set_axis(const LocalRay& local, double worst_error, int axis, RayFra
   out.inverse[axis] = inverse;
   out.near_offset[axis] = above((start_value + near_shift) * inverse_value);
   out.far_offset[axis] = below((start_value - near_shift) * inverse_value);
-  set_planes(inverse > 0, axis, out);
 }
 
 /// With floors like these every triangle of a met leaf is a candidate.
@@ -128,6 +133,7 @@ inline void finish(const LocalRay& local, RayFrame& out) {
     worst = std::max(worst, local.origin_error[axis] + std::abs(rounded));
   }
   for (int axis = 0; axis < 3; ++axis) set_axis(local, worst, axis, out);
+  set_planes(out);
   set_leaf_slack(worst, local.slack, out);
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kBins = 16;
 /// A leaf of eight costs one SIMD test however full it is, so a cut is charged for groups of triangles, not for each.
-constexpr std::uint32_t kGroup = 4;
+constexpr std::uint32_t kGroup = 8;
 
 struct Bin {
   FloatBox bounds;
@@ -84,7 +84,7 @@ void halve(std::span<const Primitive> primitives, const Range& range, Range& lef
 
 }  // namespace
 
-void split(std::span<Primitive> primitives, const Range& range, bool by_count, Range& left, Range& right) {
+int split(std::span<Primitive> primitives, const Range& range, bool by_count, Range& left, Range& right) {
   const Binning binning(range.centers);
   Plane plane;
   if (!by_count) {
@@ -101,7 +101,7 @@ void split(std::span<Primitive> primitives, const Range& range, bool by_count, R
   }
   if (plane.axis < 0) {
     halve(primitives, range, left, right);
-    return;
+    return 0;
   }
   left = {range.begin, range.begin, {}, {}};
   right = {range.end, range.end, {}, {}};
@@ -115,6 +115,7 @@ void split(std::span<Primitive> primitives, const Range& range, bool by_count, R
       std::swap(primitive, primitives[--right.begin]);
     }
   }
+  return plane.axis;
 }
 
 }  // namespace collided::bsp

@@ -53,6 +53,7 @@ struct Range {
 /// surface-area cost among 16 an axis, or in halves by count where planes do not separate or by_count asks.
 ///
 /// source  Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007
-void split(std::span<Primitive> primitives, const Range& range, bool by_count, Range& left, Range& right);
+/// returns the axis along which the right range lies above the left one
+int split(std::span<Primitive> primitives, const Range& range, bool by_count, Range& left, Range& right);
 
 }  // namespace collided::bsp

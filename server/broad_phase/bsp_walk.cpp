@@ -58,18 +58,13 @@ HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double s
   hn::Store(inverse, floats, out.inverse);
   hn::Store(hn::Mul(hn::Add(origin, shift), inverse), floats, out.near_offset);
   hn::Store(hn::Mul(hn::Sub(origin, shift), inverse), floats, out.far_offset);
-  for (int axis = 0; axis < 3; ++axis) set_planes(out.inverse[axis] > 0, axis, out);
+  set_planes(out);
   const double reach = hn::GetLane(hn::MaxOfLanes(axes, hn::Abs(local)));
   set_leaf_slack(kUnit * reach + 2 * kLeastSlack, slack, out);
   out.is_moved = false;
   out.to_local_1 = power_of_two(exponent + frame.scale_exponent);
   return true;
 }
-
-struct Waiting {
-  Ref ref;
-  float entry;
-};
 
 HWY_INLINE unsigned bits_of(hn::Mask<Floats> mask) {
   std::uint8_t bytes[8] = {};
@@ -81,62 +76,14 @@ HWY_INLINE const float* plane(const Node& node, std::uint32_t byte_offset) {
   return reinterpret_cast<const float*>(reinterpret_cast<const char*>(&node) + byte_offset);
 }
 
-/// Sorts the children in mask onto the stack, nearest last.
-HWY_INLINE int push_sorted(const Node& node, unsigned mask, const float* entry, Waiting* stack, int size) {
-  const int base = size;
-  while (mask != 0) {
-    const int lane = __builtin_ctz(mask);
-    mask &= mask - 1;
-    const Waiting added{node.child[lane], entry[lane]};
-    int place = size++;
-    while (place > base && stack[place - 1].entry < added.entry) {
-      stack[place] = stack[place - 1];
-      --place;
-    }
-    stack[place] = added;
-  }
-  return size;
-}
+/// The child at place i of an order.
+HWY_INLINE unsigned child_at(std::uint32_t order, unsigned i) { return order >> (3 * i) & 7u; }
 
-struct Arrays {
-  const Node* nodes;
-  const Leaf* leaves;
-};
-
-HWY_INLINE void fetch(const Arrays& tree, Ref ref) {
-  const char* p = is_leaf(ref) ? reinterpret_cast<const char*>(tree.leaves + (ref & kIndexMask))
-                               : reinterpret_cast<const char*>(tree.nodes + ref);
-  __builtin_prefetch(p);
-  __builtin_prefetch(p + 64);
-  __builtin_prefetch(p + 128);
-  __builtin_prefetch(p + 192);
-  if (is_leaf(ref)) __builtin_prefetch(p + 256);
-}
-
-/// The nearest of the children in mask (not empty); the others wait on the stack.
-HWY_INLINE Ref nearest(const Arrays& tree, const Node& node, unsigned mask, const float* entry, Waiting* stack, int& size) {
-  const int first = __builtin_ctz(mask);
-  mask &= mask - 1;
-  if (mask == 0) return node.child[first];
-  const int second = __builtin_ctz(mask);
-  mask &= mask - 1;
-  if (mask == 0) {
-    const bool swap = entry[second] < entry[first];
-    const int near = swap ? second : first;
-    const int far = swap ? first : second;
-    stack[size++] = {node.child[far], entry[far]};
-    fetch(tree, node.child[far]);
-    return node.child[near];
-  }
-  mask |= (1u << first) | (1u << second);
-  for (unsigned m = mask; m != 0; m &= m - 1) fetch(tree, node.child[__builtin_ctz(m)]);
-  size = push_sorted(node, mask, entry, stack, size);
-  return stack[--size].ref;
-}
-
-/// Children that the ray may meet at a parameter in [0, limit].
-HWY_INLINE unsigned met_children(const Node& node, const RayFrame& ray, float limit, float* entry) {
+/// Children that the ray may meet at a parameter in [0, limit], as places in the order; entry likewise.
+HWY_INLINE unsigned met_children(const Node& node, const RayFrame& ray, float limit, std::uint32_t order,
+                                 float* entry) {
   unsigned mask = 0;
+  HWY_ALIGN float unordered[kWidth];
   for (int part = 0; part < kParts; ++part) {
     const int first = part * kLanes;
     Lanes near = hn::Zero(kFloats);
@@ -150,10 +97,27 @@ HWY_INLINE unsigned met_children(const Node& node, const RayFrame& ray, float li
       near = hn::Max(near, to_near);
       far = hn::Min(far, to_far);
     }
-    hn::Store(near, kFloats, entry + first);
+    if constexpr (kLanes == kWidth) {
+      using Numbers = hn::RebindToUnsigned<Floats>;
+      constexpr Numbers numbers;
+      const auto shift = hn::Mul(hn::Iota(numbers, 0), hn::Set(numbers, 3));
+      const auto place = hn::And(hn::Shr(hn::Set(numbers, order), shift), hn::Set(numbers, 7));
+      const auto places = hn::IndicesFromVec(kFloats, place);
+      near = hn::TableLookupLanes(near, places);
+      far = hn::TableLookupLanes(far, places);
+      hn::Store(near, kFloats, entry);
+      return bits_of(hn::Le(near, far));
+    }
+    hn::Store(near, kFloats, unordered + first);
     mask |= bits_of(hn::Le(near, far)) << first;
   }
-  return mask;
+  unsigned ordered = 0;
+  for (unsigned i = 0; i < kWidth; ++i) {
+    const unsigned child = child_at(order, i);
+    entry[i] = unordered[child];
+    ordered |= (mask >> child & 1u) << i;
+  }
+  return ordered;
 }
 
 HWY_INLINE Lanes largest_component(Lanes a, Lanes b, Lanes c) {
@@ -272,38 +236,74 @@ HWY_INLINE double tell_triangles(const Call& call, const Leaf& leaf, unsigned ma
   return limit;
 }
 
+/// Children of a node that still wait, as places in the order, the nearest in the lowest bit.
+struct alignas(64) Frame {
+  float entry[kWidth];
+  const Node* node;
+  std::uint32_t order;
+  std::uint32_t mask;
+};
+
+HWY_INLINE void fetch(const Node* nodes, const Leaf* leaves, Ref ref) {
+  const char* p = is_leaf(ref) ? reinterpret_cast<const char*>(leaves + (ref & kIndexMask))
+                               : reinterpret_cast<const char*>(nodes + ref);
+  __builtin_prefetch(p);
+  __builtin_prefetch(p + 64);
+  __builtin_prefetch(p + 128);
+  __builtin_prefetch(p + 192);
+}
+
 template <bool kCorners, class Call>
-HWY_INLINE void walk_prepared(const Arrays& tree, Ref ref, const RayFrame& ray, double limit, const Call& call,
+HWY_INLINE void walk_prepared(const Layout& layout, const RayFrame& ray, double limit, const Call& call,
                               WalkCost& cost) {
-  Waiting stack[kStackSize];
-  HWY_ALIGN float entry[kWidth];
+  const Node* nodes = layout.nodes.data();
+  const Leaf* leaves = layout.leaves.data();
+  const unsigned octant = ray.octant;
+  Frame stack[kMaxDepth + 1];
+  Frame* top = stack;
   float local_limit = ray.local_limit(limit);
-  int size = 0;
-  while (local_limit >= 0) {
-    unsigned mask = 1;
-    while (!is_leaf(ref)) {
-      ++cost.nodes;
-      const Node& node = tree.nodes[ref];
-      mask = met_children(node, ray, local_limit, entry);
-      if (mask == 0) break;
-      ref = nearest(tree, node, mask, entry, stack, size);
-    }
-    if (mask != 0) {
-      ++cost.nodes;
-      const Leaf& leaf = tree.leaves[ref & kIndexMask];
+  if (local_limit < 0) return;
+  Ref ref = layout.root;
+  while (true) {
+    ++cost.nodes;
+    if (is_leaf(ref)) {
+      HWY_ALIGN float estimate[kWidth];
+      const Leaf& leaf = leaves[ref & kIndexMask];
       const unsigned present = (2u << (leaf_count(ref) - 1)) - 1;
       const float cap = local_limit < ray.parameter_cap ? local_limit : ray.parameter_cap;
-      mask = met_triangles<kCorners>(leaf, ray, cap, entry) & present;
-      if (mask != 0) {
-        limit = tell_triangles<kCorners>(call, leaf, mask, entry, limit, cost);
+      const unsigned met = met_triangles<kCorners>(leaf, ray, cap, estimate) & present;
+      if (met != 0) {
+        limit = tell_triangles<kCorners>(call, leaf, met, estimate, limit, cost);
         local_limit = ray.local_limit(limit);
+        if (local_limit < 0) return;
+      }
+    } else {
+      const Node& node = nodes[ref];
+      const std::uint32_t order = node.order[octant];
+      const unsigned mask = met_children(node, ray, local_limit, order, top->entry);
+      if (mask != 0) {
+        // A frame is written whether or not a second child waits: cheaper than a branch that is hard to foresee.
+        ref = node.child[child_at(order, static_cast<unsigned>(__builtin_ctz(mask)))];
+        top->node = &node;
+        top->order = order;
+        top->mask = mask & (mask - 1);
+        if (top->mask != 0) {
+          fetch(nodes, leaves, node.child[child_at(order, static_cast<unsigned>(__builtin_ctz(top->mask)))]);
+          ++top;
+        }
+        continue;
       }
     }
+    float entry;
     do {
-      if (size == 0) return;
-      --size;
-    } while (stack[size].entry > local_limit);
-    ref = stack[size].ref;
+      if (top == stack) return;
+      Frame& waiting = top[-1];
+      const auto place = static_cast<unsigned>(__builtin_ctz(waiting.mask));
+      waiting.mask &= waiting.mask - 1;
+      top -= waiting.mask == 0 ? 1 : 0;
+      entry = waiting.entry[place];
+      ref = waiting.node->child[child_at(waiting.order, place)];
+    } while (entry > local_limit);
   }
 }
 
@@ -315,11 +315,10 @@ HWY_INLINE void walk_any(const Layout& layout, const Ray& world_ray, double limi
       !ray_detail::prepare_any_ray(layout, world_ray, slack_m, ray)) {
     return;
   }
-  const Arrays tree{layout.nodes.data(), layout.leaves.data()};
   if (layout.has_corners) {
-    walk_prepared<true>(tree, layout.root, ray, limit, call, cost);
+    walk_prepared<true>(layout, ray, limit, call, cost);
   } else {
-    walk_prepared<false>(tree, layout.root, ray, limit, call, cost);
+    walk_prepared<false>(layout, ray, limit, call, cost);
   }
 }
 
@@ -362,8 +361,8 @@ HWY_INLINE Boxes triangle_boxes(const Leaf& leaf, int first, bool has_corners) {
 HWY_INLINE Boxes child_boxes(const Node& node, int first) {
   Boxes boxes;
   for (int axis = 0; axis < 3; ++axis) {
-    boxes.low[axis] = hn::Load(kFloats, node.low[axis] + first);
-    boxes.high[axis] = hn::Load(kFloats, node.high[axis] + first);
+    boxes.low[axis] = hn::Load(kFloats, node.plane[axis][0] + first);
+    boxes.high[axis] = hn::Load(kFloats, node.plane[axis][1] + first);
   }
   return boxes;
 }
@@ -418,11 +417,26 @@ HWY_INLINE unsigned within(const Boxes& boxes, const LocalPoint& point, float li
   return bits_of(hn::Le(sum, hn::Set(kFloats, limit)));
 }
 
-/// The places of a node that hold a child: an empty one has inverted bounds.
-HWY_INLINE unsigned used_children(const Node& node) {
-  unsigned mask = 0;
-  for (int i = 0; i < kWidth; ++i) mask |= (node.low[0][i] <= node.high[0][i] ? 1u : 0u) << i;
-  return mask;
+struct Waiting {
+  Ref ref;
+  float entry;
+};
+
+/// Sorts the children in mask onto the stack, nearest last.
+HWY_INLINE int push_sorted(const Node& node, unsigned mask, const float* entry, Waiting* stack, int size) {
+  const int base = size;
+  while (mask != 0) {
+    const int lane = __builtin_ctz(mask);
+    mask &= mask - 1;
+    const Waiting added{node.child[lane], entry[lane]};
+    int place = size++;
+    while (place > base && stack[place - 1].entry < added.entry) {
+      stack[place] = stack[place - 1];
+      --place;
+    }
+    stack[place] = added;
+  }
+  return size;
 }
 
 void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, BspTree::NearCandidate candidate,
@@ -453,8 +467,6 @@ void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bs
     for (int first = 0; first < kWidth; first += kLanes) {
       mask |= within(child_boxes(node, first), point, limit, distance + first) << first;
     }
-    // An empty place is infinitely far, which an infinite limit still reaches.
-    if (std::isinf(limit)) mask &= used_children(node);
     size = push_sorted(node, mask, distance, stack, size);
   }
 }

@@ -37,7 +37,13 @@ HWY_INLINE bool overlaps(const Entry& entry, const Mirror& mirror) {
   return hn::AllTrue(kDoubles, all);
 }
 
-/// One entry's search for partners.
+/// A place in a row that moves up with the sweep along x.
+struct Cursor {
+  std::uint32_t place;
+  std::uint32_t end;
+};
+
+/// The search for all pairs: a sweep over the entries in memory order, with a cursor in each row beside.
 struct Search {
   const Levels& levels;
   Grid::PairFound found;
@@ -49,27 +55,12 @@ struct Search {
     found(context, std::min(a.box(), b.box()), std::max(a.box(), b.box()));
   }
 
-  /// Entries [begin, end) whose cell is (x in [low_x, high_x], y, z); other cells may share the buckets.
-  HWY_INLINE void compare(const Level& level, const Entry& entry, const Mirror& mirror, std::uint32_t begin,
-                          std::uint32_t end, Cell low_x, Cell high_x, Cell y, Cell z) const {
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const Entry& other = levels.entries[i];
-      if (!overlaps(other, mirror)) continue;
-      const Cell x = level.cell_of(other.low(0));
-      if (x < low_x || x > high_x || level.cell_of(other.low(1)) != y || level.cell_of(other.low(2)) != z) continue;
-      report(entry, other);
-    }
-  }
-
-  HWY_INLINE void compare_row(const Level& level, const Entry& entry, const Mirror& mirror, Cell low_x, Cell high_x,
-                              Cell y, Cell z) const {
-    while (low_x <= high_x) {
-      const Cell last = std::min(low_x | kRowMask, high_x);
-      const std::uint32_t bucket = level.bucket(low_x, y, z);
-      ++cost.nodes;
-      compare(level, entry, mirror, levels.starts[bucket],
-              levels.starts[bucket + static_cast<std::uint32_t>(last - low_x) + 1], low_x, last, y, z);
-      low_x = last + 1;
+  /// The row's entries with x in [low_x, high_x]; later calls have no lower low_x.
+  HWY_INLINE void compare(const Entry& entry, const Mirror& mirror, Cursor& cursor, Cell low_x, Cell high_x) const {
+    const Cell* x = levels.x_of_entry.data();
+    while (cursor.place < cursor.end && x[cursor.place] < low_x) ++cursor.place;
+    for (std::uint32_t i = cursor.place; i < cursor.end && x[i] <= high_x; ++i) {
+      if (overlaps(levels.entries[i], mirror)) report(entry, levels.entries[i]);
     }
   }
 
@@ -81,26 +72,56 @@ struct Search {
     }
   }
 
-  /// Its own cell from itself on, and half of the 26 around: the other half finds this one.
-  HWY_INLINE void own_level(const Level& level, std::uint32_t i) const {
-    const Entry& entry = levels.entries[i];
-    const Mirror mirror(entry);
-    const Cell x = level.cell_of(entry.low(0));
-    const Cell y = level.cell_of(entry.low(1));
-    const Cell z = level.cell_of(entry.low(2));
-    compare(level, entry, mirror, i + 1, levels.starts[level.bucket(x, y, z) + 1], x, x, y, z);
-    compare_row(level, entry, mirror, x + 1, x + 1, y, z);
-    compare_row(level, entry, mirror, x - 1, x + 1, y + 1, z);
-    for (Cell dy = -1; dy <= 1; ++dy) compare_row(level, entry, mirror, x - 1, x + 1, y + dy, z + 1);
+  HWY_INLINE void add_row(const Level& level, Cell y, Cell z, Cursor* cursors, int& count) const {
+    ++cost.nodes;
+    const std::uint32_t row = levels.find_row(level, y, z);
+    if (row != kNoRow) cursors[count++] = {levels.rows[row].begin, levels.rows[row].end};
   }
 
-  HWY_INLINE void larger_level(const Level& level, const Entry& entry) const {
-    const CellRange range = cells_reaching(level, Vec3(entry.low(0), entry.low(1), entry.low(2)),
-                                           Vec3(entry.high(0), entry.high(1), entry.high(2)));
-    const Mirror mirror(entry);
-    for (Cell z = range.low[2]; z <= range.high[2]; ++z) {
-      for (Cell y = range.low[1]; y <= range.high[1]; ++y) {
-        compare_row(level, entry, mirror, range.low[0], range.high[0], y, z);
+  /// Within the row what follows, and half of the eight rows around: the other half finds this one.
+  HWY_INLINE void own_level(const Level& level, const Row& row) const {
+    const Cell* x = levels.x_of_entry.data();
+    Cursor cursors[4];
+    int count = 0;
+    add_row(level, row.y + 1, row.z, cursors, count);
+    for (Cell dy = -1; dy <= 1; ++dy) add_row(level, row.y + dy, row.z + 1, cursors, count);
+    for (std::uint32_t i = row.begin; i < row.end; ++i) {
+      const Entry& entry = levels.entries[i];
+      const Mirror mirror(entry);
+      for (std::uint32_t j = i + 1; j < row.end && x[j] <= x[i] + 1; ++j) {
+        if (overlaps(levels.entries[j], mirror)) report(entry, levels.entries[j]);
+      }
+      for (int c = 0; c < count; ++c) compare(entry, mirror, cursors[c], x[i] - 1, x[i] + 1);
+    }
+  }
+
+  /// A row of small boxes against a level of larger ones, at most three cells across.
+  HWY_INLINE void larger_level(const Level& larger, const Row& row) const {
+    CellRange rows{{0, 1, 1}, {0, 0, 0}};
+    Cursor cursors[16];
+    int count = 0;
+    for (std::uint32_t i = row.begin; i < row.end; ++i) {
+      const Entry& entry = levels.entries[i];
+      const CellRange range = cells_reaching(larger, Vec3(entry.low(0), entry.low(1), entry.low(2)),
+                                             Vec3(entry.high(0), entry.high(1), entry.high(2)));
+      if (range.empty()) continue;
+      bool same = true;
+      for (int axis = 1; axis < 3; ++axis) {
+        same = same && range.low[axis] == rows.low[axis] && range.high[axis] == rows.high[axis];
+      }
+      if (!same) {
+        rows = range;
+        count = 0;
+        for (Cell z = range.low[2]; z <= range.high[2]; ++z) {
+          for (Cell y = range.low[1]; y <= range.high[1]; ++y) add_row(larger, y, z, cursors, count);
+        }
+      }
+      const Mirror mirror(entry);
+      // Boxes of one cell differ in x by less than a cell, so the range's low end may step back by one.
+      for (int c = 0; c < count; ++c) {
+        Cursor from_start = cursors[c];
+        compare(entry, mirror, from_start, range.low[0], range.high[0]);
+        compare(entry, mirror, cursors[c], range.low[0] - 1, std::numeric_limits<Cell>::min());
       }
     }
   }
@@ -110,10 +131,10 @@ void FindPairs(const Levels& levels, Grid::PairFound found, void* context, WalkC
   const Search search{levels, found, context, cost};
   for (std::size_t l = 0; l < levels.levels.size(); ++l) {
     const Level& level = levels.levels[l];
-    for (std::uint32_t i = level.begin; i < level.end; ++i) {
-      search.own_level(level, i);
+    for (std::uint32_t row = level.row_begin; row < level.row_end; ++row) {
+      search.own_level(level, levels.rows[row]);
       for (std::size_t larger = l + 1; larger < levels.levels.size(); ++larger) {
-        search.larger_level(levels.levels[larger], levels.entries[i]);
+        search.larger_level(levels.levels[larger], levels.rows[row]);
       }
     }
   }

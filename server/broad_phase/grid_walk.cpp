@@ -58,14 +58,16 @@ double clamped(double cell, Cell low, Cell high) {
   return std::clamp(cell, static_cast<double>(low), static_cast<double>(high) + 1);
 }
 
-/// The ray's walk over one level: slabs of two cells' thickness across its main axis, near to far. A box belongs to
-/// the slab of its own cell, so none is visited twice.
+/// The ray's walk over one level: slabs across y or z, whichever the ray crosses faster, cut along x into blocks; near
+/// to far. A box belongs to the slab and block of its own cell, so none is visited twice.
 class SlabWalk {
  public:
   SlabWalk(const Levels& levels, const Level& level, const Ray& ray, WalkCost& cost)
-      : levels_(levels), level_(level), ray_(ray), cost_(cost) {
-    ray.direction.cwiseAbs().maxCoeff(&main_);
-  }
+      : levels_(levels),
+        level_(level),
+        ray_(ray),
+        cost_(cost),
+        main_(std::abs(ray.direction[1]) > std::abs(ray.direction[2]) ? 1 : 2) {}
 
   /// visit(entry) returns the new limit.
   template <typename Visit>
@@ -73,59 +75,99 @@ class SlabWalk {
     Span span{0, limit};
     for (int axis = 0; axis < 3; ++axis) clip(ray_, axis, level_.bounds.low[axis], level_.bounds.high[axis], span);
     if (!(span.entry <= span.exit)) return limit;
-    CellRange range = level_.occupied;
-    const bool forward = ray_.direction[main_] > 0;
-    const double rows = 9 * (static_cast<double>(range.high[main_] - range.low[main_]) + 1);
-    if (rows >= static_cast<double>(level_.count()) || !is_sharp(span)) return in_range(range, limit, visit);
-    const Cell first = forward ? range.low[main_] : range.high[main_];
-    const Cell last = forward ? range.high[main_] : range.low[main_];
-    const Cell step = forward ? 1 : -1;
-    for (Cell slab = first; slab != last + step && limit >= 0; slab += step) {
+    const CellRange reached = reach(span);
+    if (!is_sharp(span) || !is_short(reached)) return in_range(level_.occupied, limit, visit);
+    Slice slab{main_, reached.low[main_], reached.high[main_], ray_.direction[main_] >= 0, 1};
+    for (; limit >= 0 && slab.next(); ) {
       Span here{span.entry, std::min(span.exit, limit)};
-      const double low = static_cast<double>(slab) * level_.cell_m;
-      const double margin = 0x1p-8 * level_.cell_m;
-      clip(ray_, main_, low - margin, low + 2 * level_.cell_m + margin, here);
-      if (!(here.entry <= here.exit)) continue;
-      Vec3 lowest;
-      Vec3 highest;
-      reach(here, margin, lowest, highest);
-      range = cells_reaching(level_, lowest, highest);
-      range.low[main_] = range.high[main_] = slab;
-      limit = in_range(range, limit, visit);
+      if (!clip_to(slab, here)) continue;
+      limit = walk_blocks(slab, here, limit, visit);
     }
     return limit;
   }
 
  private:
+  /// Cells [from, from + width) of one axis, in turn from the ray's side.
+  struct Slice {
+    int axis;
+    Cell low;
+    Cell high;
+    bool forward;
+    Cell width;
+    Cell from = 0;
+    bool started = false;
+
+    bool next() {
+      if (!started) {
+        from = forward ? low : high - width + 1;
+        started = true;
+      } else {
+        from += forward ? width : -width;
+      }
+      return forward ? from <= high : from + width > low;
+    }
+  };
+
+  template <typename Visit>
+  double walk_blocks(const Slice& slab, const Span& span, double limit, const Visit& visit) const {
+    constexpr Cell kBlock = 16;
+    const CellRange reached = reach(span);
+    Slice block{0, reached.low[0], reached.high[0], ray_.direction[0] >= 0, kBlock};
+    while (limit >= 0 && block.next()) {
+      Span here{span.entry, std::min(span.exit, limit)};
+      if (!clip_to(block, here)) continue;
+      CellRange range = reach(here);
+      range.low[0] = std::max(block.from, reached.low[0]);
+      range.high[0] = std::min(block.from + kBlock - 1, reached.high[0]);
+      range.low[slab.axis] = range.high[slab.axis] = slab.from;
+      limit = in_range(range, limit, visit);
+    }
+    return limit;
+  }
+
+  /// Where the ray may meet boxes whose cells are in the slice: they end less than a cell beyond it.
+  bool clip_to(const Slice& slice, Span& span) const {
+    const double low = static_cast<double>(slice.from) * level_.cell_m - margin();
+    const double high = static_cast<double>(slice.from + slice.width + 1) * level_.cell_m + margin();
+    clip(ray_, slice.axis, low, high, span);
+    return span.entry <= span.exit;
+  }
+
+  double margin() const { return 0x1p-8 * level_.cell_m; }
+
   /// Whether points along the way are known to 2^-9 of a cell, half the margin.
   bool is_sharp(const Span& span) const {
-    double largest = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      largest = std::max(largest, std::abs(ray_.origin[axis]));
-      largest = std::max(largest, level_.bounds.high.cwiseAbs().maxCoeff());
-      largest = std::max(largest, level_.bounds.low.cwiseAbs().maxCoeff());
-    }
+    const double largest = std::max({ray_.origin.cwiseAbs().maxCoeff(), level_.bounds.high.cwiseAbs().maxCoeff(),
+                                     level_.bounds.low.cwiseAbs().maxCoeff()});
     return largest * 0x1p-41 < level_.cell_m && std::isfinite(span.entry);
   }
 
-  void reach(const Span& span, double margin, Vec3& lowest, Vec3& highest) const {
+  /// Whether looking up cells along the way beats looking at every row.
+  bool is_short(const CellRange& reached) const {
+    const double slabs = static_cast<double>(reached.high[main_] - reached.low[main_]) + 1;
+    const double blocks = static_cast<double>(reached.high[0] - reached.low[0]) / 16;
+    return 4 * (slabs + blocks) < static_cast<double>(level_.count());
+  }
+
+  /// Cells whose boxes the ray may meet within the span.
+  CellRange reach(const Span& span) const {
+    Vec3 lowest;
+    Vec3 highest;
     for (int axis = 0; axis < 3; ++axis) {
       const double d = ray_.direction[axis];
       const double at_entry = d == 0 ? 0 : d * span.entry;
       const double at_exit = d == 0 ? 0 : d * span.exit;
-      lowest[axis] = ray_.origin[axis] + std::min(at_entry, at_exit) - margin;
-      highest[axis] = ray_.origin[axis] + std::max(at_entry, at_exit) + margin;
+      lowest[axis] = ray_.origin[axis] + std::min(at_entry, at_exit) - margin();
+      highest[axis] = ray_.origin[axis] + std::max(at_entry, at_exit) + margin();
     }
+    return cells_reaching(level_, lowest, highest);
   }
 
   template <typename Visit>
   double in_range(const CellRange& range, double limit, const Visit& visit) const {
-    const auto test = [&](const Entry& entry) {
+    for_each_in(levels_, level_, range, cost_, [&](const Entry& entry) {
       const Span span = clip(ray_, entry, limit);
-      return span.entry <= span.exit;
-    };
-    for_each_in(levels_, level_, range, cost_, test, [&](const Entry& entry) {
-      limit = visit(entry, limit);
+      if (span.entry <= span.exit) limit = visit(entry, limit);
       return limit >= 0;
     });
     return limit;
@@ -135,7 +177,7 @@ class SlabWalk {
   const Level& level_;
   const Ray& ray_;
   WalkCost& cost_;
-  int main_ = 0;
+  int main_;
 };
 
 /// One level's walk outward from a point, in boxes that double until nothing nearer can be left.
@@ -153,12 +195,9 @@ double walk_near_level(const Levels& levels, const Level& level, const Vec3& poi
     const double reached = std::min(radius * (1 + kRelative), enough * (1 + kRelative));
     const CellRange range = cells_reaching(level, point.array() - reached * (1 + kRelative) - kLeast,
                                            point.array() + reached * (1 + kRelative) + kLeast);
-    const auto test = [&](const Entry& entry) {
+    for_each_in(levels, level, range, cost, [&](const Entry& entry) {
       const Cell cell[3] = {level.cell_of(entry.low(0)), level.cell_of(entry.low(1)), level.cell_of(entry.low(2))};
-      return is_within(entry, point, limit_m2) && !holds(before, cell);
-    };
-    for_each_in(levels, level, range, cost, test, [&](const Entry& entry) {
-      limit_m2 = visit(entry, limit_m2);
+      if (is_within(entry, point, limit_m2) && !holds(before, cell)) limit_m2 = visit(entry, limit_m2);
       return limit_m2 >= 0;
     });
     bool all = true;
@@ -197,14 +236,15 @@ void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, voi
     return all;
   };
   const auto visit = [&](const Entry& entry) {
+    if (!overlaps_asked(entry)) return true;
     ++cost.candidates;
     return found(context, entry.box());
   };
   for (std::uint32_t i = levels.loose_begin; i < levels.entry_count; ++i) {
-    if (overlaps_asked(levels.entries[i]) && !visit(levels.entries[i])) return;
+    if (!visit(levels.entries[i])) return;
   }
   for (const Level& level : levels.levels) {
-    if (!for_each_in(levels, level, cells_reaching(level, asked.low, asked.high), cost, overlaps_asked, visit)) return;
+    if (!for_each_in(levels, level, cells_reaching(level, asked.low, asked.high), cost, visit)) return;
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "server/broad_phase/grid.hpp"
 #include "server/broad_phase/grid_levels.hpp"
 
@@ -24,54 +26,39 @@ inline bool holds(const CellRange& range, const Cell (&cell)[3]) {
   return inside;
 }
 
-inline bool is_empty(const CellRange& range) {
-  return range.low[0] > range.high[0] || range.low[1] > range.high[1] || range.low[2] > range.high[2];
-}
-
-/// Lookups that a visit of the range costs; as a double, since it may exceed any integer.
-inline double row_count(const CellRange& range) {
-  double rows = static_cast<double>((range.high[0] >> kRowBits) - (range.low[0] >> kRowBits)) + 1;
-  for (int axis = 1; axis < 3; ++axis) {
-    rows *= static_cast<double>(range.high[axis] - range.low[axis]) + 1;
+/// Calls visit(entry) for entries of the row with x in [low_x, high_x] until it returns false.
+template <typename Visit>
+bool for_each_in_row(const Levels& levels, const Row& row, Cell low_x, Cell high_x, WalkCost& cost,
+                     const Visit& visit) {
+  ++cost.nodes;
+  const auto first = levels.x_of_entry.begin() + row.begin;
+  const auto last = levels.x_of_entry.begin() + row.end;
+  auto place = static_cast<std::uint32_t>(std::lower_bound(first, last, low_x) - levels.x_of_entry.begin());
+  for (; place < row.end && levels.x_of_entry[place] <= high_x; ++place) {
+    if (!visit(levels.entries[place])) return false;
   }
-  return rows;
+  return true;
 }
 
 /// Calls visit(entry) for entries of the level whose cell is in the range, each once, until it returns false.
-/// Tables are shared by cells whose hashes collide; test decides first, as it is cheaper than finding the cell.
-template <typename Test, typename Visit>
-bool for_each_in(const Levels& levels, const Level& level, const CellRange& range, WalkCost& cost, const Test& test,
+template <typename Visit>
+bool for_each_in(const Levels& levels, const Level& level, const CellRange& range, WalkCost& cost,
                  const Visit& visit) {
-  if (is_empty(range)) return true;
-  const auto in_range = [&](const Entry& entry) {
-    const Cell cell[3] = {level.cell_of(entry.low(0)), level.cell_of(entry.low(1)), level.cell_of(entry.low(2))};
-    return holds(range, cell);
-  };
-  const Entry* entries = levels.entries.data();
-  if (row_count(range) >= static_cast<double>(level.count())) {
-    ++cost.nodes;
-    for (std::uint32_t i = level.begin; i < level.end; ++i) {
-      if (test(entries[i]) && in_range(entries[i]) && !visit(entries[i])) return false;
+  if (range.empty()) return true;
+  if (range.row_count() >= static_cast<double>(level.row_end - level.row_begin)) {
+    for (std::uint32_t i = level.row_begin; i < level.row_end; ++i) {
+      const Row& row = levels.rows[i];
+      const bool inside =
+          row.y >= range.low[1] && row.y <= range.high[1] && row.z >= range.low[2] && row.z <= range.high[2];
+      if (inside && !for_each_in_row(levels, row, range.low[0], range.high[0], cost, visit)) return false;
     }
     return true;
   }
   for (Cell z = range.low[2]; z <= range.high[2]; ++z) {
     for (Cell y = range.low[1]; y <= range.high[1]; ++y) {
-      for (Cell x = range.low[0]; x <= range.high[0];) {
-        const Cell last = std::min(x | kRowMask, range.high[0]);
-        const std::uint32_t bucket = level.bucket(x, y, z);
-        const std::uint32_t end = levels.starts[bucket + static_cast<std::uint32_t>(last - x) + 1];
-        const CellRange here{{x, y, z}, {last, y, z}};
-        ++cost.nodes;
-        for (std::uint32_t i = levels.starts[bucket]; i < end; ++i) {
-          const Entry& entry = entries[i];
-          if (!test(entry)) continue;
-          const Cell cell[3] = {level.cell_of(entry.low(0)), level.cell_of(entry.low(1)),
-                                level.cell_of(entry.low(2))};
-          if (holds(here, cell) && !visit(entry)) return false;
-        }
-        x = last + 1;
-      }
+      const std::uint32_t row = levels.find_row(level, y, z);
+      if (row == kNoRow) continue;
+      if (!for_each_in_row(levels, levels.rows[row], range.low[0], range.high[0], cost, visit)) return false;
     }
   }
   return true;

@@ -37,7 +37,7 @@ struct Solid {
     const Vector<N>& v = reach[(k + 2) % 3];
     const Vector<N> side_u = which & 1 ? u : -u;
     const Vector<N> middle = which & 2 ? side_u + v : side_u - v;
-    return {middle - reach[k], middle + reach[k]};
+    return {middle - reach[k], middle + reach[k], reach[k] + reach[k]};
   }
 };
 
@@ -85,9 +85,8 @@ bool face_keeps_away(const Vector<N>& w0, const Vector<N>& w1, const Solid<N>& b
 }
 
 template <class N>
-Decision point_near_solid(const Vector<N>& p, const Solid<N>& box, const N& R2) {
+Decision point_near_solid(const Vector<N>& w, const Solid<N>& box, const N& R2) {
   if (!box.spans()) return Decision::undecided;
-  const Vector<N> w = p - box.center;
   if (face_keeps_away(w, w, box, R2)) return Decision::no;
   AnyOf any;
   if (any.add(point_in_solid(w, box))) return Decision::yes;
@@ -111,7 +110,7 @@ struct Body {
 
   explicit Body(const Solid<N>& b) : point{b.center}, point_count(1), direction(b.axis), direction_count(3), box(&b) {}
   explicit Body(const Facet<N>& f) : point(f.corner), point_count(3), direction(f.edge), direction_count(3) {}
-  explicit Body(const Segment<N>& s) : point{s.a, s.b}, point_count(2), direction{s.b - s.a}, direction_count(1) {}
+  explicit Body(const Segment<N>& s) : point{s.a, s.b}, point_count(2), direction{s.d}, direction_count(1) {}
 };
 
 /// Surely or surely not separated by planes across n: the gap between the projections is positive.
@@ -141,7 +140,8 @@ template <class N>
 bool same_line(const Vector<N>&, const Vector<N>&) {
   return false;
 }
-inline bool same_line(const Vector<Bounded>& a, const Vector<Bounded>& b) {
+template <Rounding N>
+bool same_line(const Vector<N>& a, const Vector<N>& b) {
   if (a.x.error + a.y.error + a.z.error + b.x.error + b.y.error + b.z.error != 0) return false;
   const auto equal = [&](double s) {
     return a.x.value == s * b.x.value && a.y.value == s * b.y.value && a.z.value == s * b.z.value;
@@ -178,7 +178,7 @@ Decision bodies_meet(const Body<N>& a, const Body<N>& b) {
 template <class N>
 Decision segment_near_solid(const Segment<N>& s, const Solid<N>& box, const N& R2) {
   if (!box.spans()) return Decision::undecided;
-  const Segment<N> local{s.a - box.center, s.b - box.center};
+  const Segment<N> local{s.a - box.center, s.b - box.center, s.d};
   if (face_keeps_away(local.a, local.b, box, R2)) return Decision::no;
   AnyOf any;
   if (any.add(point_in_solid(local.a, box)) || any.add(point_in_solid(local.b, box))) return Decision::yes;

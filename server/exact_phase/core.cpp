@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "server/exact_phase/nearest_value.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::kernel {
 namespace {
@@ -72,10 +73,6 @@ struct HalfSpace {
   Vec3 normal;
   double offset;
 };
-
-/// Slack relative to the size of the two cores when a point of both is looked for: rounding must not lose the only
-/// one. No decision depends on it.
-constexpr double kClipSlack = 1e-12;
 
 using HalfSpaces = Few<HalfSpace, 6>;
 
@@ -158,6 +155,15 @@ double extent(const Core& core) {
   for (int i = 0; i < core.point_count; ++i) largest = std::max(largest, core.point[i].cwiseAbs().maxCoeff());
   if (core.is_box) largest += (core.axes * core.half_m.asDiagonal()).cwiseAbs().sum();
   return largest;
+}
+
+void scale(Core& core, int power) {
+  const auto scale_vector = [power](Vec3& v) {
+    for (double& x : v) x = std::ldexp(x, power);
+  };
+  for (Vec3& point : core.point) scale_vector(point);
+  scale_vector(core.half_m);
+  core.radius_m = std::ldexp(core.radius_m, power);
 }
 
 FacetAxes facet_axes(const Core& a, const Core& b) {

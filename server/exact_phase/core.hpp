@@ -23,6 +23,9 @@ struct Core {
 /// At least the largest coordinate of any of its points.
 double extent(const Core& core);
 
+/// Every length times 2^power.
+void scale(Core& core, int power);
+
 /// The direction of an edge as the difference of two doubles each: from - to.
 struct EdgeDirection {
   Vec3 to = Vec3::Zero();
@@ -48,22 +51,30 @@ Vector<N> direction(const FacetAxis& axis) {
   return cross(Vector<N>(axis.u.to) - Vector<N>(axis.u.from), Vector<N>(axis.v.to) - Vector<N>(axis.v.from));
 }
 
-/// How far b must move along n (times |n|) until the cores only touch: the largest n . (x_a - x_b).
+/// How far b must move along n, and how far along -n, until the cores only touch; both times |n|. The first is the
+/// largest n . (x_a - x_b).
 template <class N>
-N push_along(const Vector<N>& n, const Core& a, const Core& b) {
-  N largest(0.0);
-  for (int i = 0; i < a.point_count; ++i) {
-    for (int j = 0; j < b.point_count; ++j) {
-      const N along = dot(n, Vector<N>(a.point[i]) - Vector<N>(b.point[j]));
-      largest = i + j == 0 ? along : max(largest, along);
-    }
+struct Pushes {
+  N forward;
+  N backward;
+};
+
+template <class N>
+Pushes<N> pushes_along(const Vector<N>& n, const Core& a, const Core& b) {
+  N largest = dot(n, Vector<N>(a.point[0]) - Vector<N>(b.point[0]));
+  N smallest = largest;
+  for (int pair = 1; pair < a.point_count * b.point_count; ++pair) {
+    const N along = dot(n, Vector<N>(a.point[pair / b.point_count]) - Vector<N>(b.point[pair % b.point_count]));
+    largest = max(largest, along);
+    smallest = min(smallest, along);
   }
+  N reach(0.0);
   for (const Core* core : {&a, &b}) {
     for (int i = 0; core->is_box && i < 3; ++i) {
-      largest = largest + N(core->half_m[i]) * abs(dot(n, Vector<N>(Vec3(core->axes.col(i)))));
+      reach = reach + N(core->half_m[i]) * abs(dot(n, Vector<N>(Vec3(core->axes.col(i)))));
     }
   }
-  return largest;
+  return {largest + reach, reach - smallest};
 }
 
 /// A point of both cores, near the middle of what they share, given that they do. In plain double: it is a place to

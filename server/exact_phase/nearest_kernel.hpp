@@ -28,7 +28,7 @@ Nearest<N> at_corner(const Vector<N>& w, const Vector<N>& corner, int index) {
 /// Corner numbers are those of the segment's ends in the set it belongs to.
 template <class N>
 Nearest<N> nearest_on_segment(const Vector<N>& p, const Segment<N>& s, int corner_a = 0, int corner_b = 1) {
-  const Vector<N> d = s.b - s.a;
+  const Vector<N>& d = s.d;
   const Vector<N> w = p - s.a;
   const N along = dot(w, d);
   const N dd = square(d);
@@ -192,21 +192,38 @@ struct NearestValue {
   Vec3 away = Vec3::Zero();  // unit, or zero if p is on the (unrounded) set
   Vec3 foot = Vec3::Zero();
   bool known = false;
+  bool crisp = false;  // gap and direction are both sharp
 };
+
+/// The error of a direction, relative to its length, at which a contact's normal still parts the shapes by its depth.
+template <class N>
+bool sharp_direction(const Vector<N>&) {
+  return true;
+}
+template <Rounding N>
+bool sharp_direction(const Vector<N>& v) {
+  const double largest = std::max({std::abs(v.x.value), std::abs(v.y.value), std::abs(v.z.value)});
+  const double error = std::max({v.x.bound(), v.y.bound(), v.z.bound()});
+  return error <= kRefineDirection * largest && std::isfinite(error);
+}
 
 template <class N>
 NearestValue value_of(const Nearest<N>& nearest, const N& radius) {
   if (nearest.sure != Decision::yes) return {};
-  return {gap(nearest, radius), unit(nearest.away), foot(nearest), true};
+  const Bounded apart = gap(nearest, radius);
+  const bool crisp = sharp(apart, kRefineDistance) && sharp_direction(nearest.away);
+  return {apart, unit(nearest.away), foot(nearest), true, crisp};
 }
 
 /// value<N>() in double when that is known and sharp, else exactly.
 template <class Value>
 NearestValue sharpened_nearest(const Value& value) {
   const NearestValue quick = value.template operator()<Bounded>();
-  if (quick.known && sharp(quick.gap, kRefineDistance)) return quick;
+  if (quick.crisp) return quick;
+  const NearestValue traced = value.template operator()<Traced>();
+  if (traced.crisp) return traced;
   const NearestValue slow = value.template operator()<Expansion>();
-  if (slow.known && sharp(slow.gap, kRefineDistance)) return slow;
+  if (slow.crisp) return slow;
   return value.template operator()<Dyadic>();
 }
 

@@ -57,7 +57,9 @@ Vec3 any_normal(const Vec3& along) {
 }
 
 Vec3 any_normal(const Triangle& triangle) {
-  const Vec3 normal = unit(Facet<Dyadic>(triangle).normal);
+  const Vector<Bounded> quick = Facet<Bounded>(triangle).normal;
+  const bool crisp = sharp_direction(quick) && is_zero(quick) != Decision::yes;
+  const Vec3 normal = crisp ? unit(quick) : unit(Facet<Dyadic>(triangle).normal);
   if (!normal.isZero(0)) return normal;
   const Vec3 edges[3] = {triangle.b - triangle.a, triangle.c - triangle.b, triangle.a - triangle.c};
   return any_normal(*std::max_element(std::begin(edges), std::end(edges), [](const Vec3& a, const Vec3& b) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 
 #include "server/exact_phase/dyadic.hpp"
 #include "server/exact_phase/verdict.hpp"
@@ -10,13 +11,17 @@
 
 namespace collided::kernel {
 
-// The three number types under one set of questions. A kernel is written once, as a template over the number type N,
-// and uses only N(double), + - *, and the questions below. "Undecided" may come from Bounded (too close) and from
-// Expansion (out of room); Dyadic decides everything finite.
+// The number types under one set of questions. A kernel is written once, as a template over the number type N, and
+// uses only N(double), + - *, and the questions below. "Undecided" may come from Bounded and Traced (too close) and
+// from Expansion (out of room); Dyadic decides everything finite.
 
 enum class Sign : signed char { negative = -1, zero = 0, positive = 1, unsure = 2 };
 
-inline Sign sign(const Bounded& x) {
+template <class N>
+concept Rounding = std::same_as<N, Bounded> || std::same_as<N, Traced>;
+
+template <Rounding N>
+Sign sign(const N& x) {
   if (x.value > x.bound()) return Sign::positive;
   if (x.value < -x.bound()) return Sign::negative;
   return x.exactly_zero() ? Sign::zero : Sign::unsure;
@@ -157,6 +162,8 @@ Vector<N> cross(const Vector<N>& a, const Vector<N>& b) {
 template <class Kernel>
 Verdict climb(const Kernel& kernel) {
   Decision decision = kernel.template operator()<Bounded>();
+  if (decision != Decision::undecided) return {decision, Level::filter};
+  decision = kernel.template operator()<Traced>();
   if (decision != Decision::undecided) return {decision, Level::filter};
   decision = kernel.template operator()<Expansion>();
   if (decision != Decision::undecided) return {decision, Level::expansion};

@@ -2,7 +2,7 @@
 
 #include <variant>
 
-#include "server/exact_phase/box_kernel.hpp"
+#include "server/exact_phase/nearest_kernel.hpp"
 
 namespace collided {
 namespace {
@@ -34,8 +34,16 @@ Verdict overlaps(const Sphere& a, const Sphere& b) {
 }
 
 Verdict overlaps(const Sphere& a, const Box& b) {
+  const Pattern guess = guessed_pattern(a.center, b);
   return climb([&]<class N>() {
-    return point_near_solid(Vector<N>(a.center), Solid<N>(b), radius2<N>(a.radius_m));
+    const Solid<N> box(b);
+    const Vector<N> w = Vector<N>(a.center) - box.center;
+    // The guessed feature, once it proves to be the nearest, decides alone.
+    if (guess != Pattern{} && box.spans()) {
+      const Nearest<N> nearest = nearest_at(w, box, guess);
+      if (nearest.sure == Decision::yes) return at_most(nearest.square, radius2<N>(a.radius_m) * nearest.scale);
+    }
+    return point_near_solid(w, box, radius2<N>(a.radius_m));
   });
 }
 

@@ -34,7 +34,7 @@ Reach<N> ray_to_parallel_segment(const Line<N>& ray, const Vector<N>& to_a, cons
 template <class N>
 Reach<N> ray_to_segment(const Line<N>& ray, const Segment<N>& s) {
   const Vector<N>& d = ray.direction;
-  const Vector<N> e = s.b - s.a;
+  const Vector<N>& e = s.d;
   const Vector<N> to_a = s.a - ray.origin;
   const Vector<N> n = cross(d, e);
   const int axis = dropped_axis(n);

@@ -100,7 +100,10 @@ Decision cast_exactly(const Ray& ray, const Triangle& triangle, RayHit& hit) {
 
 /// The rungs above the filter; also asked when a hit is sure but its distance is not sharp.
 [[gnu::noinline]] Verdict climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
-  const Decision decision = cast_exactly<Expansion>(ray, triangle, hit);
+  Decision decision = cast_exactly<Traced>(ray, triangle, hit);
+  if (decision == Decision::no) return {decision, Level::filter};
+  if (decision == Decision::yes && hit.distance_error_m <= kRefineRay * hit.distance_m) return {decision, Level::filter};
+  decision = cast_exactly<Expansion>(ray, triangle, hit);
   if (decision != Decision::undecided) return {decision, Level::expansion};
   return {cast_exactly<Dyadic>(ray, triangle, hit), Level::rational};
 }

@@ -13,6 +13,18 @@ template <class N>
 struct Segment {
   Vector<N> a;
   Vector<N> b;
+  Vector<N> d;  // b - a, kept because a path of no length must have a direction of exactly zero
+
+  Segment() = default;
+  Segment(const Vector<N>& from, const Vector<N>& to) : a(from), b(to), d(to - from) {}
+  Segment(const Vector<N>& from, const Vector<N>& to, const Vector<N>& step) : a(from), b(to), d(step) {}
+  static Segment along(const Vector<N>& from, const Vector<N>& step) {
+    Segment s;
+    s.a = from;
+    s.b = from + step;
+    s.d = step;
+    return s;
+  }
 };
 
 /// |w| <= R for the point w measured from the segment's start, whose direction is d.
@@ -32,13 +44,13 @@ Decision point_near_segment(const Vector<N>& w, const Vector<N>& d, const N& R2)
 
 template <class N>
 Decision point_near_segment(const Vector<N>& p, const Segment<N>& s, const N& R2) {
-  return point_near_segment(p - s.a, s.b - s.a, R2);
+  return point_near_segment(p - s.a, s.d, R2);
 }
 
 template <class N>
 Decision segments_near(const Segment<N>& s, const Segment<N>& t, const N& R2) {
-  const Vector<N> d = s.b - s.a;
-  const Vector<N> e = t.b - t.a;
+  const Vector<N>& d = s.d;
+  const Vector<N>& e = t.d;
   const Vector<N> w = s.a - t.a;
   const Vector<N> n = cross(d, e);
   const N nn = square(n);

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "server/exact_phase/box_kernel.hpp"
+#include "server/exact_phase/closest.hpp"
 
 namespace collided {
 namespace {
@@ -17,7 +18,7 @@ using namespace kernel;
 template <class N>
 Segment<N> path_until(const MovingSphere& mover, double t) {
   const Vector<N> start(mover.start);
-  return {start, start + N(t) * (Vector<N>(mover.end) - start)};
+  return Segment<N>::along(start, N(t) * (Vector<N>(mover.end) - start));
 }
 
 template <class N>
@@ -55,6 +56,30 @@ double time_between(double low, double high) {
   return std::bit_cast<double>(bits(low) + (bits(high) - bits(low)) / 2);
 }
 
+template <class Shape>
+double gap_at(const MovingSphere& mover, double t, const Shape& other, double& slope) {
+  const Vec3 step = mover.end - mover.start;
+  const Closest nearest = closest(mover.start + t * step, other);
+  slope = nearest.normal.dot(step);
+  return nearest.distance_m - mover.radius_m;
+}
+
+/// About the first time, by Newton's method: along a line the distance to a convex set is convex, so the steps come
+/// from before the contact and never pass it but for rounding. Nothing is decided here.
+template <class Shape>
+double guessed_time(const MovingSphere& mover, const Shape& other) {
+  double t = 0;
+  for (int step = 0; step < 12; ++step) {
+    double slope = 0;
+    const double gap = gap_at(mover, t, other, slope);
+    if (!(gap > 0) || !(slope < 0)) break;
+    const double next = t - gap / slope;
+    if (!(next < 1) || next - t < kRoundoff * next) break;
+    t = next;
+  }
+  return t;
+}
+
 /// "Has it touched by t" is false, then true for ever: bisection with exact answers keeps a proved bracket.
 template <class Shape>
 Verdict bracket_first_contact(const MovingSphere& mover, const Shape& other, double width, TimeBracket& bracket) {
@@ -71,11 +96,21 @@ Verdict bracket_first_contact(const MovingSphere& mover, const Shape& other, dou
     bracket.high = 0;
     return {Decision::yes, level};
   }
+  const auto narrow = [&](double t) {
+    if (t > bracket.low && t < bracket.high) (touched_by(t) == Decision::yes ? bracket.high : bracket.low) = t;
+  };
+  // Close in around the guess from both sides, in steps that grow until they hold it.
+  const double guess = guessed_time(mover, other);
+  double reach = std::max(width * 0.4375, 4 * kRoundoff * guess);
+  for (int step = 0; step < 4 && bracket.high - bracket.low > width; ++step, reach *= 64) {
+    narrow(guess - reach);
+    narrow(guess + reach);
+  }
   // 64 halvings of the exponent and 53 of the mantissa end at neighbours.
   for (int step = 0; step < 128 && bracket.high - bracket.low > width; ++step) {
     const double t = time_between(bracket.low, bracket.high);
     if (!(t > bracket.low && t < bracket.high)) break;
-    (touched_by(t) == Decision::yes ? bracket.high : bracket.low) = t;
+    narrow(t);
   }
   return {Decision::yes, level};
 }

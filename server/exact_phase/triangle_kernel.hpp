@@ -20,7 +20,7 @@ struct Facet {
         normal(cross(edge[0], edge[1])) {}
   explicit Facet(const Triangle& t) : Facet(Vector<N>(t.a), Vector<N>(t.b), Vector<N>(t.c)) {}
 
-  Segment<N> side(int i) const { return {corner[i], corner[(i + 1) % 3]}; }
+  Segment<N> side(int i) const { return {corner[i], corner[(i + 1) % 3], edge[i]}; }
 };
 
 /// The point stands over the inside of the facet (strictly), within R of its plane.
@@ -98,8 +98,8 @@ template <class N>
 Decision segments_meet(const Segment<N>& s, const Segment<N>& t) {
   const Decision boxes = boxes_meet(s, t);
   if (boxes == Decision::no) return boxes;
-  const Vector<N> d = s.b - s.a;
-  const Vector<N> e = t.b - t.a;
+  const Vector<N>& d = s.d;
+  const Vector<N>& e = t.d;
   const Vector<N> w = t.a - s.a;
   const Vector<N> n = cross(d, e);
   const int axis = dropped_axis(n);
@@ -149,7 +149,7 @@ Decision line_pierces_facet(const Segment<N>& s, const Facet<N>& f) {
   bool negative = false;
   bool positive = false;
   bool unsure = false;
-  const Vector<N> d = s.b - s.a;
+  const Vector<N>& d = s.d;
   for (int i = 0; i < 3; ++i) {
     const Sign side = sign(dot(f.edge[i], cross(f.corner[i] - s.a, d)));
     unsure = unsure || side == Sign::unsure;
@@ -160,11 +160,16 @@ Decision line_pierces_facet(const Segment<N>& s, const Facet<N>& f) {
   return unsure ? Decision::undecided : Decision::yes;
 }
 
-/// A closed segment (possibly a point) and a closed triangle (possibly a segment or a point).
+/// On which side of the facet's plane a point is.
 template <class N>
-Decision segment_meets_facet(const Segment<N>& s, const Facet<N>& f) {
-  const Sign a = sign(dot(f.normal, s.a - f.corner[0]));
-  const Sign b = sign(dot(f.normal, s.b - f.corner[0]));
+Sign plane_side(const Vector<N>& p, const Facet<N>& f) {
+  return sign(dot(f.normal, p - f.corner[0]));
+}
+
+/// A closed segment (possibly a point) and a closed triangle (possibly a segment or a point), given the sides of the
+/// segment's ends.
+template <class N>
+Decision segment_meets_facet(const Segment<N>& s, const Facet<N>& f, Sign a, Sign b) {
   if ((a == Sign::positive && b == Sign::positive) || (a == Sign::negative && b == Sign::negative)) return Decision::no;
   if (a == Sign::unsure || b == Sign::unsure) {
     // The plane may or may not be reached, but a line that misses the triangle for sure settles it all the same
@@ -182,23 +187,34 @@ Decision segment_meets_facet(const Segment<N>& s, const Facet<N>& f) {
   return any.result();
 }
 
+template <class N>
+Decision segment_meets_facet(const Segment<N>& s, const Facet<N>& f) {
+  return segment_meets_facet(s, f, plane_side(s.a, f), plane_side(s.b, f));
+}
+
+using Sides = std::array<Sign, 3>;
+
+template <class N>
+Sides plane_sides(const Facet<N>& points, const Facet<N>& plane) {
+  return {plane_side(points.corner[0], plane), plane_side(points.corner[1], plane), plane_side(points.corner[2], plane)};
+}
+
+inline bool all_on_one_side(const Sides& s) {
+  return s[0] == s[1] && s[1] == s[2] && (s[0] == Sign::positive || s[0] == Sign::negative);
+}
+
 /// Two triangles meet exactly when an edge of one meets the other.
 template <class N>
 Decision facets_meet(const Facet<N>& f, const Facet<N>& g) {
-  const auto apart = [](const Facet<N>& plane, const Facet<N>& points) {
-    int sum = 0;
-    for (int i = 0; i < 3; ++i) {
-      const Sign s = sign(dot(plane.normal, points.corner[i] - plane.corner[0]));
-      if (s == Sign::unsure) return false;
-      sum += static_cast<int>(s);
-    }
-    return sum == 3 || sum == -3;
-  };
-  if (apart(f, g) || apart(g, f)) return Decision::no;
+  const Sides g_about_f = plane_sides(g, f);
+  if (all_on_one_side(g_about_f)) return Decision::no;
+  const Sides f_about_g = plane_sides(f, g);
+  if (all_on_one_side(f_about_g)) return Decision::no;
   AnyOf any;
   for (int i = 0; i < 3; ++i) {
-    if (any.add(segment_meets_facet(f.side(i), g))) return Decision::yes;
-    if (any.add(segment_meets_facet(g.side(i), f))) return Decision::yes;
+    const int j = (i + 1) % 3;
+    if (any.add(segment_meets_facet(f.side(i), g, f_about_g[i], f_about_g[j]))) return Decision::yes;
+    if (any.add(segment_meets_facet(g.side(i), f, g_about_f[i], g_about_f[j]))) return Decision::yes;
   }
   return any.result();
 }

@@ -19,6 +19,8 @@ struct Scaled {
 
 inline Scaled scaled(const Bounded& x) { return {x, 0}; }
 
+inline Scaled scaled(const Traced& x) { return {{x.value, x.error}, 0}; }
+
 inline Scaled scaled(const Expansion& x) {
   if (x.lost()) return {{0, std::numeric_limits<double>::infinity()}, 0};
   if (x.leading() == 0) return {};
@@ -106,6 +108,8 @@ inline Bounded lesser(const Bounded& a, const Bounded& b) {
 inline Bounded greater(const Bounded& a, const Bounded& b) { return -lesser(-a, -b); }
 
 /// Whether a value is known well enough to report, given the relative width that is worth an exact evaluation.
-inline bool sharp(const Bounded& x, double relative_width) { return x.bound() <= relative_width * std::abs(x.value); }
+inline bool sharp(const Bounded& x, double relative_width) {
+  return x.bound() <= relative_width * std::abs(x.value) && std::isfinite(x.bound());
+}
 
 }  // namespace collided::kernel

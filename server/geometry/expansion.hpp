@@ -12,7 +12,9 @@ namespace collided {
 /// source  Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997
 class Expansion {
  public:
-  static constexpr int kCapacity = 256;
+  /// orient3d of doubles needs at most 192. With 231 the size is an odd number of cache lines, so that the many
+  /// temporaries of a kernel spread over the cache instead of sharing a few sets.
+  static constexpr int kCapacity = 231;
 
   Expansion() = default;
   Expansion(double exact) {  // NOLINT: a double is an exact number

@@ -37,9 +37,36 @@ inline constexpr double kRefineDistance = 0x1p-42;
 /// Without it ExactRayTriangle.GrazingDistanceIsRefined fails.
 inline constexpr double kRefineRay = 0x1p-33;
 
+/// Error of a nearest direction, relative to its length, above which it is evaluated again exactly: a depth d along a
+/// normal that is off by e parts the shapes but for d e^2 / 2, far below the depth's own bound. No unit.
+/// Without it ExactContactOracle.SphereCapsule fails (a centre a rounding away from the axis).
+inline constexpr double kRefineDirection = 0x1p-36;
+
 /// Error of a witness point, relative to the largest coordinate of the sets: a + u d with u in [0, 1] on an edge whose
 /// ends took four roundings each, or the foot on a face (two quotients and two sums on each coordinate). No unit.
 /// At zero, ExactContact.DepthBoundsHoldOnRandomPairs fails.
 inline constexpr double kWitnessError = 32 * kRoundoff;
+
+/// Slack of the half-spaces that look for a point of both sets, relative to their extent: 64 roundings, so that the
+/// only common point of two sets that touch is not lost. It places a contact point and decides nothing. No unit.
+/// At zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
+inline constexpr double kClipSlack = 0x1p-46;
+
+/// Bound on the rounding of the plain 2-D orientation determinant, relative to the sum of its two products: Shewchuk's
+/// ccwerrboundA, (3 + 16 u) u. No unit. At zero, IntakePlanar.NearlyStraightTurnsAreExact fails.
+inline constexpr double kTurnError = (3 + 16 * kRoundoff) * kRoundoff;
+
+/// | |q| - 1 | that the border takes for a rotation written with seven digits or more; beyond it the four numbers
+/// are not a rotation. No unit. At zero, IntakeSceneFile.AQuaternionOfSevenDigitsIsTaken fails.
+inline constexpr double kUnitNormSlack = 1e-6;
+
+/// | |q|^2 - 1 | within which a quaternion is left as it is. Dividing by the norm leaves four roundings in each number
+/// (three of the norm, the quotient), so eight in the square, and four of summing it. No unit.
+/// At zero, IntakeSceneFile.ComesBackBitForBit fails.
+inline constexpr double kNormalizedSlack = 16 * kRoundoff;
+
+/// Distance between neighbouring single-precision numbers from which on a scene's digits are reported lost: those of a
+/// survey in millimetres. Metres. At zero, IntakeSinglePrecision.NearCoordinatesGiveNoWarning fails.
+inline constexpr double kCoarseGrid_m = 1e-3;
 
 }  // namespace collided

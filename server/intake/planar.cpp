@@ -4,13 +4,10 @@
 #include <cstddef>
 #include <limits>
 
+#include "server/geometry/tolerance.hpp"
+
 namespace collided {
 namespace {
-
-/// Bound on the rounding of the plain determinant, relative to its permanent: Shewchuk's ccwerrboundA, (3 + 16 u) u
-/// with u = 2^-53. At zero, IntakePlanar.NearlyStraightTurnsAreExact fails.
-constexpr double kRoundoff = std::numeric_limits<double>::epsilon() / 2;
-constexpr double kTurnSlack = (3 + 16 * kRoundoff) * kRoundoff;
 
 /// A sum of doubles kept without error: parts that do not overlap, smallest first.
 struct ExactSum {
@@ -47,7 +44,7 @@ int turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
   const double left = (a[0] - c[0]) * (b[1] - c[1]);
   const double right = (a[1] - c[1]) * (b[0] - c[0]);
   const double determinant = left - right;
-  if (std::abs(determinant) > kTurnSlack * (std::abs(left) + std::abs(right)) + std::numeric_limits<double>::min()) {
+  if (std::abs(determinant) > kTurnError * (std::abs(left) + std::abs(right)) + std::numeric_limits<double>::min()) {
     return determinant > 0 ? 1 : -1;
   }
   // The product of c with itself cancels, so six products of the coordinates as given make the whole determinant.

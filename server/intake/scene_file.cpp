@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "idl/scene_generated.h"
+#include "server/geometry/tolerance.hpp"
 #include "server/intake/file_bytes.hpp"
 #include "server/intake/limits.hpp"
 #include "server/intake/names.hpp"

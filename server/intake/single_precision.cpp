@@ -6,13 +6,10 @@
 #include <limits>
 
 #include "server/geometry/aabb.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided {
 namespace {
-
-/// Metres between neighbouring single-precision numbers from which on a warning is worth it: the digits of a survey
-/// in millimetres are gone. IntakeSinglePrecision.NearCoordinatesGiveNoWarning fails when it is zero.
-constexpr double kCoarseGrid_m = 1e-3;
 
 /// Fewer coordinates than these may all fall on the grid by chance.
 constexpr std::uint64_t kLeastCoordinates = 12;

@@ -113,14 +113,15 @@ void Answering::Worker::work(Sweep sweep) {
 void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
   const wire::Query& query = *ask.query;
   const std::int64_t allowed_ns = query.deadline_ns > 0 ? query.deadline_ns : owner_.options_.deadline_ns;
-  const Questions questions{.kind = static_cast<QueryKind>(query.kind),
-                            .mode = static_cast<wire_contract::RayMode>(query.mode),
-                            .mask = query.mask,
-                            .max_hits = query.max_hits,
-                            .only = query.only,
-                            .skip = query.skip,
-                            .deadline_ns = allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0,
-                            .numbers = dds::view(query.numbers)};
+  const Questions questions{
+      .kind = static_cast<QueryKind>(query.kind),
+      .mode = static_cast<wire_contract::RayMode>(query.mode),
+      .mask = query.mask,
+      .max_hits = query.max_hits,
+      .only = query.only,
+      .skip = query.skip,
+      .deadline_ns = allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0,
+      .numbers = dds::view(query.numbers)};
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
   answer(*lease, questions, answers_, scratch_);
   // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
@@ -232,7 +233,8 @@ void Answering::take(const dds::Taker<wire::Query>& taker) {
     const Fences::Outcome outcome = fences_.pass(ask);
     if (outcome == Fences::Outcome::passed) admit(std::move(ask));
     if (outcome == Fences::Outcome::full) {
-      refuse_later(std::move(ask), fmt::format("{} questions wait for a publisher's samples, the limit", Fences::kMost));
+      refuse_later(std::move(ask),
+                   fmt::format("{} questions wait for a publisher's samples, the limit", Fences::kMost));
     }
   }
   // The rest stays with DDS, which makes the askers wait: admission. A worker comes back for it.
@@ -246,12 +248,13 @@ void Answering::take_more() {
 
 void Answering::admit(AskPointer ask) {
   const wire::Query& query = *ask->query;
-  if (query.chunk_count > 1) {
+  if (query.chunk_count > 1 && query.chunk_index < query.chunk_count) {
     std::optional<SnapshotRing::Lease> lease = leases_.take(query.client, query.request, query.chunk_index,
                                                             query.chunk_count, query.fence_publisher != 0, steady_ns());
     if (!lease) {
-      refuse_later(std::move(ask), "the state that this request is answered on is no longer kept: its chunks must "
-                                   "come within 2 s, the first one first");
+      refuse_later(std::move(ask),
+                   "the state that this request is answered on is no longer kept: its chunks must "
+                   "come within 2 s, the first one first");
       return;
     }
     ask->pinned = std::move(*lease);
@@ -276,10 +279,11 @@ void Answering::tick(std::vector<std::uint64_t> askers) {
     const wire::Query& query = *ask->query;
     const std::uint64_t applied = fences_.applied(query.fence_publisher);
     refuse_later(std::move(ask),
-                 applied == 0 ? fmt::format("publisher {:016x} is not known here, so its sample {} could not be waited for",
-                                            query.fence_publisher, query.fence_sequence)
-                              : fmt::format("sample {} of publisher {:016x} did not come in time; applied: {}",
-                                            query.fence_sequence, query.fence_publisher, applied));
+                 applied == 0
+                     ? fmt::format("publisher {:016x} is not known here, so its sample {} could not be waited for",
+                                   query.fence_publisher, query.fence_sequence)
+                     : fmt::format("sample {} of publisher {:016x} did not come in time; applied: {}",
+                                   query.fence_sequence, query.fence_publisher, applied));
   }
   queue_.push(Sweep{std::move(askers)});
 }

@@ -24,7 +24,7 @@ struct AnsweringOptions {
   std::uint64_t server = 0;
   std::uint64_t epoch = 0;
   unsigned threads = 1;
-  std::int64_t deadline_ns = 0;  // of questions that bring none; 0: none
+  std::int64_t deadline_ns = 0;      // of questions that bring none; 0: none
   std::function<bool()> recovering;  // the world may lack what publishers have yet to say again
 };
 

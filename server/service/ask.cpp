@@ -20,11 +20,16 @@ struct Kind {
 
 std::optional<Kind> kind_of(std::uint8_t code) {
   switch (static_cast<QueryKind>(code)) {
-    case QueryKind::ray: return Kind{"ray", wire_contract::kRayNumbers};
-    case QueryKind::sphere: return Kind{"sphere", wire_contract::kSphereNumbers};
-    case QueryKind::box: return Kind{"box", wire_contract::kBoxNumbers};
-    case QueryKind::near: return Kind{"near", wire_contract::kNearNumbers};
-    default: return std::nullopt;
+    case QueryKind::ray:
+      return Kind{"ray", wire_contract::kRayNumbers};
+    case QueryKind::sphere:
+      return Kind{"sphere", wire_contract::kSphereNumbers};
+    case QueryKind::box:
+      return Kind{"box", wire_contract::kBoxNumbers};
+    case QueryKind::near:
+      return Kind{"near", wire_contract::kNearNumbers};
+    default:
+      return std::nullopt;
   }
 }
 

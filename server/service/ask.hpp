@@ -15,10 +15,10 @@ namespace collided::service {
 /// One chunk of a request on its way from the listener to a worker.
 struct Ask {
   dds::Sample<wire::Query> query;
-  std::int64_t taken_ns = 0;        // steady clock
+  std::int64_t taken_ns = 0;  // steady clock
   bool passed_fence = false;
-  std::string refusal;              // decided before a worker saw it; empty: none
-  SnapshotRing::Lease pinned;       // the state that all chunks of its request are answered on; none: the newest
+  std::string refusal;         // decided before a worker saw it; empty: none
+  SnapshotRing::Lease pinned;  // the state that all chunks of its request are answered on; none: the newest
 };
 using AskPointer = std::unique_ptr<Ask>;
 
@@ -29,7 +29,7 @@ class AskPool {
   void put(AskPointer ask);
 
  private:
-  static constexpr std::size_t kMost = 4'096;
+  static constexpr std::size_t kMost = 256;  // up to 80 kB each
   std::mutex mutex_;
   std::vector<AskPointer> spares_;
 };

@@ -34,12 +34,12 @@ std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
 void Clients::open_writer(const std::shared_ptr<Client>& client) {
   Client* raw = client.get();  // outlives its writer, and so the callback
   raw->deaf_since_ns_.store(steady_ns());
-  dds::Writer<wire::Reply> writer(topic_, {.partition = wire_contract::reply_partition(raw->id()),
-                                           .matched = [this, raw](std::uint32_t readers) {
-                                             raw->listening_.store(readers > 0);
-                                             raw->deaf_since_ns_.store(steady_ns());
-                                             if (readers > 0) listening_(raw->id());
-                                           }});
+  dds::Writer<wire::Reply> writer(
+      topic_, {.partition = wire_contract::reply_partition(raw->id()), .matched = [this, raw](std::uint32_t readers) {
+                 raw->listening_.store(readers > 0);
+                 raw->deaf_since_ns_.store(steady_ns());
+                 if (readers > 0) listening_(raw->id());
+               }});
   {
     const std::lock_guard lock(raw->mutex_);
     raw->writer_.emplace(std::move(writer));

@@ -32,7 +32,7 @@ class Client {
   std::optional<dds::Writer<wire::Reply>> writer_;
   std::vector<AskPointer> waiting_;
   std::atomic<bool> listening_{false};
-  std::atomic<std::uint64_t> asker_{0};    // its query writer
+  std::atomic<std::uint64_t> asker_{0};  // its query writer
   std::atomic<std::int64_t> deaf_since_ns_{0};
 };
 
@@ -43,7 +43,7 @@ class Client {
 class Clients {
  public:
   static constexpr std::size_t kMost = 1'000;
-  static constexpr std::size_t kMostWaiting = 256;             // asks of one client
+  static constexpr std::size_t kMostWaiting = 256;  // asks of one client
   static constexpr std::int64_t kMatchPatienceNs = 1'000'000'000;
   static constexpr std::int64_t kDeafPatienceNs = 10'000'000'000;  // a client without a reader is forgotten
 

@@ -7,7 +7,8 @@ namespace collided::service {
 
 /// Nanoseconds of a clock that never goes back; what deadlines are in.
 inline std::int64_t steady_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
 }
 
 /// World time: nanoseconds since 1970 as the machine had them when the server started, going on steadily from there,
@@ -18,7 +19,8 @@ class WorldClock {
 
  private:
   std::int64_t offset_ns_ =
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count() -
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+          .count() -
       steady_ns();
 };
 

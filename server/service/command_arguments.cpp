@@ -25,7 +25,8 @@ const nlohmann::json* Arguments::find(const char* name) const {
 
 void Arguments::refuse(const char* name, const std::string& allowed) const {
   throw BadCommand(fmt::format("{}: '{}' is {}; allowed: {}", command_, name,
-                               arguments_[name].dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), allowed));
+                               arguments_[name].dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                               allowed));
 }
 
 void Arguments::allow_only(std::initializer_list<const char*> names) const {
@@ -78,7 +79,8 @@ std::optional<Pose> Arguments::pose(const char* name) const {
   }
   const std::variant<Pose, Refusal> pose = checked_pose(numbers);
   if (const auto* refusal = std::get_if<Refusal>(&pose)) {
-    throw BadCommand(fmt::format("{}: '{}': {}", command_, name, refusal->reason), "a pose is [x, y, z, qw, qx, qy, qz]");
+    throw BadCommand(fmt::format("{}: '{}': {}", command_, name, refusal->reason),
+                     "a pose is [x, y, z, qw, qx, qy, qz]");
   }
   return std::get<Pose>(pose);
 }

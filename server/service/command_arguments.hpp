@@ -13,7 +13,8 @@ namespace collided::service {
 
 /// A command that cannot be done: what is wrong, and what to do next where there is something.
 struct BadCommand : std::runtime_error {
-  explicit BadCommand(const std::string& error, std::string next = {}) : std::runtime_error(error), hint(std::move(next)) {}
+  explicit BadCommand(const std::string& error, std::string next = {})
+      : std::runtime_error(error), hint(std::move(next)) {}
   std::string hint;
 };
 

@@ -82,17 +82,16 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   answer(ask, [&]() -> json {
-    const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,
-                                         names::kRemove, names::kList, names::kGet, names::kPlan};
+    const std::vector<std::string> known{names::kLoad,   names::kClear, names::kAdd, names::kMove,
+                                         names::kRemove, names::kList,  names::kGet, names::kPlan};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
 
 void Commands::on_world_thread(CommandAsk ask, Change change) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
-  const bool taken = inbox_.push_job([this, shared, change] {
-    answer(*shared, [&] { return (this->*change)(*shared, Arguments(shared->text)); });
-  });
+  const bool taken = inbox_.push_job(
+      [this, shared, change] { answer(*shared, [&] { return (this->*change)(*shared, Arguments(shared->text)); }); });
   if (!taken) {
     answering_->send_text(shared->client, shared->request, ReplyStatus::refused,
                           refusal_text("too many commands wait already", "ask again"));
@@ -104,7 +103,8 @@ void Commands::on_world_thread(CommandAsk ask, Change change) {
 json Commands::list(const Arguments& arguments) const {
   arguments.allow_only({"name", "moving", "limit"});
   const std::string glob = arguments.text("name");
-  const std::optional<bool> moving = arguments.has("moving") ? std::optional(arguments.truth("moving", false)) : std::nullopt;
+  const std::optional<bool> moving =
+      arguments.has("moving") ? std::optional(arguments.truth("moving", false)) : std::nullopt;
   const std::uint64_t limit = arguments.whole("limit", 10'000, 1'000'000);
   const SnapshotRing::Lease state = loop_.world().newest();
   json objects = json::array();
@@ -146,7 +146,8 @@ json Commands::get(const CommandAsk&, const Arguments& arguments) {
   }
   object["contacts"] = contacts;
   json waiting = json::array();
-  for (const std::uint64_t publisher : loop_.publishers().waiting_for(info.name)) waiting.push_back(loop_.publisher_name(publisher));
+  for (const std::uint64_t publisher : loop_.publishers().waiting_for(info.name))
+    waiting.push_back(loop_.publisher_name(publisher));
   if (!waiting.empty()) object["name_wanted_by"] = waiting;
   object["version"] = state->version;
   return object;
@@ -201,7 +202,8 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
                       .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
                       .group = static_cast<std::uint32_t>(arguments.whole("group", 0, kBits))};
   const std::string name = arguments.text("name");
-  if (!is_good_name(name)) throw BadCommand(fmt::format("add: the name {} is empty, longer than 255 bytes or not text", printable(name)));
+  if (!is_good_name(name))
+    throw BadCommand(fmt::format("add: the name {} is empty, longer than 255 bytes or not text", printable(name)));
   DecodedShape decoded = decode_shape(ask.blob);
   if (!decoded.shape) throw BadCommand("add: " + decoded.refusal);
   if (decoded.shape->empty()) throw BadCommand("add: the shape is empty");
@@ -239,7 +241,11 @@ json Commands::move(const CommandAsk&, const Arguments& arguments) {
     if (event.kind == EventKind::began) began.push_back(other ? other->name : std::string());
     if (event.kind == EventKind::ended) ended.push_back(other ? other->name : std::string());
   }
-  return {{"name", name}, {"moved_m", (pose->position - before).norm()}, {"began", began}, {"ended", ended}, {"version", version}};
+  return {{"name", name},
+          {"moved_m", (pose->position - before).norm()},
+          {"began", began},
+          {"ended", ended},
+          {"version", version}};
 }
 
 json Commands::remove(const CommandAsk&, const Arguments& arguments) {

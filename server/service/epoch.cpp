@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -47,7 +48,8 @@ std::string replace_file(const fs::path& path, const std::string& text) {
   std::ofstream out(beside, std::ios::trunc);
   out << text;
   out.close();
-  if (!out || !sync_to_disk(beside, O_RDONLY)) return fmt::format("{} cannot be written: {}", beside.string(), std::strerror(errno));
+  if (!out || !sync_to_disk(beside, O_RDONLY))
+    return fmt::format("{} cannot be written: {}", beside.string(), std::strerror(errno));
   fs::rename(beside, path, error);
   if (error) return fmt::format("{} cannot be replaced: {}", path.string(), error.message());
   // The rename is lasting once its folder is.
@@ -55,10 +57,29 @@ std::string replace_file(const fs::path& path, const std::string& text) {
   return {};
 }
 
+/// The process that holds the lock, or 0 after taking it; the open file is the lock.
+int take_lock(const fs::path& path, std::shared_ptr<void>& lock) {
+  std::error_code ignored;
+  fs::create_directories(path.parent_path(), ignored);
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (file < 0) return 0;  // where nothing can be written, replace_file says so
+  if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+    int holder = 0;
+    std::ifstream(path) >> holder;
+    close(file);
+    return holder > 0 ? holder : -1;
+  }
+  lock = std::shared_ptr<void>(nullptr, [file](void*) { close(file); });
+  const std::string pid = fmt::format("{}\n", getpid());
+  static_cast<void>(ftruncate(file, 0) == 0 && pwrite(file, pid.data(), pid.size(), 0) > 0);
+  return 0;
+}
+
 }  // namespace
 
 void close_epoch(const Epoch& epoch) {
-  if (!epoch.kept_in.empty()) static_cast<void>(replace_file(epoch.kept_in, fmt::format("{} {}\n", epoch.value, kStopped)));
+  if (!epoch.kept_in.empty())
+    static_cast<void>(replace_file(epoch.kept_in, fmt::format("{} {}\n", epoch.value, kStopped)));
 }
 
 Epoch next_epoch(const std::string& state_dir, int domain, const std::string& name_space,
@@ -72,6 +93,8 @@ Epoch next_epoch(const std::string& state_dir, int domain, const std::string& na
     return epoch;
   }
   const fs::path path = dir / file_name(domain, name_space);
+  epoch.rival_pid = take_lock(path.string() + ".lock", epoch.lock);
+  if (epoch.rival_pid != 0) return epoch;
   std::uint64_t last = 0;
   std::string how;
   std::ifstream in(path);

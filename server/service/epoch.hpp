@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 namespace collided::service {
@@ -10,13 +11,16 @@ namespace collided::service {
 /// state from a new one.
 struct Epoch {
   std::uint64_t value = 0;
-  std::string kept_in;  // the file; empty: nowhere could be written, and the value is the clock's seconds
-  std::string problem;  // why nowhere
-  bool crashed = false; // the server before this one did not end in order: its publishers and watchers may be waiting
+  std::string kept_in;   // the file; empty: nowhere could be written, and the value is the clock's seconds
+  std::string problem;   // why nowhere
+  int rival_pid = 0;     // another process of this machine serves the same domain and namespace; then all else is empty
+  std::shared_ptr<void> lock;  // released with the last copy
+  bool crashed = false;  // the server before this one did not end in order: its publishers and watchers may be waiting
 };
 
 /// One more than the last one, and at least the clock's seconds, so that it grows over a lost file as well. Written
-/// (beside the file, synced, renamed over it) before it is returned: a crash repeats no epoch.
+/// (beside the file, synced, renamed over it) before it is returned: a crash repeats no epoch. Takes a lock beside the
+/// file that goes with the Epoch or the process, however that ends: on a busy machine a rival's status may come too late.
 ///
 /// state_dir   empty: $XDG_STATE_HOME/collided, ~/.local/state/collided, or /var/lib/collided for root
 Epoch next_epoch(const std::string& state_dir, int domain, const std::string& name_space,

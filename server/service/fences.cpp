@@ -33,7 +33,8 @@ template <class Chosen>
 std::vector<AskPointer> Fences::take_if(Chosen&& chosen) {
   const std::lock_guard lock(mutex_);
   std::vector<AskPointer> taken;
-  const auto rest = std::stable_partition(waiting_.begin(), waiting_.end(), [&](const AskPointer& ask) { return !chosen(*ask); });
+  const auto rest =
+      std::stable_partition(waiting_.begin(), waiting_.end(), [&](const AskPointer& ask) { return !chosen(*ask); });
   std::move(rest, waiting_.end(), std::back_inserter(taken));
   waiting_.erase(rest, waiting_.end());
   return taken;

@@ -91,6 +91,11 @@ void ContactColumns::clear() {
   named.clear();
 }
 
+std::size_t ContactColumns::bytes() const {
+  constexpr std::size_t kBytesPerContact = 3 * 8 + 2 * 4 + 8 + 8 * wire_contract::kContactNumbers;
+  return size() * kBytesPerContact + named.ids.size() * sizeof(ObjectId) + named.names.size();
+}
+
 void ContactColumns::add(const OpenContact& contact) {
   a.push_back(contact.a);
   b.push_back(contact.b);

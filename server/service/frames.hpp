@@ -74,6 +74,7 @@ struct ContactColumns {
   void clear();
   void add(const OpenContact& contact);
   std::size_t size() const { return a.size(); }
+  std::size_t bytes() const;
 };
 
 }  // namespace collided::service

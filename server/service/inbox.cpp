@@ -25,8 +25,14 @@ void Inbox::give_back(std::unique_ptr<PoseSample> sample) {
   if (spares_.size() < limits_.batches) spares_.push_back(std::move(sample));
 }
 
+bool Inbox::has_room_for_definitions() const {
+  const std::lock_guard lock(mutex_);
+  return definition_bytes_ < limits_.definition_bytes;
+}
+
 void Inbox::push(std::unique_ptr<DefinitionSample> sample) {
   const std::lock_guard lock(mutex_);
+  definition_bytes_ += sizeof *sample + sample->shape_bytes.size();
   arrivals_.emplace_back(std::move(sample));
   arrived_.notify_one();
 }
@@ -145,6 +151,7 @@ void Inbox::drain(std::chrono::steady_clock::time_point until, std::vector<Arriv
   batch_count_ = 0;
   pose_count_ = 0;
   job_count_ = 0;
+  definition_bytes_ = 0;
 }
 
 InboxCounts Inbox::counts() const {

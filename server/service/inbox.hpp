@@ -29,9 +29,10 @@ using Job = std::function<void()>;
 using Arrival = std::variant<std::unique_ptr<DefinitionSample>, std::unique_ptr<PoseSample>, WriterNews, Job>;
 
 struct InboxLimits {
-  std::size_t batches = 512;           // of poses, waiting as they came
-  std::size_t poses = 1 << 20;         // in those batches
+  std::size_t batches = 512;    // of poses, waiting as they came
+  std::size_t poses = 1 << 20;  // in those batches
   std::size_t merged_objects = 200'000;
+  std::size_t definition_bytes = std::size_t{256} << 20;
   std::size_t jobs = 64;
 };
 
@@ -40,8 +41,9 @@ struct InboxCounts {
   std::uint64_t poses_dropped = 0;     // no room even so: one number too many, or a malformed batch
 };
 
-/// From the listeners to the world's thread, in order of arrival. Definitions and news are never dropped; poses beyond
-/// the limits are merged, the newest of each object staying, so that a slow world skips ways and never ends.
+/// From the listeners to the world's thread, in order of arrival. Definitions and news are never dropped (beyond the
+/// limit definitions stay with DDS, which keeps the newest of each object); poses beyond the limits are merged, the
+/// newest of each object staying, so that a slow world skips ways and never ends.
 ///
 /// threads  any pushes; one drains
 class Inbox {
@@ -55,6 +57,8 @@ class Inbox {
   void push(std::unique_ptr<DefinitionSample> sample);
   void push(std::unique_ptr<PoseSample> sample);
   void push(const WriterNews& news);
+  /// False: leave definitions where they are for now.
+  bool has_room_for_definitions() const;
   /// False: too many jobs wait already.
   [[nodiscard]] bool push_job(Job job);
   void wake();
@@ -91,6 +95,7 @@ class Inbox {
   std::size_t batch_count_ = 0;
   std::size_t pose_count_ = 0;
   std::size_t job_count_ = 0;
+  std::size_t definition_bytes_ = 0;
   bool woken_ = false;
   InboxCounts counts_;
 };

@@ -8,7 +8,8 @@ namespace collided::service {
 std::size_t LeaseBook::states() const {
   std::size_t count = 0;
   for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
-    const bool seen = std::any_of(entries_.begin(), entry, [&](const Entry& other) { return &*other.lease == &*entry->lease; });
+    const bool seen =
+        std::any_of(entries_.begin(), entry, [&](const Entry& other) { return &*other.lease == &*entry->lease; });
     if (!seen) ++count;
   }
   return count;
@@ -17,8 +18,8 @@ std::size_t LeaseBook::states() const {
 SnapshotRing::Lease LeaseBook::pin(bool fresh, std::int64_t now_ns) {
   if (entries_.size() >= kMostRequests) entries_.pop_front();
   SnapshotRing::Lease newest = world_.newest();
-  const bool pinned_already = std::any_of(entries_.begin(), entries_.end(),
-                                          [&](const Entry& entry) { return &*entry.lease == &*newest; });
+  const bool pinned_already =
+      std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) { return &*entry.lease == &*newest; });
   if (pinned_already || states() < kMostStates) return newest;
   if (!fresh && now_ns - entries_.back().pinned_ns <= kSharedAgeNs) return entries_.back().lease;
   while (states() >= kMostStates) entries_.pop_front();

@@ -78,8 +78,17 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
                     .liveliness = [this](const dds::Liveliness& change) { pose_writers_.liveliness(change); }}),
       query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) { answering.take(taker); }}) {}
 
+void Listeners::take_left_definitions() {
+  if (definitions_left_.exchange(false)) take_definitions(object_reader_.taker());
+}
+
 void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
+  const std::lock_guard lock(taking_definitions_);
   while (true) {
+    if (!inbox_.has_room_for_definitions()) {
+      definitions_left_.store(true);
+      return;
+    }
     const auto loans = taker.take_loans();
     if (loans.size() == 0) return;
     for (std::size_t i = 0; i < loans.size(); ++i) {
@@ -104,7 +113,8 @@ void Listeners::take_poses(const dds::Taker<wire::PoseBatch>& taker) {
         inbox_.push(std::move(sample));
       }
       // The key is the publisher: an instance without writers is a publisher that has gone.
-      if (loans.info(i).instance_state == DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE) pose_writers_.lost(loans[i].publisher);
+      if (loans.info(i).instance_state == DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE)
+        pose_writers_.lost(loans[i].publisher);
     }
   }
 }

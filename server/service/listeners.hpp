@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -38,6 +39,9 @@ class Listeners {
   /// The query writers that are there now.
   std::vector<std::uint64_t> askers() const { return query_reader_.matched_writer_handles(); }
 
+  /// Definitions that were left with DDS because the inbox was full. Now and then, from one thread.
+  void take_left_definitions();
+
  private:
   void take_definitions(const dds::Taker<wire::Definition>& taker);
   void take_poses(const dds::Taker<wire::PoseBatch>& taker);
@@ -46,6 +50,8 @@ class Listeners {
   Inbox& inbox_;
   WriterTable object_writers_;
   WriterTable pose_writers_;
+  std::mutex taking_definitions_;
+  std::atomic<bool> definitions_left_{false};
   dds::Topic<wire::Definition> object_topic_;
   dds::Topic<wire::PoseBatch> pose_topic_;
   dds::Topic<wire::Query> query_topic_;

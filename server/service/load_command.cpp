@@ -41,10 +41,13 @@ void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
     load.options.strict = arguments.truth("strict", false);
     load.replace = arguments.truth("replace", false);
     if (load.path.empty()) throw BadCommand("load: without a path");
-    if (!load.options.name.empty() && !is_good_name(load.options.name)) throw BadCommand("load: the name is too long or not text");
+    if (!load.options.name.empty() && !is_good_name(load.options.name))
+      throw BadCommand("load: the name is too long or not text");
     if (up != "y" && up != "z") throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z'", printable(up)));
-    if (!(load.options.unit_m > 0)) throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
-    if (!loads_.has_room()) throw BadCommand(fmt::format("{} files wait to be loaded already", kMostLoads), "ask again");
+    if (!(load.options.unit_m > 0))
+      throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
+    if (!loads_.has_room())
+      throw BadCommand(fmt::format("{} files wait to be loaded already", kMostLoads), "ask again");
     load.options.up = up[0];
   } catch (const BadCommand& bad) {
     answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
@@ -67,7 +70,8 @@ void Commands::load_one(Load load) {
     const std::int64_t now_ns = steady_ns();
     // Reported from any of the threads that build; one of them wins.
     if (now_ns - last_ns < kProgressPeriodNs || !told_ns.compare_exchange_strong(last_ns, now_ns)) return;
-    answering_->send_text(ask.client, ask.request, ReplyStatus::progress, fmt::format("{{\"fraction\": {:.4f}}}", fraction));
+    answering_->send_text(ask.client, ask.request, ReplyStatus::progress,
+                          fmt::format("{{\"fraction\": {:.4f}}}", fraction));
   };
   const auto loaded = std::make_shared<LoadedScene>();
   try {
@@ -82,9 +86,8 @@ void Commands::load_one(Load load) {
   }
   load.options = {};  // its functions point at what ends here
   const auto shared = std::make_shared<Load>(std::move(load));
-  const bool taken = inbox_.push_job([this, shared, loaded] {
-    answer(shared->ask, [&] { return add_scene(*shared, *loaded); });
-  });
+  const bool taken =
+      inbox_.push_job([this, shared, loaded] { answer(shared->ask, [&] { return add_scene(*shared, *loaded); }); });
   if (!taken) {
     answering_->send_text(shared->ask.client, shared->ask.request, ReplyStatus::refused,
                           refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
@@ -94,9 +97,11 @@ void Commands::load_one(Load load) {
 json Commands::add_scene(const Load& load, LoadedScene& loaded) {
   World& world = loop_.world();
   const auto& scenes = world.newest()->scenes;
-  const bool there = std::any_of(scenes.begin(), scenes.end(), [&](const auto& scene) { return scene->name == loaded.scene.name; });
+  const bool there =
+      std::any_of(scenes.begin(), scenes.end(), [&](const auto& scene) { return scene->name == loaded.scene.name; });
   if (there && !load.replace) {
-    throw BadCommand(fmt::format("scene {} is loaded already", printable(loaded.scene.name)), "--replace it, or load under another --name");
+    throw BadCommand(fmt::format("scene {} is loaded already", printable(loaded.scene.name)),
+                     "--replace it, or load under another --name");
   }
   if (there) {
     refuse_taken_names(world, loaded.scene);

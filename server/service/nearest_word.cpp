@@ -40,7 +40,8 @@ std::string nearest_word(std::string_view typed, std::span<const std::string> wo
   return nearest;
 }
 
-std::vector<std::string> nearest_words(std::string_view typed, std::span<const std::string_view> words, std::size_t most) {
+std::vector<std::string> nearest_words(std::string_view typed, std::span<const std::string_view> words,
+                                       std::size_t most) {
   // At least as many edits are needed as the lengths differ by.
   const std::size_t farthest = std::max<std::size_t>(2, typed.size() / 2);
   std::vector<std::pair<std::size_t, std::string_view>> near;

@@ -14,8 +14,10 @@ namespace collided::service {
 /// source  Damerau, "A technique for computer detection and correction of spelling errors", 1964
 std::string nearest_word(std::string_view typed, std::span<const std::string> words);
 
-/// The few words nearest to the typed one, nearest first, however far; words whose length differs much are not looked at.
-std::vector<std::string> nearest_words(std::string_view typed, std::span<const std::string_view> words, std::size_t most);
+/// The few words nearest to the typed one, nearest first, however far; words whose length differs much are not looked
+/// at.
+std::vector<std::string> nearest_words(std::string_view typed, std::span<const std::string_view> words,
+                                       std::size_t most);
 
 /// "; did you mean 'threads'?" or nothing.
 std::string did_you_mean(std::string_view typed, std::span<const std::string> words);

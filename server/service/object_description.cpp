@@ -23,7 +23,8 @@ json describe(const Sphere& sphere) {
 }
 
 json describe(const Box& box) {
-  return {{"box", {{"center", numbers(box.center)}, {"half_m", numbers(box.half_m)}, {"rotation", numbers(Quat(box.axes))}}}};
+  return {{"box",
+           {{"center", numbers(box.center)}, {"half_m", numbers(box.half_m)}, {"rotation", numbers(Quat(box.axes))}}}};
 }
 
 json describe(const Capsule& capsule) {

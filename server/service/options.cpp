@@ -32,7 +32,8 @@ std::vector<std::string> known_flags() {
 std::vector<std::string> join_numbers(const std::vector<std::string>& arguments) {
   std::vector<std::string> joined;
   for (const std::string& argument : arguments) {
-    const bool after_flag = !joined.empty() && joined.back().starts_with("--") && joined.back().find('=') == std::string::npos;
+    const bool after_flag =
+        !joined.empty() && joined.back().starts_with("--") && joined.back().find('=') == std::string::npos;
     if (after_flag && argument.starts_with('-') && is_number(argument)) {
       joined.back() += "=" + argument;
     } else {
@@ -188,7 +189,8 @@ std::string print_config(const ParsedOptions& parsed) {
       table = key.substr(0, dot);
       text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", table);
     }
-    text += fmt::format("{:<40}# {}\n", fmt::format("{} = {}", key.substr(dot + 1), toml_value(effective)), effective.origin);
+    text += fmt::format("{:<40}# {}\n", fmt::format("{} = {}", key.substr(dot + 1), toml_value(effective)),
+                        effective.origin);
   }
   return text;
 }
@@ -199,7 +201,8 @@ std::string help_text() {
       "  collided [SCENE...]              no argument: a small embedded scene\n\n"
       "Each option may also be a key of the --config file or a variable; flag before variable before file.\n\n";
   for (const Setting& setting : settings()) {
-    const std::string flag = *setting.flag ? fmt::format("{} {}", setting.flag, setting.value) : std::string("SCENE...");
+    const std::string flag =
+        *setting.flag ? fmt::format("{} {}", setting.flag, setting.value) : std::string("SCENE...");
     text += fmt::format("  {:<18} {:<20} {:<22} {}\n", flag, setting.key, setting.variable, setting.help);
   }
   text +=

@@ -13,14 +13,14 @@ namespace collided::service {
 /// What the server was told, each value checked. Keys, flags, variables and defaults: settings().
 struct Options {
   std::string name_space;
-  std::uint32_t threads = 0;             // that answer; 0: one a core
-  std::int64_t step_ns = 0;              // 0: a step as soon as something has changed
-  std::string state_dir;                 // empty: chosen by epoch.hpp
-  std::vector<std::string> scenes;       // files, loaded in order; none: the embedded scene
+  std::uint32_t threads = 0;        // that answer; 0: one a core
+  std::int64_t step_ns = 0;         // 0: a step as soon as something has changed
+  std::string state_dir;            // empty: chosen by epoch.hpp
+  std::vector<std::string> scenes;  // files, loaded in order; none: the embedded scene
   double unit_m = 1;
   char up = 'z';
   std::uint32_t max_objects = 0;
-  std::int64_t deadline_ns = 0;          // of questions that bring none; 0: none
+  std::int64_t deadline_ns = 0;  // of questions that bring none; 0: none
   int domain = 0;
   std::string interface;
   std::vector<std::string> peers;
@@ -40,9 +40,9 @@ struct Setting {
   const char* flag;      // empty: none
   const char* variable;  // in the environment
   const char* fallback;
-  const char* value;     // what the help calls it
+  const char* value;  // what the help calls it
   const char* help;
-  bool many;             // a list in the file, comma separated elsewhere
+  bool many;  // a list in the file, comma separated elsewhere
   /// Takes the values over; returns what is allowed where they are wrong.
   std::optional<std::string> (*apply)(Options&, std::span<const std::string> values);
 };

@@ -54,7 +54,8 @@ FileValue read_value(const std::string& path, const Setting& setting, const toml
   value.key = setting.key;
   value.place = fmt::format("{}:{}", path, node.source().begin.line);
   if (const toml::array* list = node.as_array()) {
-    if (!setting.many) refuse(path, node.source().begin, fmt::format("'{}' is a list; one value is allowed", setting.key));
+    if (!setting.many)
+      refuse(path, node.source().begin, fmt::format("'{}' is a list; one value is allowed", setting.key));
     for (const toml::node& item : *list) {
       const std::optional<std::string> text = text_of(item);
       if (!text) refuse(path, item.source().begin, fmt::format("'{}' holds something else than text", setting.key));

@@ -9,7 +9,7 @@ namespace collided::service {
 struct FileValue {
   std::string key;  // "table.name", one of settings()
   std::vector<std::string> values;
-  std::string place;   // "path:line"
+  std::string place;  // "path:line"
 };
 
 /// Reads a TOML file of settings. Throws OptionsError with line, column and what was probably meant.

@@ -40,7 +40,7 @@ struct StatusColumns {
 class Outlet {
  public:
   virtual ~Outlet() = default;
-  virtual bool contacts_wanted() const = 0;   // somebody reads events or contacts
+  virtual bool contacts_wanted() const = 0;  // somebody reads events or contacts
   virtual bool persisted_wanted() const = 0;
   virtual void write_events(const EventColumns& events, const Stamp& stamp) = 0;
   virtual void write_persisted(const EventColumns& events, const Stamp& stamp) = 0;

@@ -74,6 +74,7 @@ void Publishers::retire(Publisher& publisher) {
   parked_count_ -= publisher.parked.size();
   publisher.parked.clear();
   publisher.watermark = {};
+  publisher.clock = {};
   publisher.definitions_seen = 0;
 }
 
@@ -163,8 +164,9 @@ void Publishers::enter(Publisher& publisher, Record& record) {
       record.place = Place::waits_for_name;
       waiting_.emplace_back(publisher.id, record.number);
       ++counts_.name_conflicts;
-      notice(fmt::format("object {} of publisher {} waits: the name is taken, and the first keeps it. Conflicts so far: {}.",
-                         printable(name), printable(publisher.name), counts_.name_conflicts));
+      notice(fmt::format(
+          "object {} of publisher {} waits: the name is taken, and the first keeps it. Conflicts so far: {}.",
+          printable(name), printable(publisher.name), counts_.name_conflicts));
     }
     return;
   }
@@ -212,7 +214,7 @@ void Publishers::retry_names() {
     Publisher* publisher = find(id);
     Record* record = publisher ? publisher->objects.find(number) : nullptr;
     if (!record || record->place != Place::waits_for_name) continue;
-    enter(*publisher, *record);
+    if (!publisher->lost) enter(*publisher, *record);
     if (record->place == Place::waits_for_name) waiting_.emplace_back(id, number);
   }
 }
@@ -287,6 +289,7 @@ Applied Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, 
     if (record && record->place == Place::in_world && record->touched_step == step_) return Applied::step_first;
   }
   ++batch_;
+  posed_ns_ = publisher.clock.server_time_ns(sample.source_time_ns, sample.received_ns);
   const std::uint64_t before = counts_.poses_applied;
   for (std::size_t i = 0; i < sample.object_numbers.size(); ++i) apply_pose(publisher, sample, i);
   publisher.watermark.apply_pose(sample.sequence, now_ns);
@@ -316,7 +319,8 @@ void Publishers::apply_pose(Publisher& publisher, const PoseSample& sample, std:
     }
     return;
   }
-  const std::span<const double> numbers(&sample.poses[index * wire_contract::kPoseNumbers], wire_contract::kPoseNumbers);
+  const std::span<const double> numbers(&sample.poses[index * wire_contract::kPoseNumbers],
+                                        wire_contract::kPoseNumbers);
   const std::variant<Pose, Refusal> pose = checked_pose(numbers);
   if (const auto* refusal = std::get_if<Refusal>(&pose)) return refuse(record, refusal->reason);
   if (!record->definition.moving) return refuse(record, "it was defined as not moving");
@@ -328,8 +332,7 @@ void Publishers::apply_pose(Publisher& publisher, const PoseSample& sample, std:
     std::copy_n(&sample.velocities[index * record->velocity.size()], record->velocity.size(), record->velocity.begin());
   }
   const bool teleported = (sample.flags & wire_contract::kTeleported) != 0;
-  if (record->place != Place::in_world ||
-      !world_.move(record->id, record->definition.pose, sample.received_ns, teleported)) {
+  if (record->place != Place::in_world || !world_.move(record->id, record->definition.pose, posed_ns_, teleported)) {
     ++counts_.poses_unknown;
     return;
   }
@@ -425,7 +428,6 @@ PublisherView Publishers::view(const Publisher& publisher, std::int64_t now_ns) 
   const PublisherState here = silent_ns > limits_.silent_after_ns ? PublisherState::silent : PublisherState::alive;
   return {.publisher = publisher.id,
           .name = publisher.name,
-          .applied_sequence = publisher.watermark.through(),
           .silent_ns = silent_ns,
           .state = publisher.lost ? PublisherState::lost : here};
 }

@@ -15,31 +15,32 @@
 #include "server/service/object_numbers.hpp"
 #include "server/service/samples.hpp"
 #include "server/service/sequence_watermark.hpp"
+#include "server/service/source_clock.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::service {
 
 struct PublisherLimits {
   std::uint32_t publishers = 1'000;
-  std::uint32_t object_numbers = 200'000;        // of all publishers together, removed ones included
-  std::uint32_t parked_batches = 64;             // a publisher, waiting for its definitions
-  std::int64_t silent_after_ns = 2'000'000'000;  // alive, but nothing new: shown as silent
+  std::uint32_t object_numbers = 200'000;            // of all publishers together, removed ones included
+  std::uint32_t parked_batches = 64;                 // a publisher, waiting for its definitions
+  std::int64_t silent_after_ns = 2'000'000'000;      // alive, but nothing new: shown as silent
   std::int64_t forgotten_after_ns = 60'000'000'000;  // lost and without an object in the world
 };
 
 /// What became of what came in; only grows.
 struct PublisherCounts {
   std::uint64_t definitions_applied = 0;
-  std::uint64_t definitions_late = 0;      // older than what is known, or the same again
+  std::uint64_t definitions_late = 0;  // older than what is known, or the same again
   std::uint64_t definitions_refused = 0;
-  std::uint64_t name_conflicts = 0;        // wait until the name is free
+  std::uint64_t name_conflicts = 0;  // wait until the name is free
   std::uint64_t batches_applied = 0;
   std::uint64_t batches_parked = 0;
-  std::uint64_t batches_dropped = 0;       // parked beyond the limit, oldest first
+  std::uint64_t batches_dropped = 0;  // parked beyond the limit, oldest first
   std::uint64_t batches_malformed = 0;
   std::uint64_t poses_applied = 0;
   std::uint64_t poses_late = 0;
-  std::uint64_t poses_unknown = 0;         // of an object that is not in the world
+  std::uint64_t poses_unknown = 0;  // of an object that is not in the world
   std::uint64_t poses_refused = 0;
   std::uint64_t publishers_refused = 0;
 };
@@ -54,7 +55,6 @@ enum class Applied : std::uint8_t { done, step_first };
 struct PublisherView {
   std::uint64_t publisher = 0;
   std::string_view name;
-  std::uint64_t applied_sequence = 0;
   std::int64_t silent_ns = 0;
   wire_contract::PublisherState state = wire_contract::PublisherState::alive;
 };
@@ -112,11 +112,11 @@ class Publishers {
     bool has_velocity = false;
     std::uint64_t definition_sequence = 0;
     std::uint64_t pose_sequence = 0;
-    std::uint64_t touched_step = 0;   // defined or moved in this step
-    std::uint64_t batch = 0;          // that named it last
+    std::uint64_t touched_step = 0;  // defined or moved in this step
+    std::uint64_t batch = 0;         // that named it last
     std::uint32_t number = 0;
     ObjectId id = 0;
-    ObjectDefinition definition;      // with its newest pose, so that it can come back
+    ObjectDefinition definition;  // with its newest pose, so that it can come back
     std::array<double, 6> velocity{};
   };
   struct Publisher {
@@ -125,6 +125,7 @@ class Publishers {
     std::uint64_t incarnation = 0;
     std::uint64_t definitions_seen = 0;
     SequenceWatermark watermark;
+    SourceClock clock;
     ObjectNumbers<Record> objects;
     std::deque<PoseSample> parked;
     std::int64_t heard_ns = 0;
@@ -164,6 +165,7 @@ class Publishers {
   PublisherCounts counts_;
   std::uint64_t step_ = 1;
   std::uint64_t batch_ = 0;
+  std::int64_t posed_ns_ = 0;  // of the batch at work
   std::uint64_t changes_ = 0;
   std::size_t record_count_ = 0;
   std::size_t parked_count_ = 0;

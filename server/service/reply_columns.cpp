@@ -94,7 +94,8 @@ bool ReplyFiller::add_question(ReplyColumns& columns) {
   if (!fits && !alone) return false;
   bytes_ += kBytesPerAnswer;
   std::size_t kept = 0;
-  while (kept < hit_count && kept < wire_contract::kMaxHitsPerChunk && bytes_ + bytes_of(answers_.hits[hit_ + kept]) <= kRoom) {
+  while (kept < hit_count && kept < wire_contract::kMaxHitsPerChunk &&
+         bytes_ + bytes_of(answers_.hits[hit_ + kept]) <= kRoom) {
     add_hit(answers_.hits[hit_ + kept], columns);
     ++kept;
   }

@@ -20,7 +20,8 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
   }
   bsp.cancelled = options.cancelled;
   loaded.indexed = World::index_scene(loaded.scene, bsp);
-  if (options.cancelled && options.cancelled()) throw LoadError(loaded.scene.name + ": the load was called off. Nothing was loaded.");
+  if (options.cancelled && options.cancelled())
+    throw LoadError(loaded.scene.name + ": the load was called off. Nothing was loaded.");
   loaded.seconds = static_cast<double>(steady_ns() - started_ns) * 1e-9;
   return loaded;
 }
@@ -43,8 +44,9 @@ LoadedScene embedded_and_indexed() {
 }
 
 std::string describe(const LoadedScene& loaded) {
-  std::string text = fmt::format("{}: {} triangles in {} parts, {} objects, {:.0f} ms", loaded.scene.name, loaded.triangles,
-                                 loaded.scene.parts.size(), loaded.scene.objects.size(), loaded.seconds * 1e3);
+  std::string text =
+      fmt::format("{}: {} triangles in {} parts, {} objects, {:.0f} ms", loaded.scene.name, loaded.triangles,
+                  loaded.scene.parts.size(), loaded.scene.objects.size(), loaded.seconds * 1e3);
   for (const std::string& line : loaded.report.mended) text += "\n  mended   " + line;
   for (const std::string& line : loaded.report.refused) text += "\n  refused  " + line;
   for (const std::string& line : loaded.report.warnings) text += "\n  warning  " + line;

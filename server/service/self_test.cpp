@@ -115,7 +115,8 @@ const Answers& Examiner::ask(QueryKind kind, const std::vector<double>& numbers)
   return answers_;
 }
 
-void Examiner::compare(bool equal, const char* kind, const std::vector<double>& numbers, const std::string& difference) {
+void Examiner::compare(bool equal, const char* kind, const std::vector<double>& numbers,
+                       const std::string& difference) {
   ++result.asked;
   if (equal) {
     ++result.equal;
@@ -128,19 +129,23 @@ void Examiner::ask_ray() {
   const Vec3 origin = place();
   const Vec3 direction = place() - origin;
   if (direction.isZero()) return;
-  const std::vector<double> numbers{origin.x(), origin.y(), origin.z(), direction.x(), direction.y(), direction.z(), INFINITY};
+  const std::vector<double> numbers{origin.x(),    origin.y(),    origin.z(), direction.x(),
+                                    direction.y(), direction.z(), INFINITY};
   const std::optional<Nearest> expected = cast_at_all(snapshot_, {origin, direction});
   const Answers& given = ask(QueryKind::ray, numbers);
   const bool hit = given.answers[0] == Answer::hit;
   const double distance_m = hit ? given.hits[0].distance_m : 0;
-  const bool equal = expected ? hit && std::abs(distance_m - expected->distance_m) <= expected->error_m + given.hits[0].error_m
-                              : given.answers[0] == Answer::miss;
+  const bool equal =
+      expected ? hit && std::abs(distance_m - expected->distance_m) <= expected->error_m + given.hits[0].error_m
+               : given.answers[0] == Answer::miss;
   compare(equal, "ray", numbers,
-          fmt::format("brute force says {}, the index {}", expected ? fmt::format("{:.17g} m", expected->distance_m) : "miss",
+          fmt::format("brute force says {}, the index {}",
+                      expected ? fmt::format("{:.17g} m", expected->distance_m) : "miss",
                       hit ? fmt::format("{:.17g} m", distance_m) : "miss or undecided"));
 }
 
-void Examiner::compare_objects(const char* kind, const std::vector<double>& numbers, const std::vector<ObjectId>& expected) {
+void Examiner::compare_objects(const char* kind, const std::vector<double>& numbers,
+                               const std::vector<ObjectId>& expected) {
   std::vector<ObjectId> given;
   for (const AnswerHit& hit : answers_.hits) given.push_back(hit.object);
   std::sort(given.begin(), given.end());
@@ -161,7 +166,8 @@ void Examiner::ask_box() {
   const Vec3 half_m(size(), size(), size());
   const std::vector<double> numbers{center.x(), center.y(), center.z(), half_m.x(), half_m.y(), half_m.z(), 1, 0, 0, 0};
   ask(QueryKind::box, numbers);
-  compare_objects("box", numbers, overlaps_of_all(snapshot_, Box{.center = center, .axes = Mat3::Identity(), .half_m = half_m}));
+  compare_objects("box", numbers,
+                  overlaps_of_all(snapshot_, Box{.center = center, .axes = Mat3::Identity(), .half_m = half_m}));
 }
 
 }  // namespace

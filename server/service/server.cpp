@@ -28,6 +28,13 @@ std::uint64_t random_number() {
   return (std::uint64_t{device()} << 32) | device();
 }
 
+StartError not_alone(const Options& options, long pid) {
+  return StartError(
+      fmt::format("another collided (pid {}) serves namespace '{}' on domain {}\n"
+                  "       stop it, or use another --namespace or --domain",
+                  pid, options.name_space, options.domain));
+}
+
 /// Two servers under one namespace would both answer every question. A server that lives says so ten times a second,
 /// and its last status waits for who joins.
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
@@ -43,9 +50,7 @@ void make_sure_to_be_alone(const dds::Participant& participant, const Options& o
     while (reader.take(status)) {
       const bool lives = status.info().valid_data && status.info().instance_state == DDS_ALIVE_INSTANCE_STATE;
       if (!lives) continue;
-      throw StartError(fmt::format("another collided (pid {}) serves namespace '{}' on domain {}\n"
-                                   "       stop it, or use another --namespace or --domain",
-                                   status->pid, options.name_space, options.domain));
+      throw not_alone(options, static_cast<long>(status->pid));
     }
   }
 }
@@ -98,9 +103,12 @@ struct Server::Parts {
 
 Epoch Server::Parts::make_epoch() {
   make_sure_to_be_alone(participant, options);
-  Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space, [](const char* name) { return std::getenv(name); });
+  Epoch kept = next_epoch(options.state_dir, options.domain, options.name_space,
+                          [](const char* name) { return std::getenv(name); });
+  if (kept.rival_pid != 0) throw not_alone(options, kept.rival_pid);
   if (kept.kept_in.empty()) {
-    log->warn("the epoch is the clock's seconds, {}: {}; --state-dir names a folder that can be written", kept.value, kept.problem);
+    log->warn("the epoch is the clock's seconds, {}: {}; --state-dir names a folder that can be written", kept.value,
+              kept.problem);
   }
   if (kept.crashed) log->warn("the last server did not end in order; recovering for {} s", kRecoveryNs / 1'000'000'000);
   return kept;
@@ -111,7 +119,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       log(std::move(logger)),
       participant(join(options)),
       epoch(make_epoch()),
-      identity{.server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
+      identity{
+          .server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
       world({.epoch = identity.epoch, .max_objects = options.max_objects}),
       leases(world),
       outlet(participant, identity),
@@ -130,11 +139,13 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .limits = {.object_numbers = 2 * options.max_objects}}),
       commands(loop, inbox, clock),
       reply_topic(participant, options.name_space) {
-  if (participant.configured_by_environment()) log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
+  if (participant.configured_by_environment())
+    log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
 }
 
 void Server::Parts::tick() {
   answering->tick(listeners->askers());
+  listeners->take_left_definitions();
 }
 
 /// Waits until the world's thread has done what commands have asked of it so far.
@@ -155,11 +166,11 @@ Server::~Server() {
 
 std::string Server::start() {
   Parts& p = *parts_;
-  p.answering = std::make_unique<Answering>(
-      p.world, p.clock, p.fences, p.leases, p.questions, p.reply_topic,
-      AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options), p.options.deadline_ns,
-                       [&p] { return p.loop.recovering(); }},
-      [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
+  p.answering =
+      std::make_unique<Answering>(p.world, p.clock, p.fences, p.leases, p.questions, p.reply_topic,
+                                  AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options),
+                                                   p.options.deadline_ns, [&p] { return p.loop.recovering(); }},
+                                  [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering);
   p.world_thread = std::thread([&p] { p.loop.run(); });

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string_view>
+
 #include "server/service/options.hpp"
 #include "server/service/quantities.hpp"
 
@@ -89,15 +92,24 @@ Allowed apply_domain(Options& options, Values values) {
   return apply_whole(options.domain, values, 0, 230);
 }
 
+/// Letters of addresses and interfaces: they become part of DDS's own configuration.
+bool is_network_word(const std::string& word) {
+  const auto allowed = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+           std::string_view("._-:%[]").find(c) != std::string_view::npos;
+  };
+  return !word.empty() && std::all_of(word.begin(), word.end(), allowed);
+}
+
 Allowed apply_interface(Options& options, Values values) {
-  if (values[0].empty()) return "'lo', 'auto' or the name of a network interface";
+  if (!is_network_word(values[0])) return "'lo', 'auto' or the name of a network interface";
   options.interface = values[0];
   return std::nullopt;
 }
 
 Allowed apply_peers(Options& options, Values values) {
   for (const std::string& peer : values) {
-    if (peer.empty() || peer.find_first_of("<>&\"' ") != std::string::npos) return "host names or addresses";
+    if (!is_network_word(peer)) return "host names or addresses";
   }
   options.peers.assign(values.begin(), values.end());
   return std::nullopt;
@@ -120,8 +132,8 @@ Allowed apply_log_json(Options& options, Values values) {
 }
 
 constexpr Setting kSettings[] = {
-    {"server.namespace", "--namespace", "COLLIDED_NAMESPACE", "collided", "NAME", "topics are NAME/object, NAME/query, ...",
-     false, apply_namespace},
+    {"server.namespace", "--namespace", "COLLIDED_NAMESPACE", "collided", "NAME",
+     "topics are NAME/object, NAME/query, ...", false, apply_namespace},
     {"server.threads", "--threads", "COLLIDED_THREADS", "0", "N", "threads that answer; 0: one a core", false,
      apply_threads},
     {"server.step", "--step", "COLLIDED_STEP", "on-sample", "TIME", "period of the collision step, or on-sample", false,

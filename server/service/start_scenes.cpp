@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <csignal>
 #include <cstdio>
 
 #include "server/service/clock.hpp"
@@ -44,11 +45,19 @@ class ProgressLine {
   std::atomic<bool> drawn_{false};
 };
 
+/// Whether somebody wants to stop us: the signals are blocked, so they wait here until they are asked for.
+bool is_stop_pending() {
+  sigset_t pending;
+  sigpending(&pending);
+  return sigismember(&pending, SIGTERM) == 1 || sigismember(&pending, SIGINT) == 1;
+}
+
 LoadedScene load(const Options& options, const std::string& path) {
   ProgressLine line("loading " + path);
   LoadOptions load_options;
   load_options.unit_m = options.unit_m;
   load_options.up = options.up;
+  load_options.cancelled = is_stop_pending;
   load_options.progress = [&](double fraction) { line.show(fraction); };
   return load_and_index(path, load_options);
 }

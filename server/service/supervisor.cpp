@@ -23,7 +23,8 @@ void notify_supervisor(const std::string& state) {
   if (file < 0) return;
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
   // Nobody to tell if nobody listens.
-  static_cast<void>(sendto(file, state.data(), state.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), length));
+  static_cast<void>(
+      sendto(file, state.data(), state.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), length));
   close(file);
 }
 

@@ -31,8 +31,6 @@ class WireOutlet : public Outlet {
 
   /// The last thing: clients learn that the server has left and not only fallen silent.
   void leave();
-  /// Writes that timed out because a reader was full.
-  std::uint64_t lost_writes() const { return lost_writes_.load(); }
 
  private:
   void write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp);
@@ -41,7 +39,6 @@ class WireOutlet : public Outlet {
   dds::Topic<wire::ContactShard> contact_topic_;
   dds::Topic<wire::Status> status_topic_;
   std::atomic<std::uint32_t> event_readers_{0}, contact_readers_{0}, persisted_readers_{0};
-  std::atomic<std::uint64_t> lost_writes_{0};
   dds::Writer<wire::EventFrame> event_writer_, persisted_writer_;
   dds::Writer<wire::ContactShard> contact_writer_;
   dds::Writer<wire::Status> status_writer_;

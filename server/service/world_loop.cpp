@@ -48,22 +48,29 @@ void WorldLoop::run() {
   next_step_ns_ = next_status_ns_;
   while (!stopping_.load()) {
     around_.inbox.drain(next_wake(), arrivals_);
-    for (Arrival& arrival : arrivals_) take(arrival);
+    for (Arrival& arrival : arrivals_) {
+      take(arrival);
+      keep_time();
+    }
     apply([&] { return publishers_.release_parked(around_.clock.now_ns()); });
     step_if_due();
-    if (steady_ns() >= next_status_ns_) {
-      next_status_ns_ = steady_ns() + wire_contract::kStatusPeriodNs;
-      publishers_.settle(around_.clock.now_ns());
-      step_if_due();
-      let_fences_pass();
-      if (steady_ns() >= recovered_ns_) recovering_.store(false);
-      write_status(recovering() ? ServerState::recovering : ServerState::ready);
-      around_.tick();
-      say_notices();
-    }
+    // Samples that changed nothing need no step, but somebody may wait for them.
+    if (pending_changes_ == 0) let_fences_pass();
+    keep_time();
   }
   end_contacts();
   write_status(ServerState::stopping);
+}
+
+/// Ten times a second, however much has come: who hears no status for 0.3 s takes the server for dead.
+void WorldLoop::keep_time() {
+  if (steady_ns() < next_status_ns_) return;
+  next_status_ns_ = steady_ns() + wire_contract::kStatusPeriodNs;
+  publishers_.settle(around_.clock.now_ns());
+  if (steady_ns() >= recovered_ns_) recovering_.store(false);
+  write_status(recovering() ? ServerState::recovering : ServerState::ready);
+  around_.tick();
+  say_notices();
 }
 
 /// Offers a sample until it is applied, with steps between where it asks for them.
@@ -109,12 +116,17 @@ void WorldLoop::step_if_due() {
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
   if (pending_changes_ == 0) return;
   const std::int64_t now_ns = steady_ns();
+  if (now_ns < next_step_ns_) return;
+  step_now();
   if (options_.step_ns > 0) {
-    if (now_ns < next_step_ns_) return;
     // From the last tick, not from now: the period holds on average.
     next_step_ns_ = std::max(next_step_ns_ + options_.step_ns, now_ns - options_.step_ns);
+  } else {
+    // A pause as long as the step itself: the batches that one tick of a publisher is cut into then share a step.
+    constexpr std::int64_t kLongestPauseNs = 5'000'000;
+    const std::int64_t end_ns = steady_ns();
+    next_step_ns_ = end_ns + std::min(end_ns - now_ns, kLongestPauseNs);
   }
-  step_now();
 }
 
 void WorldLoop::step_now() {
@@ -189,6 +201,13 @@ void WorldLoop::publish_contacts(const Stamp& stamp) {
       if (shard_of_[i] == shard) contacts_.add(open[i]);
     }
     contacts_.named.fill(name_of);
+    // DDS delivers no larger message. Names can be missed, contacts cannot.
+    constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
+    if (contacts_.bytes() > kRoom) contacts_.named.clear();
+    if (contacts_.bytes() > kRoom) {
+      around_.notice("more contacts hold than the contact topic carries; who joins now will not learn them all");
+      continue;
+    }
     around_.outlet.write_contacts(contacts_, stamp, around_.world.last_event_sequence());
   }
 }
@@ -209,8 +228,8 @@ void WorldLoop::write_status(ServerState state) {
   status_.contact_count = static_cast<std::uint32_t>(around_.world.contacts().size());
   status_.contact_hash = contact_hash_;
   status_.poses_applied = counts.poses_applied;
-  status_.poses_dropped = counts.poses_late + counts.poses_unknown + counts.poses_refused + inbox.poses_superseded +
-                          inbox.poses_dropped;
+  status_.poses_dropped =
+      counts.poses_late + counts.poses_unknown + counts.poses_refused + inbox.poses_superseded + inbox.poses_dropped;
   status_.questions_answered = around_.questions.answered.load();
   status_.questions_refused = around_.questions.refused.load();
   status_.undecided_answers = around_.questions.undecided.load();
@@ -225,10 +244,14 @@ void WorldLoop::list_publishers() {
   for (auto* column : {&status_.publisher_states, &status_.publisher_names}) column->clear();
   const std::lock_guard lock(publisher_names_mutex_);
   publisher_names_.clear();
+  auto applied = applied_.begin();
   publishers_.for_each(around_.clock.now_ns(), [&](const PublisherView& view) {
     publisher_names_.emplace(view.publisher, view.name);
     status_.publishers.push_back(view.publisher);
-    status_.applied_sequences.push_back(view.applied_sequence);
+    // What is in a published state, not what waits for the next step. Both lists are in the publishers' order.
+    applied = std::find_if(applied, applied_.end(), [&](const auto& entry) { return entry.first >= view.publisher; });
+    const bool found = applied != applied_.end() && applied->first == view.publisher;
+    status_.applied_sequences.push_back(found ? applied->second : 0);
     status_.silent_ns.push_back(view.silent_ns);
     status_.publisher_states.push_back(static_cast<std::uint8_t>(view.state));
     status_.publisher_names.insert(status_.publisher_names.end(), view.name.begin(), view.name.end());

@@ -20,7 +20,7 @@
 namespace collided::service {
 
 struct LoopOptions {
-  std::int64_t step_ns = 0;  // 0: a step as soon as something has changed
+  std::int64_t step_ns = 0;      // 0: a step as soon as something has changed
   std::int64_t recovery_ns = 0;  // after a crash, until publishers have found this server
   PublisherLimits limits;
 };
@@ -42,9 +42,9 @@ class WorldLoop {
     Fences& fences;
     LeaseBook& leases;
     const QuestionCounts& questions;
-    std::function<void(AskPointer)> admit;                // asks whose fence has been passed
-    std::function<void()> tick;                           // ten times a second
-    std::function<void(const std::string&)> notice;       // a sentence for the log
+    std::function<void(AskPointer)> admit;           // asks whose fence has been passed
+    std::function<void()> tick;                      // ten times a second
+    std::function<void(const std::string&)> notice;  // a sentence for the log
   };
 
   WorldLoop(const Around& around, const LoopOptions& options)
@@ -78,6 +78,7 @@ class WorldLoop {
   void take(DefinitionSample& sample);
   template <class Apply>
   void apply(Apply&& once);
+  void keep_time();
   void step_if_due();
   void publish();
   void publish_events(const Stamp& stamp);

@@ -99,10 +99,8 @@ void Step::index_movers() {
 
 /// The way of a lone sphere between its last two poses; nothing for other objects, new ones and teleported ones.
 std::optional<MovingSphere> Step::way_of(std::uint32_t slot) const {
-  const ObjectInfo* info = (*s.objects)[slot].get();
-  if (info == nullptr || s.motion[slot] != Motion::moved) return std::nullopt;
-  const std::optional<Sphere> sphere = lone_sphere(*info);
-  if (!sphere) return std::nullopt;
+  const std::optional<Sphere>& sphere = s.lone_spheres[slot];
+  if (!sphere || s.motion[slot] != Motion::moved) return std::nullopt;
   return MovingSphere{.start = place(s.frames_before[slot], sphere->center),
                       .end = place(s.frames[slot], sphere->center),
                       .radius_m = sphere->radius_m};
@@ -110,9 +108,12 @@ std::optional<MovingSphere> Step::way_of(std::uint32_t slot) const {
 
 void Step::moving_against_static() {
   for (const std::uint32_t slot : s.moved_slots) {
-    const ObjectInfo* info = (*s.objects)[slot].get();
-    if (info == nullptr || !info->moving) continue;
-    for (const auto& scene : s.scenes) test_scene(slot, *scene);
+    for (const auto& scene : s.scenes) {
+      // Most movers of a large world are nowhere near a given scene.
+      if (!overlaps(s.swept_bounds[slot], scene->tree.bounds())) continue;
+      const ObjectInfo* info = (*s.objects)[slot].get();
+      if (info != nullptr && info->moving) test_scene(slot, *scene);
+    }
   }
 }
 
@@ -196,8 +197,7 @@ void Step::test_pair(std::uint32_t first, std::uint32_t second) {
 
 /// The mover's way as seen from the other object, which keeps its last orientation: its displacement is taken off.
 std::optional<Sweep> Step::sweep_between(std::uint32_t mover, std::uint32_t other) {
-  const ObjectInfo& info = *(*s.objects)[mover];
-  const std::optional<Sphere> sphere = lone_sphere(info);
+  const std::optional<Sphere>& sphere = s.lone_spheres[mover];
   if (!sphere || s.motion[mover] == Motion::placed || s.motion[other] == Motion::placed) return std::nullopt;
   const bool other_moved = s.motion[other] == Motion::moved;
   const Frame& before = s.motion[mover] == Motion::moved ? s.frames_before[mover] : s.frames[mover];

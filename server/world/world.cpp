@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
 
 namespace collided {
@@ -56,6 +57,7 @@ ObjectId World::State::take_slot() {
     posed_ns.push_back(0);
     stale.push_back(0);
     changed.push_back(0);
+    lone_spheres.emplace_back();
     motion.push_back(Motion::none);
     frames_before.emplace_back();
     posed_before_ns.push_back(0);
@@ -175,6 +177,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->lost_policy = definition.lost_policy;
   info->publisher = definition.publisher;
   info->primitives = definition.shape.primitives;
+  s.lone_spheres[slot] = lone_sphere(*info);
   s.table()[slot] = info;
   s.names.emplace(info->name, id);
   s.poses[slot] = definition.pose;
@@ -198,6 +201,7 @@ bool World::remove(ObjectId id, wire_contract::EndReason reason) {
   if (s.stale[slot] != 0) --s.stale_count;
   s.stale[slot] = 0;
   s.bounds[slot] = Aabb{};
+  s.lone_spheres[slot].reset();
   s.table()[slot].reset();
   s.mark(slot, Motion::placed);
   return true;

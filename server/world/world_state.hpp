@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -40,6 +41,8 @@ struct World::State {
   std::vector<std::uint32_t> freed_this_step;  // free only after the step that ended their contacts
   std::unordered_map<std::string, ObjectId> names;
   std::unordered_map<const TriangleMesh*, std::weak_ptr<const IndexedMesh>> meshes;
+
+  std::vector<std::optional<Sphere>> lone_spheres;  // of objects that are one sphere; here, since every step asks
 
   std::vector<Motion> motion;
   std::vector<Frame> frames_before;

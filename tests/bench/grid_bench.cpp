@@ -1,13 +1,13 @@
 // Rebuild and all overlapping pairs of moving boxes, one thread.
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <random>
 #include <vector>
 
 #include "server/broad_phase/grid.hpp"
+#include "tests/bench/clock.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided::bench {
@@ -15,9 +15,7 @@ namespace {
 
 constexpr int kRepeats = 7;
 
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
+double milliseconds_since(double start_s) { return 1e3 * (thread_seconds() - start_s); }
 
 /// Unit-sized boxes at a density of one in ten cubic metres, each with a velocity.
 struct Movers {
@@ -58,7 +56,7 @@ void run(std::size_t count, double spread, std::mt19937_64& random) {
     movers.step();
     pair_count = 0;
     cost = {};
-    const auto start = std::chrono::steady_clock::now();
+    const double start = thread_seconds();
     grid.rebuild(movers.boxes);
     rebuild_ms.push_back(milliseconds_since(start));
     const auto found = [](void* context, std::uint32_t, std::uint32_t) { ++*static_cast<std::size_t*>(context); };

@@ -56,7 +56,7 @@ TEST_F(Errors, AnUnknownObjectNamesTheNearest) {
 }
 
 TEST_F(Errors, ARefusalOfTheServerIsPassedOn) {
-  fake::server().ask_error = Error{ErrorCode::refused, "'box' against 'octree' is not supported; supported pairs: collide plan --pairs", ""};
+  fake::server().ask_error = Error{ErrorCode::refused, "server refused: 'box' against 'octree' is not supported; supported pairs: collide plan --pairs", ""};
   const Ran ran = collide("box 0 0 0 1 1 1");
   EXPECT_EQ(ran.code, 5);
   EXPECT_EQ(ran.err, "error: server refused: 'box' against 'octree' is not supported; supported pairs: collide plan --pairs\n");

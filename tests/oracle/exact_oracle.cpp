@@ -236,6 +236,57 @@ Wide distance(const Figure& a, const Figure& b) {
   return apart > 0 ? apart : Wide(0);
 }
 
+Figure shifted(Figure figure, const Point& by) {
+  for (Face& face : figure.faces) face.origin = face.origin + by;
+  return figure;
+}
+
+double part_length(const Figure& a, const Figure& b) {
+  std::vector<Point> differences;
+  for (const Face& face_a : a.faces) {
+    for (const Face& face_b : b.faces) {
+      if (!face_a.directions.empty() || !face_b.directions.empty()) continue;
+      differences.push_back(face_a.origin - face_b.origin);
+    }
+  }
+  // To a size near 1, so that tiny figures do not underflow.
+  Rational largest = 0;
+  for (const Point& p : differences) {
+    for (const Rational& x : p) largest = std::max<Rational>(largest, abs(x));
+  }
+  if (largest == 0) return 0;
+  std::vector<Vec3> points;
+  for (const Point& p : differences) {
+    Vec3 point;
+    for (int k = 0; k < 3; ++k) point[k] = static_cast<double>(Rational(p[k] / largest));
+    points.push_back(point);
+  }
+  double size = 0;
+  for (const Vec3& p : points) size = std::max(size, (p - points[0]).norm());
+  const double slack = 1e-10 * size;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      for (std::size_t k = 0; k < j; ++k) {
+        const Vec3 n = (points[j] - points[i]).cross(points[k] - points[i]);
+        if (n.norm() <= 1e-9 * size * size) continue;
+        const Vec3 unit = n.normalized();
+        double low = 0;
+        double high = 0;
+        for (const Vec3& p : points) {
+          const double height = unit.dot(p - points[i]);
+          low = std::min(low, height);
+          high = std::max(high, height);
+          if (low < -slack && high > slack) break;
+        }
+        if (low < -slack && high > slack) continue;
+        least = std::min(least, std::abs(unit.dot(points[i])));
+      }
+    }
+  }
+  return std::isinf(least) ? 0.0 : static_cast<double>(Rational(Rational(least) * largest));
+}
+
 std::optional<Rational> first_parameter(const Ray& ray, const Triangle& triangle) {
   const Point o = exact(ray.origin);
   const Point d = exact(ray.direction);

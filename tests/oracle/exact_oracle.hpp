@@ -53,6 +53,11 @@ bool overlaps_by_clipping(const Triangle& a, const Triangle& b, const Point& shi
 
 Wide distance(const Figure& a, const Figure& b);
 
+Figure shifted(Figure figure, const Point& by);
+/// Length of the shortest translation that parts two figures without radii, when they share a point: the nearest plane
+/// through three points of the Minkowski difference that has all others on one side. Plain double.
+double part_length(const Figure& a, const Figure& b);
+
 /// First parameter s >= 0 (metres are s |direction|) at which the ray meets the triangle, length limit applied.
 std::optional<Rational> first_parameter(const Ray& ray, const Triangle& triangle);
 std::optional<Rational> first_parameter(const Ray& ray, const Box& box);

@@ -21,7 +21,9 @@ std::vector<RayQuestion> random_rays(std::size_t count) {
   return rays;
 }
 
-std::uint64_t bits(double number) { return std::bit_cast<std::uint64_t>(number); }
+std::uint64_t bits(double number) {
+  return std::bit_cast<std::uint64_t>(number);
+}
 
 TEST_F(ServerAnswers, TheFloorIsFiveMetresBelow) {
   start();
@@ -91,7 +93,8 @@ TEST_F(ServerAnswers, FreshReadsOwnWrites) {
   for (int i = 0; i < 200; ++i) {
     const double z = 1 + 0.01 * i;
     move(publisher, ball, at(6, 0, z));
-    const Result<Answer> answer = client.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}}, {.fresh = true});
+    const Result<Answer> answer =
+        client.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}}, {.fresh = true});
     ASSERT_TRUE(answer) << answer.error().message;
     ASSERT_EQ(answer->verdict, Verdict::hit);
     ASSERT_EQ(answer->hits[0].object, "ball");
@@ -102,7 +105,8 @@ TEST_F(ServerAnswers, FreshReadsOwnWrites) {
 TEST_F(ServerAnswers, ADeadlineThatIsOverIsUndecided) {
   start();
   Client client = connect();
-  const Result<Answers> answers = client.ask(std::span(random_rays(100'000)), {.deadline = 1ns, .timeout = 30s});
+  const std::vector<RayQuestion> rays = random_rays(10'000);
+  const Result<Answers> answers = client.ask(std::span(rays), {.deadline = 1ns, .timeout = 30s});
   ASSERT_TRUE(answers) << answers.error().message;
   for (const Answer& answer : answers->answers) {
     ASSERT_EQ(answer.verdict, Verdict::undecided);

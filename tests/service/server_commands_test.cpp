@@ -15,7 +15,8 @@ class ServerCommands : public testing_support::ServerTest {
     EXPECT_TRUE(answer) << answer.error().message << " " << answer.error().hint;
     return answer ? json::parse(*answer) : json::object();
   }
-  static std::string refusal(Client& client, const std::string& command, const json& arguments, const Shape& shape = {}) {
+  static std::string refusal(Client& client, const std::string& command, const json& arguments,
+                             const Shape& shape = {}) {
     const Result<std::string> answer = client.command(command, arguments.dump(), shape);
     EXPECT_FALSE(answer) << *answer;
     return answer ? std::string() : answer.error().message;
@@ -48,13 +49,16 @@ TEST_F(ServerCommands, RefusalsNameWhatIsNear) {
   start();
   Client client = connect();
   EXPECT_EQ(refusal(client, "get", {{"name", "palet_01"}}),
-            "server refused: object 'palet_01' is not in the world (31 objects); nearest names: pallet_01, pallet_02, pallet_03");
+            "server refused: object 'palet_01' is not in the world (31 objects); nearest names: pallet_01, pallet_02, "
+            "pallet_03");
   EXPECT_EQ(refusal(client, "move", {{"name", "warehouse/floor"}, {"pose", pose(0, 0, 0)}}),
             "server refused: object 'warehouse/floor' is a part of scene 'warehouse' and stays where it is");
-  EXPECT_EQ(refusal(client, "list", {{"nmae", "x"}}), "server refused: list: unknown argument 'nmae'; did you mean 'name'?");
+  EXPECT_EQ(refusal(client, "list", {{"nmae", "x"}}),
+            "server refused: list: unknown argument 'nmae'; did you mean 'name'?");
   EXPECT_EQ(refusal(client, "load", {{"path", "/nowhere/x.obj"}, {"unit_m", -1}}),
             "server refused: load: unit_m is -1; allowed: greater than 0");
-  EXPECT_EQ(refusal(client, "clear", {{"scene", "moon"}}), "server refused: scene 'moon' is not loaded; loaded: warehouse");
+  EXPECT_EQ(refusal(client, "clear", {{"scene", "moon"}}),
+            "server refused: scene 'moon' is not loaded; loaded: warehouse");
   EXPECT_NE(refusal(client, "load", {{"path", "/nowhere/x.obj"}}).find("/nowhere/x.obj"), std::string::npos);
 }
 
@@ -64,7 +68,8 @@ TEST_F(ServerCommands, ObjectsOfALivePublisherAreItsOwn) {
   Publisher publisher = publish(client, "owner");
   add_ball(publisher, "ball", at(6, 0, 1));
   ASSERT_TRUE(publisher.wait_applied(5s));
-  EXPECT_EQ(refusal(client, "remove", {{"name", "ball"}}), "server refused: object 'ball' belongs to publisher 'owner', which lives");
+  EXPECT_EQ(refusal(client, "remove", {{"name", "ball"}}),
+            "server refused: object 'ball' belongs to publisher 'owner', which lives");
   EXPECT_EQ(done(client, "clear", {{"moving", true}})["kept"], 1);
   EXPECT_EQ(done(client, "list", {{"name", "ball"}})["objects"][0]["publisher"], "owner");
 }
@@ -80,7 +85,7 @@ TEST_F(ServerCommands, ASceneIsLoadedReplacedAndCleared) {
   EXPECT_NEAR(client.ask(up)->hits.at(0).distance_m, 5, 1e-12);
   EXPECT_EQ(refusal(client, "load", {{"path", path}}), "server refused: scene 'roof' is loaded already");
   done(client, "load", {{"path", path}, {"unit_m", 0.5}, {"replace", true}});
-  EXPECT_NEAR(client.ask(RayQuestion{.origin = {1, 0, 1}, .direction = {0, 0, 1}})->hits.at(0).distance_m, 2, 1e-12);
+  EXPECT_NEAR(client.ask(RayQuestion{.origin = {3, 2, 1}, .direction = {0, 0, 1}})->hits.at(0).distance_m, 2, 1e-12);
   done(client, "clear", {{"scene", "roof"}});
   EXPECT_EQ(client.ask(up)->verdict, Verdict::miss);
   EXPECT_EQ(client.status()->scenes, std::vector<std::string>{"warehouse"});

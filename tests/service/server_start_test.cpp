@@ -41,7 +41,8 @@ TEST_F(ServerStart, ConfigErrorsSayWhereAndWhatWasMeant) {
   };
   EXPECT_EQ(refused("[server]\nthread = 2\n"),
             "error: FILE line 2, column 1: unknown key 'thread' in [server]; did you mean 'threads'?\n");
-  EXPECT_EQ(refused("[word]\nscenes = []\n"), "error: FILE line 1, column 2: unknown table [word]; did you mean 'world'?\n");
+  EXPECT_EQ(refused("[word]\nscenes = []\n"),
+            "error: FILE line 1, column 2: unknown table [word]; did you mean 'world'?\n");
   EXPECT_EQ(refused("[server]\nthreads = \"many\"\n"),
             "error: server.threads is 'many'; allowed: a whole number from 0 to 256 (0: one a core) (from FILE:2)\n");
   EXPECT_EQ(refused("threads = 1\n"),
@@ -72,7 +73,8 @@ TEST_F(ServerStart, OptionErrorsSayWhatIsAllowed) {
     return ended.errors;
   };
   EXPECT_EQ(refused({"--thread", "2"}), "error: unknown option '--thread'; did you mean '--threads'?\n");
-  EXPECT_EQ(refused({"--domain", "-1"}), "error: dds.domain is '-1'; allowed: a whole number from 0 to 230 (from flag --domain)\n");
+  EXPECT_EQ(refused({"--domain", "-1"}),
+            "error: dds.domain is '-1'; allowed: a whole number from 0 to 230 (from flag --domain)\n");
   EXPECT_EQ(refused({"--step", "-.5"}),
             "error: server.step is '-.5'; allowed: 'on-sample' or a time from 100us to 10s (from flag --step)\n");
   EXPECT_NE(refused({"--once", "no_such.obj"}).find("no_such.obj"), std::string::npos);

@@ -70,7 +70,8 @@ class WireAsker {
     std::unique_lock lock(mutex_);
     std::optional<Heard> found;
     came_.wait_for(lock, wait, [&] {
-      const auto place = std::find_if(heard_.begin(), heard_.end(), [&](const Heard& heard) { return heard.request == request; });
+      const auto place =
+          std::find_if(heard_.begin(), heard_.end(), [&](const Heard& heard) { return heard.request == request; });
       if (place == heard_.end()) return false;
       found = std::move(*place);
       heard_.erase(place);
@@ -110,8 +111,9 @@ class WireAsker {
       const wire::Reply& r = *incoming_;
       const auto text = dds::view(r.text);
       const std::lock_guard lock(mutex_);
-      heard_.push_back({r.request, r.status, r.first_question, r.version, copy(r.answers), copy(r.reasons), copy(r.hit_counts),
-                        copy(r.triangles), copy(r.objects), copy(r.numbers), std::string(text.begin(), text.end())});
+      heard_.push_back({r.request, r.status, r.first_question, r.version, copy(r.answers), copy(r.reasons),
+                        copy(r.hit_counts), copy(r.triangles), copy(r.objects), copy(r.numbers),
+                        std::string(text.begin(), text.end())});
       came_.notify_all();
     }
   }

@@ -72,6 +72,7 @@ TEST_F(ClientAsk, SeveralClientsShareTheProcessesParticipant) {
   elsewhere.interface = "auto";
   const Result<Client> third = Client::connect(elsewhere);
   ASSERT_FALSE(third);
+  EXPECT_EQ(third.error().code, ErrorCode::bad_input);
   EXPECT_NE(third.error().message.find("one interface"), std::string::npos) << third.error().message;
 }
 

@@ -263,7 +263,9 @@ TEST(BroadBspRay, CandidatesComeWithTheMeshsOwnCorners) {
       TriangleMesh mesh = scenes::scattered(500, 0.5, 3);
       for (Vec3& vertex : mesh.vertices) {
         vertex += Vec3(offset, -offset, 0.1 * offset);
-        if (is_float) vertex = vertex.cast<float>().cast<double>();
+        for (int axis = 0; axis < 3; ++axis) {
+          if (is_float) vertex[axis] = static_cast<double>(static_cast<float>(vertex[axis]));
+        }
       }
       const BspTree tree = BspTree::build(mesh);
       Context context{mesh};

@@ -41,7 +41,7 @@ TEST(Inbox, KeepsTheOrder) {
 
 // Beyond the limit the newest pose of each object stays, the ones before it are counted, and nothing is forgotten.
 TEST(Inbox, MergesWhatIsSupersededAndCountsIt) {
-  Inbox inbox({.batches = 2, .poses = 100, .merged_objects = 3, .jobs = 1});
+  Inbox inbox({.batches = 2, .poses = 100, .merged_objects = 3, .definition_bytes = 1'000, .jobs = 1});
   inbox.push(batch(1, {{1, 1}}));
   inbox.push(batch(2, {{1, 2}}));
   inbox.push(batch(3, {{1, 3}, {2, 3}}));
@@ -51,7 +51,8 @@ TEST(Inbox, MergesWhatIsSupersededAndCountsIt) {
   ASSERT_EQ(arrivals.size(), 3U);
   const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrivals[2]);
   std::map<std::uint32_t, double> heights;
-  for (std::size_t i = 0; i < merged.object_numbers.size(); ++i) heights[merged.object_numbers[i]] = merged.poses[7 * i + 2];
+  for (std::size_t i = 0; i < merged.object_numbers.size(); ++i)
+    heights[merged.object_numbers[i]] = merged.poses[7 * i + 2];
   EXPECT_EQ(heights, (std::map<std::uint32_t, double>{{1, 4}, {2, 3}, {3, 5}}));
   EXPECT_EQ(merged.sequence, 5U);
   EXPECT_EQ(inbox.counts().poses_superseded, 1U);
@@ -60,7 +61,7 @@ TEST(Inbox, MergesWhatIsSupersededAndCountsIt) {
 
 // A skipped teleport must not become a sweep across the room.
 TEST(Inbox, AMergedTeleportStaysOne) {
-  Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .jobs = 1});
+  Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .definition_bytes = 1'000, .jobs = 1});
   inbox.push(batch(1, {{1, 1}, {2, 1}}, wire_contract::kTeleported));
   inbox.push(batch(2, {{1, 2}, {3, 2}}));
   const std::vector<Arrival> arrivals = drain(inbox);
@@ -72,8 +73,19 @@ TEST(Inbox, AMergedTeleportStaysOne) {
   }
 }
 
+TEST(Inbox, ManyDefinitionsAreLeftWhereTheyAre) {
+  Inbox inbox({.batches = 1, .poses = 1, .merged_objects = 1, .definition_bytes = 1'000, .jobs = 1});
+  EXPECT_TRUE(inbox.has_room_for_definitions());
+  auto sample = std::make_unique<DefinitionSample>();
+  sample->shape_bytes.resize(2'000);
+  inbox.push(std::move(sample));
+  EXPECT_FALSE(inbox.has_room_for_definitions());
+  drain(inbox);
+  EXPECT_TRUE(inbox.has_room_for_definitions());
+}
+
 TEST(Inbox, JobsAreBounded) {
-  Inbox inbox({.batches = 1, .poses = 1, .merged_objects = 1, .jobs = 2});
+  Inbox inbox({.batches = 1, .poses = 1, .merged_objects = 1, .definition_bytes = 1'000, .jobs = 2});
   EXPECT_TRUE(inbox.push_job([] {}));
   EXPECT_TRUE(inbox.push_job([] {}));
   EXPECT_FALSE(inbox.push_job([] {}));

@@ -33,7 +33,8 @@ class OptionsFile : public ::testing::Test {
  protected:
   void write(const std::string& text) { std::ofstream(path) << text; }
   void TearDown() override { std::filesystem::remove(path); }
-  const std::string path = (std::filesystem::temp_directory_path() / ("collided_options_" + std::to_string(getpid()) + ".toml")).string();
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("collided_options_" + std::to_string(getpid()) + ".toml")).string();
 };
 
 TEST_F(OptionsFile, FlagBeforeVariableBeforeFileBeforeDefault) {
@@ -80,7 +81,8 @@ TEST(Options, NumbersAreNeverOptions) {
 
 TEST(Options, EverySettingRefusesNonsense) {
   for (const Setting& setting : settings()) {
-    if (std::string_view(setting.key) == "world.scenes" || std::string_view(setting.key) == "server.state_dir") continue;
+    if (std::string_view(setting.key) == "world.scenes" || std::string_view(setting.key) == "server.state_dir")
+      continue;
     EXPECT_THROW(parse({}, {{setting.variable, "<&>"}}), OptionsError) << setting.key;
   }
 }

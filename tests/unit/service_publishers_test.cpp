@@ -26,7 +26,8 @@ class PublishersTest : public ::testing::Test {
     ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
     step();
   }
-  static DefinitionSample definition(std::uint32_t number, std::uint64_t sequence, const std::string& name, double z = 3) {
+  static DefinitionSample definition(std::uint32_t number, std::uint64_t sequence, const std::string& name,
+                                     double z = 3) {
     DefinitionSample sample;
     sample.publisher = kPublisher;
     sample.object_number = number;
@@ -124,7 +125,8 @@ TEST_F(PublishersTest, BatchesWaitForTheirDefinitions) {
 }
 
 TEST_F(PublishersTest, ParkedBatchesAreBounded) {
-  for (std::uint64_t sequence = 5; sequence < 10; ++sequence) move(pose(sequence, {{1, 1.0 * sequence}}, 4));
+  for (std::uint64_t sequence = 5; sequence < 10; ++sequence)
+    move(pose(sequence, {{1, static_cast<double>(sequence)}}, 4));
   EXPECT_EQ(publishers.counts().batches_dropped, 3U);
   define(definition(1, 4, "ball"));
   step();
@@ -166,8 +168,9 @@ TEST_F(PublishersTest, ABadPoseIsRefusedAndItsNeighboursAreApplied) {
   EXPECT_EQ(publishers.counts().poses_unknown, 1U);
   const std::vector<std::string> notices = publishers.take_notices();
   ASSERT_EQ(notices.size(), 1U);
-  EXPECT_EQ(notices[0],
-            "pose of object 'bad' of publisher 'test' refused: quaternion norm 0.99, allowed 1 +- 1e-06. Refused so far: 1.");
+  EXPECT_EQ(
+      notices[0],
+      "pose of object 'bad' of publisher 'test' refused: quaternion norm 0.99, allowed 1 +- 1e-06. Refused so far: 1.");
 }
 
 TEST_F(PublishersTest, QuaternionsAreDividedByTheirNormOnce) {
@@ -271,7 +274,8 @@ TEST_F(PublishersTest, ANewIncarnationStartsEmpty) {
 
 TEST_F(PublishersTest, PublishersAndNumbersAreBounded) {
   for (std::uint64_t publisher = 1; publisher <= 5; ++publisher) {
-    DefinitionSample sample = definition(1, 1, "ball" + std::to_string(publisher), 2.0 * publisher);
+    DefinitionSample sample =
+        definition(1, 1, "ball" + std::to_string(publisher), 2.0 * static_cast<double>(publisher));
     sample.publisher = publisher;
     define(sample);
   }

@@ -10,6 +10,7 @@
 #include "server/service/lease_book.hpp"
 #include "server/service/reply_columns.hpp"
 #include "server/service/sequence_watermark.hpp"
+#include "server/service/source_clock.hpp"
 
 namespace collided::service {
 namespace {
@@ -45,11 +46,31 @@ TEST(SequenceWatermark, AGapIsGivenUpInTheEnd) {
   EXPECT_EQ(mark.through(), 199U) << "a long run beyond a gap must not be kept";
 }
 
+// A late datagram moves the pose's reception, not the time at which it was true.
+TEST(SourceClock, TakesTheJitterOffTheWay) {
+  SourceClock clock;
+  EXPECT_EQ(clock.server_time_ns(1'000'000, 5'000'000), 5'000'000);
+  EXPECT_EQ(clock.server_time_ns(2'000'000, 6'700'000), 6'000'000 + 170);  // drift allowed for 1.7 ms
+  EXPECT_EQ(clock.server_time_ns(0, 8'000'000), 8'000'000);
+}
+
+TEST(SourceClock, AWildClockShiftsPosesByItsBoundOnly) {
+  SourceClock clock;
+  std::int64_t received_ns = 1'000'000'000'000;
+  for (const std::int64_t source_ns :
+       {std::int64_t{5}, std::int64_t{1} << 61, std::int64_t{7}, std::int64_t{-9}, std::int64_t{1} << 40}) {
+    received_ns += 10'000'000;
+    const std::int64_t time_ns = clock.server_time_ns(source_ns, received_ns);
+    EXPECT_LE(time_ns, received_ns);
+    EXPECT_GE(time_ns, received_ns - SourceClock::kMostJitterNs);
+  }
+}
+
 class LeaseBookTest : public ::testing::Test {
  protected:
   void step() { ASSERT_TRUE(world.step(++time_ns, 1, {})); }
-  std::optional<std::uint64_t> version(std::uint64_t request, std::uint32_t chunk, std::uint32_t count, std::int64_t now_ns = 0,
-                                       bool fresh = false) {
+  std::optional<std::uint64_t> version(std::uint64_t request, std::uint32_t chunk, std::uint32_t count,
+                                       std::int64_t now_ns = 0, bool fresh = false) {
     const std::optional<SnapshotRing::Lease> lease = book.take(1, request, chunk, count, fresh, now_ns);
     return lease ? std::optional((*lease)->version) : std::nullopt;
   }
@@ -126,14 +147,22 @@ class ReplyFilling : public ::testing::Test {
       ball.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 1});
       std::string name = std::to_string(i);
       name.resize(std::max(name.size(), name_bytes), '_');
-      ASSERT_TRUE(std::holds_alternative<ObjectId>(world.define({.name = name, .shape = ball, .moving = false})));
+      ObjectDefinition definition;
+      definition.name = name;
+      definition.shape = ball;
+      definition.moving = false;
+      ASSERT_TRUE(std::holds_alternative<ObjectId>(world.define(definition)));
     }
     world.step(1, 1, {});
     std::vector<double> numbers;
     for (std::uint32_t i = 0; i < questions; ++i) numbers.insert(numbers.end(), {0, 0, 0, 1});
     QueryScratch scratch;
-    answer(*world.newest(), {.kind = wire_contract::QueryKind::sphere, .max_hits = 0xffffffff, .numbers = numbers}, answers, scratch);
+    Questions asked;
+    asked.kind = wire_contract::QueryKind::sphere;
+    asked.max_hits = 0xffffffff;
+    asked.numbers = numbers;
     const auto state = world.newest();
+    answer(*state, asked, answers, scratch);
     ReplyFiller filler(*state, answers, named_in, reply_number);
     ReplyColumns columns;
     while (filler.fill(columns)) {
@@ -142,11 +171,13 @@ class ReplyFilling : public ::testing::Test {
       const std::size_t bytes = columns.numbers.size() * 8 + columns.objects.size() * 13 + columns.named.names.size() +
                                 columns.named.ids.size() * 8 + columns.answers.size() * 15;
       EXPECT_LT(bytes, wire_contract::kMaxMessageBytes);
-      EXPECT_EQ(static_cast<std::size_t>(std::count(columns.named.names.begin(), columns.named.names.end(), 0)), columns.named.ids.size());
+      EXPECT_EQ(static_cast<std::size_t>(std::count(columns.named.names.begin(), columns.named.names.end(), 0)),
+                columns.named.ids.size());
       answered += columns.answers.size();
       hits += columns.objects.size();
       ++replies;
-      for (const std::uint8_t reason : columns.reasons) truncated += reason == static_cast<std::uint8_t>(wire_contract::UndecidedReason::truncated);
+      for (const std::uint8_t reason : columns.reasons)
+        truncated += reason == static_cast<std::uint8_t>(wire_contract::UndecidedReason::truncated);
     }
   }
   World world{WorldOptions{}};
@@ -186,12 +217,15 @@ class EpochFile : public ::testing::Test {
   Epoch next(const std::string& dir) {
     return next_epoch(dir, 3, "a/b", [](const char*) -> const char* { return nullptr; });
   }
-  const std::string folder = (std::filesystem::temp_directory_path() / ("collided_epoch_" + std::to_string(getpid()))).string();
+  const std::string folder =
+      (std::filesystem::temp_directory_path() / ("collided_epoch_" + std::to_string(getpid()))).string();
 };
 
 TEST_F(EpochFile, GrowsWithEachStart) {
-  const Epoch first = next(folder);
+  Epoch first = next(folder);
   EXPECT_EQ(first.kept_in, folder + "/3-a-b.epoch");
+  EXPECT_EQ(next(folder).rival_pid, getpid()) << "the first one still runs";
+  first.lock.reset();
   EXPECT_GT(next(folder).value, first.value);
   std::ofstream(first.kept_in) << "99999999999\n";
   EXPECT_EQ(next(folder).value, 100'000'000'000U);

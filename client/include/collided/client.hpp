@@ -174,7 +174,7 @@ struct WatchOptions {
 };
 
 /// Events of every pair, each once and in order; on a gap or a new server only the differences come, marked `resync`.
-/// The first events are `open`: what already holds. Destroying it ends the watching.
+/// The first events are `open`: what already holds. Destroying it (not from its own callback) ends the watching.
 class Watch {
  public:
   ~Watch();
@@ -243,6 +243,8 @@ struct ObjectOptions {
 
 /// A source of objects and their poses. Objects live as long as the publisher unless removed earlier.
 /// Poses are collected by move() and sent by flush() as batches of at most 4,096.
+/// Only its calls say that it lives, so that a thread that hangs is noticed: after 500 ms without one the server takes it
+/// for lost (ObjectOptions::when_lost). The next call then defines all its objects anew, at their newest poses.
 class Publisher {
  public:
   ~Publisher();
@@ -254,7 +256,8 @@ class Publisher {
   Result<Done> remove(Object object);
   /// Non-finite or non-unit (beyond 1e-6) poses are refused.
   Result<Done> move(Object object, const Pose& pose, bool teleport = false);
-  /// Sends what move() collected; returns the sequence of the last batch (for AskOptions.fresh).
+  /// Sends what move() collected; returns the sequence of the last message (for AskOptions.fresh).
+  /// source_time: of the poses, since 1970; 0: now. On a timeout what was not sent stays collected.
   Result<std::uint64_t> flush(std::chrono::nanoseconds source_time = {});
   /// Says "still there" without moving anything; move/flush say so as well.
   Result<Done> keep_alive();

@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include "server/exact_phase/ray_cast.hpp"
+#include "tests/oracle/exact_oracle.hpp"
+#include "tests/oracle/seed.hpp"
+
+namespace collided {
+namespace {
+
+/// Random rays prove nothing about a filter: these are aimed, then bisected between a hit and a miss until the two
+/// directions are neighbours, and both are compared with rationals.
+struct Aimed {
+  Ray ray;
+  Triangle triangle;
+};
+
+Aimed aimed_at_border(std::mt19937_64& generator, double spread, double distance) {
+  std::uniform_real_distribution<double> any(-1, 1);
+  const auto point = [&] { return Vec3(any(generator), any(generator), any(generator)); };
+  Aimed aimed{{distance * point(), Vec3::UnitX()}, {point(), point(), point()}};
+  aimed.triangle.c = aimed.triangle.a + spread * (aimed.triangle.c - aimed.triangle.a);
+  const Vec3 middle = (aimed.triangle.a + aimed.triangle.b + aimed.triangle.c) / 3;
+  const double part = any(generator) / 2 + 0.5;
+  const Vec3 border = aimed.triangle.a + part * (aimed.triangle.b - aimed.triangle.a);
+  Vec3 in = middle - aimed.ray.origin;
+  Vec3 out = border + (border - middle) - aimed.ray.origin;
+  RayHit hit;
+  for (int step = 0; step < 70; ++step) {
+    const Vec3 half = in + (out - in) / 2;
+    aimed.ray.direction = half;
+    (cast_ray(aimed.ray, aimed.triangle, hit).yes() ? in : out) = half;
+  }
+  return aimed;
+}
+
+TEST(ExactRayTriangle, AgreesWithRationalsAtTheFilterBoundary) {
+  std::mt19937_64 generator = oracle::seeded(302);
+  std::uniform_int_distribution<int> nudge(-3, 3);
+  int undecided_by_filter = 0;
+  for (int i = 0; i < 1500; ++i) {
+    Aimed aimed = aimed_at_border(generator, i % 3 == 0 ? 1e-5 : 1, i % 2 == 0 ? 1 : 1e3);
+    for (double& x : aimed.ray.direction) x += nudge(generator) * 0x1p-52 * std::abs(x);
+    RayHit hit;
+    const Verdict verdict = cast_ray(aimed.ray, aimed.triangle, hit);
+    undecided_by_filter += verdict.level != Level::filter;
+    ASSERT_EQ(verdict.yes(), oracle::first_parameter(aimed.ray, aimed.triangle).has_value()) << i;
+  }
+  EXPECT_GT(undecided_by_filter, 50) << "the aim was not good enough to try the filter";
+}
+
+// The same at the plane: origins a few roundings before and behind the triangle.
+TEST(ExactRayTriangle, AgreesWithRationalsAtThePlane) {
+  std::mt19937_64 generator = oracle::seeded(303);
+  std::uniform_real_distribution<double> any(-1, 1);
+  std::uniform_int_distribution<int> nudge(-2, 2);
+  for (int i = 0; i < 1500; ++i) {
+    const auto point = [&] { return Vec3(any(generator), any(generator), any(generator)); };
+    const Triangle t{point(), point(), point()};
+    Vec3 origin = (t.a + t.b + t.c) / 3;
+    for (double& x : origin) x += nudge(generator) * 0x1p-53;
+    const Ray ray{origin, point()};
+    RayHit hit;
+    ASSERT_EQ(cast_ray(ray, t, hit).yes(), oracle::first_parameter(ray, t).has_value()) << i;
+  }
+}
+
+}  // namespace
+}  // namespace collided

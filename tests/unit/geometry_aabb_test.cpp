@@ -1,0 +1,85 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "server/geometry/aabb.hpp"
+#include "tests/oracle/exact_oracle.hpp"
+#include "tests/oracle/random_shapes.hpp"
+#include "tests/oracle/seed.hpp"
+
+namespace collided {
+namespace {
+
+using oracle::Rational;
+
+/// Every coordinate of every corner, grown by the radius, is inside; and the box is no wider than two roundings a side.
+void expect_tight(const Aabb& box, const oracle::Figure& figure, double scale) {
+  for (int k = 0; k < 3; ++k) {
+    Rational low = figure.faces[0].origin[k];
+    Rational high = low;
+    for (const oracle::Face& face : figure.faces) {
+      low = std::min(low, face.origin[k]);
+      high = std::max(high, face.origin[k]);
+    }
+    low -= figure.radius;
+    high += figure.radius;
+    EXPECT_LE(Rational(box.low[k]), low);
+    EXPECT_GE(Rational(box.high[k]), high);
+    EXPECT_LE(low - Rational(box.low[k]), Rational(scale * 0x1p-49));
+    EXPECT_LE(Rational(box.high[k]) - high, Rational(scale * 0x1p-49));
+  }
+}
+
+TEST(GeometryAabb, ContainsTheExactShapeTightly) {
+  std::mt19937_64 generator = oracle::seeded(81);
+  for (const oracle::Family family : oracle::kFamilies) {
+    oracle::RandomShapes shapes(generator, family);
+    const double scale = family == oracle::Family::tiny ? 0x1p-556 : family == oracle::Family::far_lattice ? 4e6 : 16;
+    for (int i = 0; i < 100; ++i) {
+      const Sphere sphere = shapes.sphere();
+      const Box box = shapes.box();
+      const Capsule capsule = shapes.capsule();
+      const Triangle triangle = shapes.triangle();
+      expect_tight(bounds(sphere), oracle::figure(sphere), scale);
+      expect_tight(bounds(box), oracle::figure(box), scale);
+      expect_tight(bounds(capsule), oracle::figure(capsule), scale);
+      expect_tight(bounds(triangle), oracle::figure(triangle), scale);
+    }
+  }
+}
+
+// Exact sums are not widened: boxes that touch have bounds that touch and no more.
+TEST(GeometryAabb, ExactBoundsStayExact) {
+  const Aabb box = bounds(Box{{0.5, 0, 0}, Mat3::Identity(), {0.5, 1, 2}});
+  EXPECT_EQ(box.low, Vec3(0, -1, -2));
+  EXPECT_EQ(box.high, Vec3(1, 1, 2));
+  EXPECT_EQ(bounds(Sphere{{1, 2, 3}, 0.25}).high, Vec3(1.25, 2.25, 3.25));
+}
+
+TEST(GeometryAabb, InexactBoundsGoOutward) {
+  const Aabb box = bounds(Sphere{{1, 1, 1}, 1e-30});
+  EXPECT_LT(box.low[0], 1);
+  EXPECT_GT(box.high[0], 1);
+  const double denormal = std::numeric_limits<double>::denorm_min();
+  Mat3 axes = Mat3::Identity() * 0.25;
+  EXPECT_GE(bounds(Box{Vec3::Zero(), axes, Vec3::Constant(denormal)}).high[0], denormal);
+}
+
+TEST(GeometryAabb, HugeCoordinatesStayContained) {
+  const double huge = std::numeric_limits<double>::max();
+  const Aabb box = bounds(Sphere{{huge, 0, -huge}, huge});
+  EXPECT_EQ(box.high[0], std::numeric_limits<double>::infinity());
+  EXPECT_EQ(box.low[0], 0);
+  EXPECT_EQ(box.low[2], -std::numeric_limits<double>::infinity());
+}
+
+TEST(GeometryAabb, GrowingEmptyStaysEmpty) {
+  EXPECT_TRUE(grown(Aabb{}, 1).empty());
+  const Aabb box = grown(bounds(Triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), 0.5);
+  EXPECT_EQ(box.low, Vec3(-0.5, -0.5, -0.5));
+  EXPECT_EQ(box.high, Vec3(1.5, 1.5, 0.5));
+}
+
+}  // namespace
+}  // namespace collided

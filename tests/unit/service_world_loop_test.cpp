@@ -1,0 +1,214 @@
+#include "server/service/world_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "server/intake/scene_file.hpp"
+
+namespace collided::service {
+namespace {
+
+using wire_contract::EventKind;
+using wire_contract::ServerState;
+
+/// Keeps the books that a subscriber would keep.
+class BookKeeper : public Outlet {
+ public:
+  bool contacts_wanted() const override { return true; }
+  bool persisted_wanted() const override { return true; }
+  void write_events(const EventColumns& events, const Stamp&) override {
+    const std::lock_guard lock(mutex);
+    EXPECT_LE(events.size(), wire_contract::kMaxEventsPerFrame);
+    EXPECT_EQ(events.first_sequence, last_sequence + 1);
+    std::set<ObjectId> named(events.named.ids.begin(), events.named.ids.end());
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      EXPECT_TRUE(named.contains(events.a[i]) && named.contains(events.b[i]));
+      const std::uint64_t hash = wire_contract::contact_hash(events.a[i], events.b[i], events.episodes[i]);
+      const bool began = events.kinds[i] == static_cast<std::uint8_t>(EventKind::began);
+      contact_hash += began ? hash : 0 - hash;
+      (began ? began_count : ended_count) += 1;
+      reasons[events.reasons[i]] += 1;
+      ++last_sequence;
+    }
+    for (std::size_t start = 0; start < events.named.names.size();) {
+      const std::string name(reinterpret_cast<const char*>(&events.named.names[start]));
+      EXPECT_FALSE(name.empty()) << "an object that is gone has its name in the event that says so";
+      start += name.size() + 1;
+    }
+    ++frames;
+    came.notify_all();
+  }
+  void write_persisted(const EventColumns& events, const Stamp&) override {
+    const std::lock_guard lock(mutex);
+    EXPECT_EQ(events.first_sequence, 0U);
+    persisted += events.size();
+    came.notify_all();
+  }
+  void write_contacts(const ContactColumns& contacts, const Stamp&, std::uint64_t as_of_sequence) override {
+    const std::lock_guard lock(mutex);
+    EXPECT_EQ(as_of_sequence, last_sequence) << "shards come after the events that changed them";
+    shards[contacts.shard] = contacts.size();
+  }
+  void write_status(const StatusColumns& columns) override {
+    const std::lock_guard lock(mutex);
+    status = columns;
+    std::size_t held = 0;
+    for (const auto& [shard, count] : shards) held += count;
+    EXPECT_EQ(columns.contact_count, held);
+    EXPECT_EQ(columns.contact_hash, contact_hash);
+    EXPECT_EQ(columns.last_event_sequence, last_sequence);
+    ++statuses;
+    came.notify_all();
+  }
+
+  template <class Condition>
+  bool wait(Condition&& condition) {
+    std::unique_lock lock(mutex);
+    return came.wait_for(lock, std::chrono::seconds(30), condition);
+  }
+
+  std::mutex mutex;
+  std::condition_variable came;
+  std::uint64_t last_sequence = 0;
+  std::uint64_t contact_hash = 0;
+  std::size_t began_count = 0, ended_count = 0, persisted = 0, frames = 0, statuses = 0;
+  std::map<std::uint8_t, std::size_t> reasons, shards;
+  StatusColumns status;
+};
+
+class WorldLoopTest : public ::testing::Test {
+ protected:
+  ~WorldLoopTest() override { stop(); }
+  void start(const LoopOptions& options = {}) {
+    loop = std::make_unique<WorldLoop>(
+        WorldLoop::Around{world, clock, inbox, books, fences, leases, questions,
+                          [this](AskPointer) { ++admitted; }, [] {}, [](const std::string&) {}},
+        options);
+    thread = std::thread([this] { loop->run(); });
+  }
+  void stop() {
+    if (!thread.joinable()) return;
+    loop->stop();
+    thread.join();
+  }
+  void define(std::uint32_t number, const Vec3& position, bool removed = false) {
+    Shape ball;
+    ball.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 0.5});
+    const std::vector<std::byte> bytes = encode_shape(ball);
+    auto sample = std::make_unique<DefinitionSample>();
+    sample->publisher = 7;
+    sample->incarnation = 1;
+    sample->object_number = number;
+    sample->sequence = ++sequence;
+    sample->name = "ball" + std::to_string(number);
+    sample->removed = removed;
+    sample->pose = {position.x(), position.y(), position.z(), 1, 0, 0, 0};
+    for (const std::byte byte : bytes) sample->shape_bytes.push_back(static_cast<std::uint8_t>(byte));
+    inbox.push(std::move(sample));
+  }
+  void move(std::uint32_t number, const Vec3& position) {
+    auto sample = inbox.spare();
+    sample->publisher = 7;
+    sample->incarnation = 1;
+    sample->sequence = ++sequence;
+    sample->definitions_through = 0;
+    sample->received_ns = clock.now_ns();
+    sample->object_numbers = {number};
+    sample->poses = {position.x(), position.y(), position.z(), 1, 0, 0, 0};
+    sample->velocities.clear();
+    inbox.push(std::move(sample));
+  }
+  World world{WorldOptions{}};
+  WorldClock clock;
+  Inbox inbox;
+  BookKeeper books;
+  Fences fences;
+  LeaseBook leases{world};
+  QuestionCounts questions;
+  std::atomic<int> admitted{0};
+  std::unique_ptr<WorldLoop> loop;
+  std::thread thread;
+  std::uint64_t sequence = 0;
+};
+
+// 60 balls in one place: 1,770 contacts at once do not fit one frame.
+TEST_F(WorldLoopTest, ManyEventsComeInSeveralFrames) {
+  for (std::uint32_t number = 0; number < 60; ++number) define(number, {0, 0, 0});
+  start();
+  EXPECT_TRUE(books.wait([&] { return books.began_count == 60 * 59 / 2; }));
+  const std::size_t statuses = books.statuses;
+  EXPECT_TRUE(books.wait([&] { return books.statuses > statuses + 1; }));
+  EXPECT_GE(books.frames, 2U);
+  EXPECT_EQ(books.shards.size(), wire_contract::kContactShards);
+  EXPECT_EQ(books.status.contact_count, 1'770U);
+  EXPECT_EQ(books.status.state, ServerState::ready);
+}
+
+TEST_F(WorldLoopTest, StoppingEndsWhatHolds) {
+  define(1, {0, 0, 0});
+  define(2, {0.5, 0, 0});
+  start();
+  EXPECT_TRUE(books.wait([&] { return books.began_count == 1; }));
+  stop();
+  EXPECT_EQ(books.ended_count, 1U);
+  EXPECT_EQ(books.reasons[static_cast<std::uint8_t>(wire_contract::EndReason::server_stopping)], 1U);
+  EXPECT_EQ(books.status.state, ServerState::stopping);
+  EXPECT_EQ(books.status.contact_count, 0U);
+}
+
+// What a ball meets on its way is told, and so is what goes on.
+TEST_F(WorldLoopTest, ContactsPersistAndEnd) {
+  define(1, {0, 0, 0});
+  define(2, {0.5, 0, 0});
+  start();
+  EXPECT_TRUE(books.wait([&] { return books.began_count == 1; }));
+  move(2, {0.6, 0, 0});
+  EXPECT_TRUE(books.wait([&] { return books.persisted > 0; }));
+  define(1, {0, 0, 0}, true);
+  EXPECT_TRUE(books.wait([&] { return books.ended_count == 1; }));
+}
+
+TEST_F(WorldLoopTest, AFenceOpensWhenTheSampleIsInAState) {
+  define(1, {0, 0, 0});
+  start();
+  auto ask = std::make_unique<Ask>();
+  ask->query->fence_publisher = 7;
+  ask->query->fence_sequence = 2;
+  EXPECT_TRUE(fences.pass(ask) == Fences::Outcome::parked);
+  move(1, {1, 0, 0});
+  EXPECT_TRUE(books.wait([&] { return admitted.load() == 1; }));
+  const SnapshotRing::Lease state = world.newest();
+  const auto& objects = *state->objects;
+  const auto ball = std::find_if(objects.begin(), objects.end(), [](const auto& info) { return info && info->name == "ball1"; });
+  ASSERT_NE(ball, objects.end());
+  EXPECT_EQ(state->poses[slot_of((*ball)->id)].position.x(), 1);
+}
+
+// With a fixed step nothing is lost either: an object that moved twice takes a step between.
+TEST_F(WorldLoopTest, AFixedStepLooksAtEveryPose) {
+  define(1, {0, 0, 0});
+  define(2, {5, 0, 0});
+  start({.step_ns = 50'000'000, .recovery_ns = 0, .limits = {}});
+  for (int i = 0; i < 10; ++i) {
+    move(2, {0.5, 0, 0});
+    move(2, {5, 0, 0});
+  }
+  EXPECT_TRUE(books.wait([&] { return books.began_count == 10 && books.ended_count == 10; }));
+}
+
+TEST_F(WorldLoopTest, AfterACrashItSaysThatItRecovers) {
+  start({.step_ns = 0, .recovery_ns = 300'000'000, .limits = {}});
+  EXPECT_TRUE(books.wait([&] { return books.statuses > 0; }));
+  EXPECT_TRUE(loop->recovering());
+  EXPECT_TRUE(books.wait([&] { return books.status.state == ServerState::ready; }));
+  EXPECT_FALSE(loop->recovering());
+}
+
+}  // namespace
+}  // namespace collided::service
