@@ -112,7 +112,8 @@ void print_count(Printer& printer, const AnswerView& view, const RawJson& id, co
   Record record;
   if (view.with_id) record.push_back({"id", id});
   record.push_back({"count", std::uint64_t{answer.hits.size()}});
-  record.push_back({"reason", reason_value(answer)});
+  // One number for $(collide box ... --count); an answer without decision is more than a number.
+  if (view.with_id || answer.verdict == Verdict::undecided) record.push_back({"reason", reason_value(answer)});
   if (!printer.human()) {
     printer.record(record);
     return;

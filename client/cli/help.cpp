@@ -5,9 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "client/cli/number.hpp"
+#include "client/cli/global_options.hpp"
 #include "client/cli/suggest.hpp"
-#include "client/cli/tokens.hpp"
 
 namespace collided::cli {
 namespace {
@@ -49,7 +48,8 @@ class HelpCommand : public Command {
     }
     CLI::App app(std::string(verb->summary), "collide");
     const std::unique_ptr<Command> command = verb->make();
-    command->declare(app);
+    Globals ignored;
+    declare_verb(app, *command, ignored);
     print_verb_help(session.io, *verb, app);
     return Exit::yes;
   }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
+#include "client/cli/global_options.hpp"
 #include "client/cli/help.hpp"
 #include "client/cli/line_reader.hpp"
 #include "client/cli/suggest.hpp"
@@ -14,33 +15,11 @@
 namespace collided::cli {
 namespace {
 
-constexpr std::string_view kConnectionGroup = "Connection";
-constexpr std::string_view kOutputGroup = "Output";
-
-void declare_globals(CLI::App& app, Globals& globals) {
-  const std::string output(kOutputGroup);
-  app.add_flag("--json", globals.json, "One JSON object a line")->group(output);
-  app.add_flag("--csv", globals.csv, "CSV with a header")->group(output);
-  app.add_flag("--plain", globals.plain, "Fields apart by tabs, no header (the default off a terminal)")->group(output);
-  app.add_flag("--table", globals.table, "For people (the default on a terminal)")->group(output);
-  app.add_option("--fields", globals.fields, "Only these fields, in this order: a,b,c")->group(output);
-  app.add_flag("-q,--quiet", globals.quiet, "No hints")->group(output);
-  app.add_flag("-v,--verbose", globals.verbose, "Say what the answer cost")->group(output);
-  app.add_option("--color", globals.color, "auto, always or never")
-      ->check(CLI::IsMember({"auto", "always", "never"}))
-      ->group(output);
-  app.add_flag("--exit-zero", globals.exit_zero, "Exit 0 for 'no' and 'undecided' too")->group(output);
-  const std::string connection(kConnectionGroup);
-  app.add_option("--domain", globals.domain, "DDS domain (COLLIDED_DOMAIN, ROS_DOMAIN_ID, 0)")->group(connection);
-  app.add_option("--namespace", globals.name_space, "Of the server (COLLIDED_NAMESPACE, 'collided')")->group(connection);
-  app.add_option("--interface", globals.interface, "lo, eth0, auto (COLLIDED_INTERFACE, lo)")->group(connection);
-  app.add_option("--peer", globals.peers, "Host to look for the server on; repeatable")->allow_extra_args(false)->group(connection);
-  app.add_option("--wait", globals.wait, "How long a server may take to answer hello (2s)")->group(connection);
-  app.add_option("--timeout", globals.timeout, "How long one answer may take")->group(connection);
-}
-
 /// Where the verb stands in the tokens; options of rule 1 may come before it. tokens.size() where there is none.
-std::size_t verb_position(const std::vector<std::string>& tokens, CLI::App& globals_only) {
+std::size_t verb_position(const std::vector<std::string>& tokens) {
+  CLI::App globals_only("", "collide");
+  Globals ignored;
+  declare_globals(globals_only, ignored);
   for (std::size_t at = 0; at < tokens.size(); ++at) {
     if (tokens[at] == "-" || !tokens[at].starts_with("-")) return at;
     const CLI::Option* option = globals_only.get_option_no_throw(tokens[at]);
@@ -58,6 +37,7 @@ std::vector<std::string> option_names(CLI::App& app) {
   return names;
 }
 
+/// Throws Failure for what the parser left over.
 void refuse_leftovers(CLI::App& app) {
   for (const std::string& leftover : app.remaining()) {
     const std::string word = unmarked(leftover);
@@ -68,25 +48,40 @@ void refuse_leftovers(CLI::App& app) {
   }
 }
 
-/// Fills the verb's members and the globals from the tokens. False when help was asked for, and given.
-bool parse(const Verb& verb, Command& command, std::vector<std::string> tokens, Io& io, Globals& globals) {
-  CLI::App app(std::string(verb.summary), "collide " + std::string(verb.name));
-  app.set_help_flag("-h,--help", "This help");
+/// Fills what is declared on the parser; throws CLI::CallForHelp, or Failure for anything wrong.
+void parse_tokens(CLI::App& app, std::vector<std::string> tokens) {
   app.allow_extras();
-  command.declare(app);
-  declare_globals(app, globals);
   for (CLI::Option* option : app.get_options()) option->transform([](std::string text) { return unmarked(std::move(text)); });
   std::reverse(tokens.begin(), tokens.end());  // the parser takes them from the back
   try {
     app.parse(std::move(tokens));
-    refuse_leftovers(app);
   } catch (const CLI::CallForHelp&) {
-    print_verb_help(io, verb, app);
-    return false;
+    throw;
   } catch (const CLI::ParseError& error) {
     throw bad_use(error.what());
   }
+  refuse_leftovers(app);
+}
+
+/// Fills the verb's members and the globals. False when help was asked for, and given.
+bool parse_verb(const Verb& verb, Command& command, std::vector<std::string> tokens, Io& io, Globals& globals) {
+  CLI::App app(std::string(verb.summary), "collide " + std::string(verb.name));
+  declare_verb(app, command, globals);
+  try {
+    parse_tokens(app, std::move(tokens));
+  } catch (const CLI::CallForHelp&) {
+    print_verb_help(io, verb, app);
+    return false;
+  }
   return true;
+}
+
+/// The words before or without a verb: global options only.
+void parse_globals(std::vector<std::string> tokens, Globals& globals) {
+  CLI::App app("", "collide");
+  app.set_help_flag();
+  declare_globals(app, globals);
+  parse_tokens(app, std::move(tokens));
 }
 
 Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& session, Globals& globals) {
@@ -95,7 +90,7 @@ Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& sessio
     if (verb.passes_words_on) {
       for (std::string& token : tokens) token = unmarked(std::move(token));
       static_cast<PassOn&>(*command).take_words(std::move(tokens));
-    } else if (!parse(verb, *command, std::move(tokens), session.io, globals)) {
+    } else if (!parse_verb(verb, *command, std::move(tokens), session.io, globals)) {
       return Exit::yes;
     }
     const Exit code = command->run(session, globals);
@@ -119,18 +114,9 @@ Exit run_tokens(std::vector<std::string> tokens, Session& session, Globals& glob
 
 /// `collide -`: one verb a line over one connection. A line that fails is reported and the next one runs.
 Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globals) {
-  CLI::App app("", "collide -");
-  app.set_help_flag();
-  app.allow_extras();
-  declare_globals(app, globals);
-  std::reverse(tokens.begin(), tokens.end());
-  try {
-    app.parse(std::move(tokens));
-    refuse_leftovers(app);
-  } catch (const CLI::ParseError& error) {
-    throw bad_use(error.what());
-  }
+  parse_globals(std::move(tokens), globals);
   LineReader lines(session.io.in);
+  session.io.in = -1;  // the lines are taken from it; no verb among them may
   std::string line;
   std::size_t failed = 0;
   while (lines.next(line) && !stop_requested) {
@@ -153,34 +139,17 @@ Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globa
   return failed > 0 ? Exit::partly_refused : Exit::yes;
 }
 
+Exit run_without_verb(std::vector<std::string> tokens, Session& session, Globals& globals) {
+  const auto given = [&](const char* name) { return std::find(tokens.begin(), tokens.end(), name) != tokens.end(); };
+  if (given("--version")) return run_verb(known_verb("version"), {}, session, globals);
+  if (!given("-h") && !given("--help")) parse_globals(std::move(tokens), globals);
+  print_help(session.io);
+  return Exit::yes;
+}
+
 Exit run_tokens(std::vector<std::string> tokens, Session& session, Globals& globals) {
-  CLI::App globals_only("", "collide");
-  Globals ignored;
-  declare_globals(globals_only, ignored);
-  const std::size_t at = verb_position(tokens, globals_only);
-  const bool asks_help = std::find_if(tokens.begin(), tokens.end(), [](const std::string& token) {
-                           return token == "-h" || token == "--help";
-                         }) != tokens.end();
-  if (at == tokens.size()) {
-    if (std::find(tokens.begin(), tokens.end(), "--version") != tokens.end()) {
-      return run_verb(known_verb("version"), {}, session, globals);
-    }
-    if (!tokens.empty() && !asks_help) {
-      CLI::App app("", "collide");
-      app.set_help_flag();
-      app.allow_extras();
-      declare_globals(app, ignored);
-      std::reverse(tokens.begin(), tokens.end());
-      try {
-        app.parse(std::move(tokens));
-        refuse_leftovers(app);
-      } catch (const CLI::ParseError& error) {
-        throw bad_use(error.what());
-      }
-    }
-    print_help(session.io);
-    return Exit::yes;
-  }
+  const std::size_t at = verb_position(tokens);
+  if (at == tokens.size()) return run_without_verb(std::move(tokens), session, globals);
   const std::string name = unmarked(tokens[at]);
   tokens.erase(tokens.begin() + static_cast<std::ptrdiff_t>(at));
   if (name == "-") return run_lines(std::move(tokens), session, globals);

@@ -31,7 +31,7 @@ class Standing {
       next = std::max(next + options_.every, Clock::now());
       if (!sleep_until(std::min(next, until.end()))) break;
     }
-    print_hint(io_, globals_, fmt::format("{} changes in {}, asked {} times", format_count(change_count_),
+    print_hint(io_, globals_, fmt::format("{} change{} in {}, asked {} times", format_count(change_count_), change_count_ == 1 ? "" : "s",
                                           format_duration(Clock::now() - start_), format_count(asked_count_)));
     return stop_requested ? Exit::interrupted : Exit::yes;
   }

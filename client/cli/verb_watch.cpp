@@ -176,7 +176,7 @@ class WatchCommand : public Command {
       ++count;
     }
     session.io.out.flush();
-    print_hint(session.io, globals, fmt::format("{} events in {}, {} lost", format_count(count), format_duration(Clock::now() - start), format_count(watch.lost())));
+    print_hint(session.io, globals, fmt::format("{} event{} in {}, {} lost", format_count(count), count == 1 ? "" : "s", format_duration(Clock::now() - start), format_count(watch.lost())));
     if (stop_requested) return Exit::interrupted;
     return count > 0 ? Exit::yes : Exit::no;
   }

@@ -35,6 +35,9 @@ class AskCommand : public Command {
     if (from_file) {
       if (watch_ || !repeat_.empty()) throw bad_use("--watch and --repeat take one question, not a file");
       view_.with_id = true;
+      // A full request waits for those before it.
+      constexpr std::chrono::seconds kBatchTimeout{60};
+      options.timeout = timeout_of(globals, kBatchTimeout);
       return run_batch(session, globals, {words_.front(), options, view_, stop_on_error_});
     }
     Questions question = no_questions(view_.kind);

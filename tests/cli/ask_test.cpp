@@ -143,6 +143,7 @@ TEST_F(Ask, ASphereOnATerminalIsATable) {
             "pallet_07  contact   0.0412 m  4.4e-16  0.93 2 0.5\n"
             "drone_2    touching  0         4.4e-16  1.3 2 0.5\n");
   EXPECT_EQ(at_terminal("sphere 1 2 0.5 0.3 --count").out, "2\n");
+  EXPECT_EQ(collide("sphere 1 2 0.5 0.3 --count").out, "2\n");
   EXPECT_EQ(collide("sphere 1 2 0.5 0.3 --json --fields object,depth").out,
             "{\"object\":\"pallet_07\",\"depth\":0.0412}\n{\"object\":\"drone_2\",\"depth\":0}\n");
 }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/cli/fake_client.hpp"
+#include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided {
@@ -115,6 +116,20 @@ TEST_F(Errors, EveryVerbExplainsItself) {
   EXPECT_NE(ran.out.find("collide ray X Y Z --to X Y Z"), std::string::npos) << ran.out;
   EXPECT_NE(ran.out.find("--length"), std::string::npos);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --all -h").out, ran.out);
+  EXPECT_EQ(collide("help ray").out, ran.out);
+}
+
+TEST_F(Errors, ArgumentsComeFromAFileToo) {
+  const ScratchFile file("arguments", "# from above\nray 0 0 5\n  0 0 -1 --only 'a b'\n");
+  EXPECT_EQ(collide("@" + file.path()).code, 1);
+  EXPECT_EQ(fake::server().last_options.only, "a b");
+  EXPECT_EQ(collide("ray @/nowhere/at/all").err, "error: @/nowhere/at/all: cannot open that file\n");
+}
+
+TEST_F(Errors, StdinHoldsVerbsOrQuestionsNotBoth) {
+  const Ran ran = collide("-", {.in = "ray -\n"});
+  EXPECT_EQ(ran.code, 6);
+  EXPECT_EQ(ran.err, "error: line 1: ray: '-' has no meaning here: the verbs are read from stdin\n");
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+#include "client/cli/global_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace collided::cli {
+
+void declare_globals(CLI::App& app, Globals& globals) {
+  const std::string output = "Output";
+  app.add_flag("--json", globals.json, "One JSON object a line")->group(output);
+  app.add_flag("--csv", globals.csv, "CSV with a header")->group(output);
+  app.add_flag("--plain", globals.plain, "Fields apart by tabs, no header (the default off a terminal)")->group(output);
+  app.add_flag("--table", globals.table, "For people (the default on a terminal)")->group(output);
+  app.add_option("--fields", globals.fields, "Only these fields, in this order: a,b,c")->group(output);
+  app.add_flag("-q,--quiet", globals.quiet, "No hints")->group(output);
+  app.add_flag("-v,--verbose", globals.verbose, "Say what the answer cost")->group(output);
+  app.add_option("--color", globals.color, "auto, always or never")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->group(output);
+  app.add_flag("--exit-zero", globals.exit_zero, "Exit 0 for 'no' and 'undecided' too")->group(output);
+  const std::string connection = "Connection";
+  app.add_option("--domain", globals.domain, "DDS domain (COLLIDED_DOMAIN, ROS_DOMAIN_ID, 0)")->group(connection);
+  app.add_option("--namespace", globals.name_space, "Of the server (COLLIDED_NAMESPACE, 'collided')")->group(connection);
+  app.add_option("--interface", globals.interface, "lo, eth0, auto (COLLIDED_INTERFACE, lo)")->group(connection);
+  app.add_option("--peer", globals.peers, "Host to look for the server on; repeatable")->allow_extra_args(false)->group(connection);
+  app.add_option("--wait", globals.wait, "How long a server may take to answer hello (2s)")->group(connection);
+  app.add_option("--timeout", globals.timeout, "How long one answer may take")->group(connection);
+}
+
+void declare_verb(CLI::App& app, Command& command, Globals& globals) {
+  app.set_help_flag("-h,--help", "This help");
+  command.declare(app);
+  declare_globals(app, globals);
+}
+
+}  // namespace collided::cli

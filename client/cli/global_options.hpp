@@ -1,0 +1,13 @@
+#pragma once
+
+#include "client/cli/command.hpp"
+
+namespace collided::cli {
+
+/// The options that every verb knows.
+void declare_globals(CLI::App& app, Globals& globals);
+
+/// Everything that `collide VERB` takes: its own options, help, and the globals.
+void declare_verb(CLI::App& app, Command& command, Globals& globals);
+
+}  // namespace collided::cli
