@@ -4,6 +4,7 @@
 #include <concepts>
 
 #include "server/exact_phase/dyadic.hpp"
+#include "server/exact_phase/precision.hpp"
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/bounded.hpp"
 #include "server/geometry/expansion.hpp"
@@ -158,15 +159,15 @@ Vector<N> cross(const Vector<N>& a, const Vector<N>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Runs `kernel.operator()<N>()` on each rung until one decides.
+/// Runs `kernel.operator()<N>()` on each rung until one decides or the thread's precision ends.
 template <class Kernel>
 Verdict climb(const Kernel& kernel) {
   Decision decision = kernel.template operator()<Bounded>();
   if (decision != Decision::undecided) return {decision, Level::filter};
   decision = kernel.template operator()<Traced>();
-  if (decision != Decision::undecided) return {decision, Level::filter};
+  if (decision != Decision::undecided || precision.highest == Level::filter) return {decision, Level::filter};
   decision = kernel.template operator()<Expansion>();
-  if (decision != Decision::undecided) return {decision, Level::expansion};
+  if (decision != Decision::undecided || precision.highest == Level::expansion) return {decision, Level::expansion};
   return {kernel.template operator()<Dyadic>(), Level::rational};
 }
 

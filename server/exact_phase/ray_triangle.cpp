@@ -88,9 +88,12 @@ Decision cast_exactly(const Ray& ray, const Triangle& triangle, RayHit& hit) {
 [[gnu::noinline]] Verdict climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   Decision decision = cast_exactly<Traced>(ray, triangle, hit);
   if (decision == Decision::no) return {decision, Level::filter};
-  if (decision == Decision::yes && hit.distance_error_m <= kRefineRay * hit.distance_m) return {decision, Level::filter};
+  if (decision == Decision::yes && sharp({hit.distance_m, hit.distance_error_m}, kRefineRay)) {
+    return {decision, Level::filter};
+  }
+  if (precision.highest == Level::filter) return {decision, Level::filter};
   decision = cast_exactly<Expansion>(ray, triangle, hit);
-  if (decision != Decision::undecided) return {decision, Level::expansion};
+  if (decision != Decision::undecided || precision.highest == Level::expansion) return {decision, Level::expansion};
   return {cast_exactly<Dyadic>(ray, triangle, hit), Level::rational};
 }
 
@@ -136,7 +139,7 @@ Verdict finish(const Ray& ray, const Triangle& triangle, const FilterState& s, R
   const double error = distance * relative;
   if (distance - error > ray.length_m) return {Decision::no, Level::filter};
   if (!(distance + error <= ray.length_m) || !std::isfinite(distance)) return climb_from_filter(ray, triangle, hit);
-  if (relative > kRefineRay) {
+  if (relative > kRefineRay && !sharp({distance, error}, kRefineRay)) {
     const Verdict exact = climb_from_filter(ray, triangle, hit);
     return {exact.decision, Level::filter};
   }

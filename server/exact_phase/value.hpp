@@ -107,9 +107,13 @@ inline Bounded lesser(const Bounded& a, const Bounded& b) {
 }
 inline Bounded greater(const Bounded& a, const Bounded& b) { return -lesser(-a, -b); }
 
-/// Whether a value is known well enough to report, given the relative width that is worth an exact evaluation.
+/// Whether a value is known well enough to report, given the relative width that is worth an exact evaluation: also
+/// when the thread's precision asks for no more, or allows none.
 inline bool sharp(const Bounded& x, double relative_width) {
-  return x.bound() <= relative_width * std::abs(x.value) && std::isfinite(x.bound());
+  const double bound = x.bound();
+  if (!std::isfinite(bound)) return false;
+  return bound <= relative_width * std::abs(x.value) || bound <= precision.error_asked_m ||
+         precision.highest == Level::filter;
 }
 
 }  // namespace collided::kernel

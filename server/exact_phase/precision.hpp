@@ -1,0 +1,32 @@
+#pragma once
+
+#include "server/exact_phase/verdict.hpp"
+
+namespace collided {
+
+/// What the tests of one thread may spend. The defaults decide everything and sharpen every number.
+struct Precision {
+  /// Above this rung nothing is tried: `undecided` instead, and numbers keep the bound they have.
+  Level highest = Level::rational;
+  /// A distance, depth or time known to this many metres is not sharpened further. Decisions stay exact.
+  double error_asked_m = 0;
+};
+
+namespace kernel {
+// Read only where a filter has failed, so that the sure majority never pays for it.
+inline thread_local constinit Precision precision;
+}  // namespace kernel
+
+/// Sets the calling thread's precision for as long as it lives; scopes nest.
+class PrecisionScope {
+ public:
+  explicit PrecisionScope(const Precision& wanted) : before_(kernel::precision) { kernel::precision = wanted; }
+  ~PrecisionScope() { kernel::precision = before_; }
+  PrecisionScope(const PrecisionScope&) = delete;
+  PrecisionScope& operator=(const PrecisionScope&) = delete;
+
+ private:
+  Precision before_;
+};
+
+}  // namespace collided
