@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "server/geometry/float_environment.hpp"
 #include "server/service/reply_columns.hpp"
 #include "server/world/query.hpp"
 
@@ -40,6 +41,7 @@ class Answering::Worker {
   void work(Sweep sweep);
   void answer_questions(Client& client, const Ask& ask);
   void doubt(const Questions& questions);
+  void count_levels(QueryKind kind);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
   void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text);
   void command(const wire::Query& query);
@@ -124,10 +126,22 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
       .error_m = query.error_asked_m > 0 ? query.error_asked_m : owner_.options_.error_m,
       .numbers = dds::view(query.numbers)};
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
+  if (restore_float_environment()) ++owner_.counts_.float_repairs;
   answer(*lease, questions, answers_, scratch_);
   // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, *lease);
+  count_levels(questions.kind);
+  owner_.audit_.consider(lease, questions, answers_);
+}
+
+void Answering::Worker::count_levels(QueryKind kind) {
+  std::array<std::uint64_t, 3> counts{};
+  for (const std::uint8_t level : answers_.levels) ++counts[level];
+  auto& total = owner_.counts_.levels[static_cast<std::size_t>(kind)];
+  for (std::size_t level = 0; level < counts.size(); ++level) {
+    if (counts[level] > 0) total[level].fetch_add(counts[level], std::memory_order_relaxed);
+  }
 }
 
 void Answering::Worker::doubt(const Questions& questions) {
@@ -198,13 +212,14 @@ void Answering::Worker::send(Client& client) {
 // ---- the way in
 
 Answering::Answering(const World& world, const WorldClock& clock, Fences& fences, LeaseBook& leases,
-                     QuestionCounts& counts, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
-                     Command command)
+                     QuestionCounts& counts, BackgroundAudit& audit, const dds::Topic<wire::Reply>& replies,
+                     const AnsweringOptions& options, Command command)
     : world_(world),
       clock_(clock),
       fences_(fences),
       leases_(leases),
       counts_(counts),
+      audit_(audit),
       options_(options),
       command_(std::move(command)),
       queue_(kMostQueued),

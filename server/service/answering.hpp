@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "idl/dds.hpp"
+#include "server/service/background_audit.hpp"
 #include "server/service/clients.hpp"
 #include "server/service/clock.hpp"
 #include "server/service/counters.hpp"
@@ -46,7 +47,8 @@ class Answering {
   using Command = std::function<void(CommandAsk)>;  // called on a worker; answers through send_text
 
   Answering(const World& world, const WorldClock& clock, Fences& fences, LeaseBook& leases, QuestionCounts& counts,
-            const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options, Command command);
+            BackgroundAudit& audit, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
+            Command command);
   ~Answering();
 
   /// From the query reader's listener: takes, stamps and hands over.
@@ -85,6 +87,7 @@ class Answering {
   Fences& fences_;
   LeaseBook& leases_;
   QuestionCounts& counts_;
+  BackgroundAudit& audit_;
   AnsweringOptions options_;
   Command command_;
   AskPool pool_;
