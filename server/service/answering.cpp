@@ -33,6 +33,7 @@ class Answering::Worker {
     reply_->epoch = owner.options_.epoch;
   }
   void run();
+  void answer_here(AskPointer ask) { work(std::move(ask)); }
 
  private:
   void work(AskPointer ask);
@@ -224,6 +225,7 @@ Answering::Answering(const World& world, const WorldClock& clock, Fences& fences
       command_(std::move(command)),
       queue_(kMostQueued),
       clients_(replies, [this](std::uint64_t client) { queue_.push(Resume{client}); }) {
+  listening_worker_ = std::make_unique<Worker>(*this);
   for (unsigned i = 0; i < std::max(1U, options.threads); ++i) {
     threads_.emplace_back([this] { Worker(*this).run(); });
   }
@@ -233,33 +235,62 @@ Answering::~Answering() {
   stop();
 }
 
-void Answering::take(const dds::Taker<wire::Query>& taker) {
+void Answering::listen(const dds::Taker<wire::Query>& taker) {
+  AskPointer single;
+  take(taker, &single);
+  if (!single) return;
+  const std::int64_t started_ns = steady_ns();
+  const bool here = short_questions_.is_short(*single->query, started_ns) && clients_.ready(single->query->client);
+  if (!here) {
+    queue_.push(std::move(single));
+    return;
+  }
+  listening_worker_->answer_here(std::move(single));
+  short_questions_.took(started_ns, steady_ns());
+}
+
+/// Takes everything there is room for. Where that is one question and nobody waits before it, it is left to the caller.
+void Answering::take(const dds::Taker<wire::Query>& taker, AskPointer* single) {
   const std::lock_guard lock(taking_);
+  const bool idle = single != nullptr && queue_.empty();
+  AskPointer first;
+  const auto pass_first_on = [&] {
+    if (first) admit(std::move(first));
+  };
   while (!stopping_.load() && queue_.has_room()) {
     AskPointer ask = pool_.get();
     if (!taker.take(ask->query)) {
       pool_.put(std::move(ask));
+      if (first) *single = std::move(first);
       return;
     }
+    pass_first_on();
     ask->taken_ns = steady_ns();
     if (!ask->query.info().valid_data) {
       pool_.put(std::move(ask));
       continue;
     }
     const Fences::Outcome outcome = fences_.pass(ask);
-    if (outcome == Fences::Outcome::passed) admit(std::move(ask));
+    if (outcome == Fences::Outcome::passed) {
+      if (idle && ask->query->chunk_count == 1 && queue_.empty()) {
+        first = std::move(ask);
+      } else {
+        admit(std::move(ask));
+      }
+    }
     if (outcome == Fences::Outcome::full) {
       refuse_later(std::move(ask),
                    fmt::format("{} questions wait for a publisher's samples, the limit", Fences::kMost));
     }
   }
+  pass_first_on();
   // The rest stays with DDS, which makes the askers wait: admission. A worker comes back for it.
   if (!stopping_.load()) left_in_reader_.store(taker.reader());
 }
 
 void Answering::take_more() {
   const dds_entity_t reader = left_in_reader_.exchange(0);
-  if (reader != 0) take(dds::Taker<wire::Query>(reader));
+  if (reader != 0) take(dds::Taker<wire::Query>(reader), nullptr);
 }
 
 void Answering::admit(AskPointer ask) {

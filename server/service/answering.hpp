@@ -16,6 +16,7 @@
 #include "server/service/counters.hpp"
 #include "server/service/fences.hpp"
 #include "server/service/lease_book.hpp"
+#include "server/service/short_questions.hpp"
 #include "server/service/work_queue.hpp"
 #include "server/world/world.hpp"
 
@@ -51,8 +52,9 @@ class Answering {
             Command command);
   ~Answering();
 
-  /// From the query reader's listener: takes, stamps and hands over.
-  void take(const dds::Taker<wire::Query>& taker);
+  /// From the query reader's listener: takes, stamps and hands over; answers a single short question itself when
+  /// nobody waits, which saves waking another thread.
+  void listen(const dds::Taker<wire::Query>& taker);
   /// Past its fence: pins the state of a request in chunks and queues.
   void admit(AskPointer ask);
   /// The text of a command's answer, in as many replies as it needs. Any thread.
@@ -80,6 +82,7 @@ class Answering {
   class Worker;
 
   void refuse_later(AskPointer ask, std::string reason);
+  void take(const dds::Taker<wire::Query>& taker, AskPointer* single);
   void take_more();
 
   const World& world_;
@@ -94,6 +97,8 @@ class Answering {
   WorkQueue<Work> queue_;
   Clients clients_;
   std::mutex taking_;
+  std::unique_ptr<Worker> listening_worker_;  // of the listener's thread
+  ShortQuestions short_questions_;            // the same
   std::atomic<dds_entity_t> left_in_reader_{0};  // the queue was full: this reader has more
   std::atomic<bool> stopping_{false};
   std::vector<std::thread> threads_;
