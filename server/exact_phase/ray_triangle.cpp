@@ -11,16 +11,23 @@ namespace {
 using namespace kernel;
 
 /// The rungs above the filter; also asked when a hit is sure but its distance is not sharp.
-[[gnu::noinline]] Verdict climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+[[gnu::noinline]] Verdict climb_higher(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   Decision decision = cast_facet<Traced>(ray, triangle, hit);
   if (decision == Decision::no) return {decision, Level::filter};
   if (decision == Decision::yes && sharp({hit.distance_m, hit.distance_error_m}, kRefineRay)) {
     return {decision, Level::filter};
   }
   if (precision.highest == Level::filter) return {decision, Level::filter};
+  if (decision == Decision::undecided) ++rungs.expansion;
   decision = cast_facet<Expansion>(ray, triangle, hit);
   if (decision != Decision::undecided || precision.highest == Level::expansion) return {decision, Level::expansion};
+  ++rungs.rational;
   return {cast_facet<Dyadic>(ray, triangle, hit), Level::rational};
+}
+
+[[gnu::noinline]] Verdict climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  ++rungs.uncertain;
+  return climb_higher(ray, triangle, hit);
 }
 
 struct FilterState {
@@ -66,7 +73,8 @@ Verdict finish(const Ray& ray, const Triangle& triangle, const FilterState& s, R
   if (distance - error > ray.length_m) return {Decision::no, Level::filter};
   if (!(distance + error <= ray.length_m) || !std::isfinite(distance)) return climb_from_filter(ray, triangle, hit);
   if (relative > kRefineRay && !sharp({distance, error}, kRefineRay)) {
-    const Verdict exact = climb_from_filter(ray, triangle, hit);
+    ++rungs.sharpened;
+    const Verdict exact = climb_higher(ray, triangle, hit);
     return {exact.decision, Level::filter};
   }
   hit.distance_m = distance;
