@@ -98,7 +98,7 @@ RayCase<Shape> ray_case(Maker& make, const RayInput& ray, const Input& shape) {
   return {placed(ray, at), placed(shape, at), meets(ray, shape)};
 }
 
-/// The triangle that a ray meets at right angles to nothing: in its plane, or off it by one step in 2^20.
+/// In the triangle's plane, or off it by one step in 2^20.
 RayInput grazing_ray(Maker& make, const TriangleInput& t) {
   RayInput ray{t.a + 3 * (t.b - t.a) - 2 * (t.c - t.a) + make.nudged(), {}};
   ray.direction = make.on(t) + make.nudged() - ray.origin;
@@ -111,6 +111,33 @@ auto triangle_case(Maker& make) {
   if (!make.aims()) return ray_case<Triangle>(make, any_ray(make), t);
   const bool graze = make.whole(0, 3) == 0;
   return ray_case<Triangle>(make, graze ? grazing_ray(make, t) : ray_through(make, make.on(t)), t);
+}
+
+RayInput ray_towards(Maker& make, const GridPoint& target) {
+  RayInput ray{make.point(), {}};
+  ray.direction = target - ray.origin;
+  if (ray.direction == GridPoint{0, 0, 0}) ray.direction = {1, 0, 0};
+  return ray;
+}
+
+/// Exactly through a corner: always a hit.
+auto vertex_case(Maker& make) {
+  const TriangleInput t = make.triangle();
+  return ray_case<Triangle>(make, ray_towards(make, t.b), t);
+}
+
+/// Exactly through an edge: always a hit.
+auto edge_case(Maker& make) {
+  const TriangleInput t = make.triangle();
+  GridPoint target = t.a;
+  const std::int64_t i = make.whole(1, 7);
+  for (std::size_t k = 0; k < 3; ++k) target[k] += i * (t.b[k] - t.a[k]) / 8;
+  return ray_case<Triangle>(make, ray_towards(make, target), t);
+}
+
+auto grazing_case(Maker& make) {
+  const TriangleInput t = make.triangle();
+  return ray_case<Triangle>(make, grazing_ray(make, t), t);
 }
 
 auto box_case(Maker& make) {
@@ -137,18 +164,21 @@ auto pill_case(Maker& make) {
   return ray_case<Capsule>(make, ray, pill);
 }
 
+template <class Shape>
+std::vector<Method<RayCase<Shape>>> ours() {
+  return {method<RayCase<Shape>>(kOurs, [](const RayCase<Shape>& c) {
+    RayHit hit;
+    return cast_ray(c.ray, c.shape, hit).decision;
+  })};
+}
+
 template <class Shape, class MakeCase>
 void subject(Table& table, const Effort& effort, const char* query, MakeCase make_case, std::uint64_t random_long,
              std::vector<Method<RayCase<Shape>>> peers = {}) {
   if (!effort.wants(query)) return;
-  std::vector<Method<RayCase<Shape>>> methods;
-  methods.push_back(method<RayCase<Shape>>(kOurs, [](const RayCase<Shape>& c) {
-    RayHit hit;
-    return cast_ray(c.ray, c.shape, hit).decision;
-  }));
+  std::vector<Method<RayCase<Shape>>> methods = ours<Shape>();
   for (auto& peer : peers) methods.push_back(std::move(peer));
   for (const Family family : kAllFamilies) {
-    // In a full range of 2^47 a length times a direction would not be on the grid.
     Maker make(effort.generator, family);
     const std::uint64_t count = family == Family::random ? effort.count(random_long) : effort.count(10'000'000 / 5);
     take<RayCase<Shape>>(table, query, name(family), count, [&] { return make_case(make); }, methods);
@@ -168,6 +198,15 @@ void count_rays(Table& table, const Effort& effort) {
   by("plain_float", plain_float_ray);
   by("plain_double", plain_double_ray);
   subject<Triangle>(table, effort, "ray_triangle", triangle_case, 100'000'000, peers);
+  if (effort.wants("ray_triangle")) {
+    std::vector<Method<TriangleCase>> methods = ours<Triangle>();
+    methods.insert(methods.end(), peers.begin(), peers.end());
+    Maker make(effort.generator, Family::touching);
+    const std::uint64_t count = effort.count(2'000'000);
+    take<TriangleCase>(table, "ray_triangle", "vertex", count, [&] { return vertex_case(make); }, methods);
+    take<TriangleCase>(table, "ray_triangle", "edge", count, [&] { return edge_case(make); }, methods);
+    take<TriangleCase>(table, "ray_triangle", "grazing", count, [&] { return grazing_case(make); }, methods);
+  }
   subject<Sphere>(table, effort, "ray_sphere", ball_case, 2'000'000);
   subject<Box>(table, effort, "ray_box", box_case, 2'000'000);
   subject<Capsule>(table, effort, "ray_capsule", pill_case, 2'000'000);
