@@ -100,6 +100,7 @@ Verdict finish(const Ray& ray, const Triangle& triangle, const FilterState& s, R
   hit.distance_m = distance;
   hit.distance_error_m = error;
   hit.exit_m = distance;
+  hit.exit_error_m = error;
   hit.inside = false;
   hit.point = ray.origin + parameter * ray.direction;
   const double against = (denominator > 0 ? -1 : 1) / std::sqrt(dot(normal, normal));

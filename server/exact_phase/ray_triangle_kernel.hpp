@@ -53,6 +53,7 @@ void fill(const Ray& ray, const Triangle& triangle, const Facet<N>& facet, const
   hit.distance_m = distance.value;
   hit.distance_error_m = distance.bound();
   hit.exit_m = distance.value;
+  hit.exit_error_m = hit.distance_error_m;
   hit.inside = false;
   for (int k = 0; k < 3; ++k) {
     hit.point[k] = ray.origin[k] + plain(parameter * scaled(Bounded(ray.direction[k]))).value;

@@ -47,6 +47,19 @@ struct RayInput {
   std::int64_t length = -1;
 };
 
+/// In units of the box's grid, 2^-shift of the others' one.
+template <class T>
+Vec<T> finer(const GridPoint& p, int shift) {
+  return T(std::int64_t{1} << shift) * Vec<T>(p);
+}
+
+template <class T>
+GridBox<T> grid_box(const BoxInput& b) {
+  GridBox<T> box{finer<T>(b.center, b.shift), {}};
+  for (int i = 0; i < 3; ++i) box.reach[i] = T(b.half[i]) * Vec<T>(b.axes[i]);
+  return box;
+}
+
 inline Sphere placed(const BallInput& s, const Placing& at) { return {at.point(s.center), at.length(s.radius)}; }
 inline Capsule placed(const PillInput& s, const Placing& at) {
   return {at.point(s.a), at.point(s.b), at.length(s.radius)};

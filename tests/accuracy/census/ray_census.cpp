@@ -1,6 +1,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/accuracy/census/inputs.hpp"
 #include "tests/accuracy/census/peers.hpp"
+#include "tests/accuracy/census/ray_inputs.hpp"
 #include "tests/accuracy/census/subjects.hpp"
 
 namespace collided::census {
@@ -51,40 +52,6 @@ bool meets(const RayInput& ray, const BoxInput& box) {
   return line_meets_box<Wide>(finer<Wide>(ray.origin, box.shift), ray.direction, end, grid_box<Wide>(box));
 }
 
-/// A direction whose length is whole: any of these, mirrored and swapped, times a factor.
-GridPoint whole_direction(Maker& make) {
-  static constexpr std::int64_t kQuadruples[][3] = {{1, 2, 2}, {2, 3, 6}, {1, 4, 8}, {4, 4, 7}, {2, 6, 9}, {6, 6, 7}, {3, 4, 12}, {0, 3, 4}, {0, 0, 1}};
-  const auto& q = kQuadruples[make.whole(0, 8)];
-  const auto first = static_cast<std::size_t>(make.whole(0, 2));
-  GridPoint d;
-  for (std::size_t k = 0; k < 3; ++k) d[(first + k) % 3] = (make.whole(0, 1) == 0 ? 1 : -1) * q[k];
-  return d;
-}
-
-std::int64_t length_of(const GridPoint& d) {
-  return std::llround(std::sqrt(static_cast<double>(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])));
-}
-
-/// From a random origin through `target`, or (one in four) from a grid point behind it along a direction of whole
-/// length, ending at the target, one step before it or one after.
-RayInput ray_through(Maker& make, const GridPoint& target) {
-  if (make.whole(0, 3) != 0) {
-    RayInput ray{make.point(), {}};
-    ray.direction = target + make.nudged() - ray.origin;
-    if (ray.direction == GridPoint{0, 0, 0}) ray.direction = {1, 0, 0};
-    return ray;
-  }
-  const GridPoint d = whole_direction(make);
-  const std::int64_t steps = make.whole(0, make.family() == Family::lattice ? 2 : 1 << 18);
-  return {target - steps * d, d, (steps + make.nudge() > 0 ? steps + make.nudge() : 0) * length_of(d)};
-}
-
-RayInput any_ray(Maker& make) {
-  RayInput ray{make.point(), make.point() - make.point()};
-  while (ray.direction == GridPoint{0, 0, 0}) ray.direction = make.point() - make.point();
-  return ray;
-}
-
 template <class Shape>
 struct RayCase {
   Ray ray;
@@ -93,75 +60,9 @@ struct RayCase {
 };
 
 template <class Shape, class Input>
-RayCase<Shape> ray_case(Maker& make, const RayInput& ray, const Input& shape) {
+RayCase<Shape> ray_case(Maker& make, const std::pair<RayInput, Input>& input) {
   const Placing at = make.placing();
-  return {placed(ray, at), placed(shape, at), meets(ray, shape)};
-}
-
-/// In the triangle's plane, or off it by one step in 2^20.
-RayInput grazing_ray(Maker& make, const TriangleInput& t) {
-  RayInput ray{t.a + 3 * (t.b - t.a) - 2 * (t.c - t.a) + make.nudged(), {}};
-  ray.direction = make.on(t) + make.nudged() - ray.origin;
-  if (ray.direction == GridPoint{0, 0, 0}) ray.direction = {0, 0, 1};
-  return ray;
-}
-
-auto triangle_case(Maker& make) {
-  const TriangleInput t = make.triangle();
-  if (!make.aims()) return ray_case<Triangle>(make, any_ray(make), t);
-  const bool graze = make.whole(0, 3) == 0;
-  return ray_case<Triangle>(make, graze ? grazing_ray(make, t) : ray_through(make, make.on(t)), t);
-}
-
-RayInput ray_towards(Maker& make, const GridPoint& target) {
-  RayInput ray{make.point(), {}};
-  ray.direction = target - ray.origin;
-  if (ray.direction == GridPoint{0, 0, 0}) ray.direction = {1, 0, 0};
-  return ray;
-}
-
-/// Exactly through a corner: always a hit.
-auto vertex_case(Maker& make) {
-  const TriangleInput t = make.triangle();
-  return ray_case<Triangle>(make, ray_towards(make, t.b), t);
-}
-
-/// Exactly through an edge: always a hit.
-auto edge_case(Maker& make) {
-  const TriangleInput t = make.triangle();
-  GridPoint target = t.a;
-  const std::int64_t i = make.whole(1, 7);
-  for (std::size_t k = 0; k < 3; ++k) target[k] += i * (t.b[k] - t.a[k]) / 8;
-  return ray_case<Triangle>(make, ray_towards(make, target), t);
-}
-
-auto grazing_case(Maker& make) {
-  const TriangleInput t = make.triangle();
-  return ray_case<Triangle>(make, grazing_ray(make, t), t);
-}
-
-auto box_case(Maker& make) {
-  const BoxInput b = make.box();
-  return ray_case<Box>(make, make.aims() ? ray_through(make, make.on(b)) : any_ray(make), b);
-}
-
-/// The radius is worked out from the ray's line, so that the ray is a tangent but for one step.
-auto ball_case(Maker& make) {
-  BallInput ball = make.ball();
-  if (!make.aims()) return ray_case<Sphere>(make, any_ray(make), ball);
-  const RayInput ray = make.whole(0, 1) == 0 ? any_ray(make) : ray_through(make, make.point());
-  const Fraction<Wide> squared = squared_distance_to_ray<Wide>(ray.origin, ray.direction, ball.center, ball.center);
-  ball.radius = touching_radius(make, approximate(squared.numerator) / approximate(squared.denominator));
-  return ray_case<Sphere>(make, ray, ball);
-}
-
-auto pill_case(Maker& make) {
-  PillInput pill = make.pill();
-  if (!make.aims()) return ray_case<Capsule>(make, any_ray(make), pill);
-  const RayInput ray = make.whole(0, 1) == 0 ? any_ray(make) : ray_through(make, make.point());
-  const Fraction<Wide> squared = squared_distance_to_ray<Wide>(ray.origin, ray.direction, pill.a, pill.b);
-  pill.radius = touching_radius(make, approximate(squared.numerator) / approximate(squared.denominator));
-  return ray_case<Capsule>(make, ray, pill);
+  return {placed(input.first, at), placed(input.second, at), meets(input.first, input.second)};
 }
 
 template <class Shape>
@@ -181,7 +82,7 @@ void subject(Table& table, const Effort& effort, const char* query, MakeCase mak
   for (const Family family : kAllFamilies) {
     Maker make(effort.generator, family);
     const std::uint64_t count = family == Family::random ? effort.count(random_long) : effort.count(10'000'000 / 5);
-    take<RayCase<Shape>>(table, query, name(family), count, [&] { return make_case(make); }, methods);
+    take<RayCase<Shape>>(table, query, name(family), count, [&] { return ray_case<Shape>(make, make_case(make)); }, methods);
   }
 }
 
@@ -203,9 +104,9 @@ void count_rays(Table& table, const Effort& effort) {
     methods.insert(methods.end(), peers.begin(), peers.end());
     Maker make(effort.generator, Family::touching);
     const std::uint64_t count = effort.count(2'000'000);
-    take<TriangleCase>(table, "ray_triangle", "vertex", count, [&] { return vertex_case(make); }, methods);
-    take<TriangleCase>(table, "ray_triangle", "edge", count, [&] { return edge_case(make); }, methods);
-    take<TriangleCase>(table, "ray_triangle", "grazing", count, [&] { return grazing_case(make); }, methods);
+    take<TriangleCase>(table, "ray_triangle", "vertex", count, [&] { return ray_case<Triangle>(make, vertex_case(make)); }, methods);
+    take<TriangleCase>(table, "ray_triangle", "edge", count, [&] { return ray_case<Triangle>(make, edge_case(make)); }, methods);
+    take<TriangleCase>(table, "ray_triangle", "grazing", count, [&] { return ray_case<Triangle>(make, grazing_case(make)); }, methods);
   }
   subject<Sphere>(table, effort, "ray_sphere", ball_case, 2'000'000);
   subject<Box>(table, effort, "ray_box", box_case, 2'000'000);

@@ -24,17 +24,4 @@ struct Effort {
 void count_rays(Table& table, const Effort& effort);
 void count_pairs(Table& table, const Effort& effort);
 
-/// In units of the box's grid, 2^-shift of the others' one.
-template <class T>
-Vec<T> finer(const GridPoint& p, int shift) {
-  return T(std::int64_t{1} << shift) * Vec<T>(p);
-}
-
-template <class T>
-GridBox<T> grid_box(const BoxInput& b) {
-  GridBox<T> box{finer<T>(b.center, b.shift), {}};
-  for (int i = 0; i < 3; ++i) box.reach[i] = T(b.half[i]) * Vec<T>(b.axes[i]);
-  return box;
-}
-
 }  // namespace collided::census

@@ -114,8 +114,9 @@ int run(int argc, char** argv) {
   std::string csv;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--long") == 0) part = 1;
+    else if (std::strcmp(argv[i], "--part") == 0 && i + 1 < argc) part = std::atof(argv[++i]);
     else if (std::strcmp(argv[i], "--csv") == 0 && i + 1 < argc) csv = argv[++i];
-    else return std::fprintf(stderr, "usage: leaks [--long] [--csv FILE]\n"), 2;
+    else return std::fprintf(stderr, "usage: leaks [--long | --part P] [--csv FILE]\n"), 2;
   }
   // Altogether 1e8 at edges and vertices.
   const auto count = static_cast<std::uint64_t>(part * 12'500'000);
