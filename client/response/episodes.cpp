@@ -7,7 +7,7 @@ void Episodes::observe(const Line& line, const Motion& motion) {
   const double apart_m = hysteresis_ * largest_coordinate(line, motion);
   for (std::size_t contact = 0; contact <= line.size(); ++contact) {
     const double open_m = gap(line, motion.position_m, contact);
-    if (!open_[contact] && open_m <= 0) {
+    if (!open_[contact] && open_m <= apart_m / 2) {
       open_[contact] = 1;
       ++began_;
     } else if (open_[contact] && open_m > apart_m) {

@@ -8,8 +8,9 @@
 
 namespace collided::response {
 
-/// Counts contacts with a declared hysteresis: one begins when its gap is 0 or less and ends when the gap is above
-/// `hysteresis` times the largest coordinate at hand, so that jitter of an ulp to either side of touching is one contact.
+/// Counts contacts with a declared hysteresis: one ends when its gap is above `hysteresis` times the largest coordinate at
+/// hand, and begins when it is at most half of that, so that jitter of an ulp to either side of touching is one contact. With
+/// a hysteresis of 0 a contact is what has a gap of 0 or less, and jitter is counted.
 class Episodes {
  public:
   explicit Episodes(double hysteresis = kHysteresis) : hysteresis_(hysteresis) {}

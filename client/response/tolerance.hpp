@@ -10,7 +10,8 @@ namespace collided::response {
 inline constexpr double kTouching = 2 * std::numeric_limits<double>::epsilon();
 
 /// Relative, of the largest coordinate: how far a pair must part before its contact ends, so that one which jitters by an
-/// ulp to either side of touching begins once. Two positions that jitter by an ulp each move the gap by two.
+/// ulp to either side of touching begins once. It begins at half of this. Two positions that jitter by an ulp each move the
+/// gap by two.
 /// At zero, ResponseChatter.AnUlpToEitherSideBeginsOnce fails.
 inline constexpr double kHysteresis = 4 * std::numeric_limits<double>::epsilon();
 
@@ -23,6 +24,11 @@ inline constexpr double kRestingSpeed = 2;
 /// A bounce takes about 2 / cbrt(kSubstepError) substeps; its speed comes out within 100 times this.
 /// At 1e-2, ResponseStiffness.EveryBounceReturnsItsSpeed fails.
 inline constexpr double kSubstepError = 1e-8;
+
+/// Times the gap called touching: errors of a gap below it are its rounding. Each gap has 4 roundings and enters the estimate
+/// in three states, with weights up to 2.
+/// At zero, ResponseResting.AStackOfTheStiffestSpringsCostsFewSubsteps fails.
+inline constexpr double kUnseenGap = 8;
 
 /// Least substep, in units of 1 / (the contact's own frequency): below it a substep is kept whatever it says of its
 /// error, because rounding of the gap is then what it measures.
