@@ -2,6 +2,11 @@
 
 namespace collided::response {
 
+void Episodes::restart() {
+  open_.clear();
+  began_ = ended_ = 0;
+}
+
 void Episodes::observe(const Line& line, const Motion& motion) {
   open_.resize(line.size() + 1, 0);
   const double apart_m = hysteresis_ * largest_coordinate(line, motion);

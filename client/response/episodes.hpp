@@ -15,6 +15,8 @@ class Episodes {
  public:
   explicit Episodes(double hysteresis = kHysteresis) : hysteresis_(hysteresis) {}
 
+  /// Forgets everything.
+  void restart();
   void observe(const Line& line, const Motion& motion);
   std::uint64_t began() const { return began_; }
   std::uint64_t ended() const { return ended_; }

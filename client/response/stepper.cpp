@@ -18,7 +18,13 @@ std::string_view name(Method method) {
   return "impulse";
 }
 
-Stepper::Stepper(Line line, const StepperOptions& options) : line_(std::move(line)), options_(options) {
+void Stepper::use(const Line& line, const StepperOptions& options) {
+  line_ = line;
+  options_ = options;
+  counts_ = {};
+  episodes_.restart();
+  next_substep_s_ = 0;
+  highest_frequency_ = 0;
   if (options_.substep_error == 0) options_.substep_error = kSubstepError;
   for (std::size_t contact = 0; contact <= line_.size(); ++contact) {
     highest_frequency_ = std::max(highest_frequency_, options_.spring.frequency(line_.reduced_mass(contact)));

@@ -48,7 +48,10 @@ struct StepperOptions {
 ///          "Analysis and implementation of TR-BDF2", Appl. Numer. Math. 20, 1996 (error estimate)
 class Stepper {
  public:
-  Stepper(Line line, const StepperOptions& options);
+  Stepper() = default;
+  Stepper(const Line& line, const StepperOptions& options) { use(line, options); }
+  /// Another line from here on, and counts from 0; no allocation where it has no more bodies.
+  void use(const Line& line, const StepperOptions& options);
 
   const Line& line() const { return line_; }
   /// seconds at least 0; 0 changes nothing, to the last bit.
