@@ -215,16 +215,34 @@ NearestValue value_of(const Nearest<N>& nearest, const N& radius) {
   return {apart, unit(nearest.away), foot(nearest), true, crisp};
 }
 
-/// value<N>() in double when that is known and sharp, else exactly.
-template <class Value>
-NearestValue sharpened_nearest(const Value& value) {
-  const NearestValue quick = value.template operator()<Bounded>();
-  if (quick.crisp) return quick;
-  const NearestValue traced = value.template operator()<Traced>();
-  if (traced.crisp) return traced;
-  const NearestValue slow = value.template operator()<Expansion>();
-  if (slow.crisp) return slow;
-  return value.template operator()<Dyadic>();
+inline bool crisp(const NearestValue& nearest) { return nearest.crisp; }
+
+/// The nearest point of each set to a point, the set grown by a radius (its sum with the set's own is not rounded).
+template <class N>
+NearestValue nearest_in(const Vec3& point, double radius_m, const Sphere& sphere) {
+  const Vector<N> center(sphere.center);
+  return value_of(at_corner(Vector<N>(point) - center, center, 0), N(sphere.radius_m) + N(radius_m));
+}
+
+template <class N>
+NearestValue nearest_in(const Vec3& point, double radius_m, const Box& box) {
+  return value_of(nearest_on_solid(Vector<N>(point), Solid<N>(box), guessed_pattern(point, box)), N(radius_m));
+}
+
+template <class N>
+NearestValue nearest_in(const Vec3& point, double radius_m, const Capsule& capsule) {
+  const Segment<N> segment{Vector<N>(capsule.a), Vector<N>(capsule.b)};
+  return value_of(nearest_on_segment(Vector<N>(point), segment), N(capsule.radius_m) + N(radius_m));
+}
+
+template <class N>
+NearestValue nearest_in(const Vec3& point, double radius_m, const Triangle& triangle) {
+  return value_of(nearest_on_facet(Vector<N>(point), Facet<N>(triangle)), N(radius_m));
+}
+
+template <class Climb, class Shape>
+NearestValue nearest_by(const Vec3& point, double radius_m, const Shape& shape) {
+  return Climb::sharpened([&]<class N>() { return nearest_in<N>(point, radius_m, shape); });
 }
 
 }  // namespace collided::kernel

@@ -116,4 +116,7 @@ inline bool sharp(const Bounded& x, double relative_width) {
          precision.highest == Level::filter;
 }
 
+/// A distance along a ray that is worth no higher rung.
+inline bool crisp(const Bounded& along_ray) { return sharp(along_ray, kRefineRay); }
+
 }  // namespace collided::kernel

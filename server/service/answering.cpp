@@ -121,6 +121,7 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
       .only = query.only,
       .skip = query.skip,
       .deadline_ns = allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0,
+      .error_m = query.error_asked_m > 0 ? query.error_asked_m : owner_.options_.error_m,
       .numbers = dds::view(query.numbers)};
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
   answer(*lease, questions, answers_, scratch_);

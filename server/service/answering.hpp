@@ -25,6 +25,7 @@ struct AnsweringOptions {
   std::uint64_t epoch = 0;
   unsigned threads = 1;
   std::int64_t deadline_ns = 0;      // of questions that bring none; 0: none
+  double error_m = 0;                // the same
   std::function<bool()> recovering;  // the world may lack what publishers have yet to say again
 };
 

@@ -169,7 +169,7 @@ std::string Server::start() {
   p.answering =
       std::make_unique<Answering>(p.world, p.clock, p.fences, p.leases, p.questions, p.reply_topic,
                                   AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options),
-                                                   p.options.deadline_ns, [&p] { return p.loop.recovering(); }},
+                                                   p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); }},
                                   [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering);

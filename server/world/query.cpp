@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/exact_phase/precision.hpp"
 #include "server/world/question.hpp"
 
 namespace collided {
@@ -135,6 +136,7 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   const std::uint32_t stride = numbers_of(questions.kind);
   if (stride == 0) return;
   fill_allowed(snapshot, questions, scratch);
+  const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
   const std::size_t count = questions.numbers.size() / stride;
   for (std::size_t i = 0; i < count; ++i) {
     const double* numbers = questions.numbers.data() + i * stride;
