@@ -80,6 +80,13 @@ std::string today() {
 using Study = std::vector<report::Row> (*)(const report::Setting&);
 const std::pair<const char*, Study> kStudies[] = {
     {"ray", report::study_ray},
+    {"depth", report::study_depth},
+    {"nearest", report::study_nearest},
+    {"time", report::study_time},
+    {"tessellation", report::study_tessellation},
+    {"simplification", report::study_simplification},
+    {"extremes", report::study_extremes},
+    {"decisions", report::study_decisions},
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "server/geometry/ray.hpp"
@@ -119,9 +120,10 @@ T plain_depth(const Body<T>& a, const Body<T>& b) {
   using std::sqrt;
   bool first = true;
   T least = 0;
-  const auto look_along = [&](const V<T>& n) {
+  const auto look_along = [&](const V<T>& n, const T& factors2) {
     const T length2 = n.dot(n);
-    if (!(length2 > T(1e-24))) return;
+    // Edges as good as parallel give no direction.
+    if (!(length2 > std::numeric_limits<T>::epsilon() * factors2)) return;
     const auto range = [&](const Body<T>& body) {
       T low = n.dot(body.corner[0]);
       T high = low;
@@ -140,10 +142,10 @@ T plain_depth(const Body<T>& a, const Body<T>& b) {
     if (first || push < least) least = push;
     first = false;
   };
-  for (int i = 0; i < a.normal_count; ++i) look_along(a.normal[i]);
-  for (int i = 0; i < b.normal_count; ++i) look_along(b.normal[i]);
+  for (int i = 0; i < a.normal_count; ++i) look_along(a.normal[i], T(0));
+  for (int i = 0; i < b.normal_count; ++i) look_along(b.normal[i], T(0));
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) look_along(a.edge[i].cross(b.edge[j]));
+    for (int j = 0; j < 3; ++j) look_along(a.edge[i].cross(b.edge[j]), a.edge[i].dot(a.edge[i]) * b.edge[j].dot(b.edge[j]));
   }
   return least;
 }

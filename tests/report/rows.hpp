@@ -35,7 +35,7 @@ struct Row {
   long missed = 0;
   long false_hits = 0;
   long undecided = 0;
-  std::string note;
+  std::string note{};
 };
 
 void write_rows(const std::filesystem::path& file, const std::vector<Row>& rows, const Provenance& from);

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "server/broad_phase/bsp_tree.hpp"
+#include "server/exact_phase/exactly.hpp"
 #include "server/exact_phase/precision.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/report/peer_method.hpp"
@@ -98,6 +99,18 @@ double keep_plain(void* context, std::uint32_t, const Triangle& t, double limit)
   return walk.best_s;
 }
 
+double keep_exact(void* context, std::uint32_t, const Triangle& t, double limit) {
+  auto& walk = *static_cast<Walk*>(context);
+  RayHit hit;
+  if (exactly::cast_ray(walk.ray, t, hit) != Decision::yes) return limit;
+  const double s = hit.distance_m / walk.direction_m;
+  if (s < walk.best_s) {
+    walk.best_s = s;
+    walk.best = {true, hit.distance_m, hit.distance_error_m};
+  }
+  return std::min(limit, (hit.distance_m + hit.distance_error_m) / walk.direction_m * (1 + 0x1p-50));
+}
+
 /// As the product does it: the nearest by distance, the limit by distance and bound.
 double keep_decided(void* context, std::uint32_t, const Triangle& t, double limit) {
   auto& walk = *static_cast<Walk*>(context);
@@ -135,7 +148,8 @@ class RayStudy {
     std::vector<Method> methods{
         method("ours: uncertified", "float", keep_plain<float>), method("ours: uncertified", "double", keep_plain<double>),
         method("ours: certified", "bounded double", keep_decided, {.highest = Level::filter}),
-        method("ours: certified", "exact on doubt", keep_decided)};
+        method("ours: certified", "exact on doubt", keep_decided),
+        method("ours: certified", "rationals always", keep_exact)};
     for (const double asked : asked_errors(setting.quick)) {
       methods.push_back(method("ours: error asked", short_number(asked, 1), keep_decided, {.error_asked_m = asked}, asked));
     }
