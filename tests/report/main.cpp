@@ -109,7 +109,9 @@ int main(int argc, char** argv) {
     }
     std::filesystem::remove_all(a.setting.scratch);
     report::write_rows(a.out + "/rows.csv", rows, a.from);
-    std::ofstream(a.out + "/index.html") << report::page(report::figures(rows, a.census, a.response), a.from, today());
+    const report::Tables tables{rows, report::pinned(report::pair_cells(a.setting.seed, a.setting.quick ? 8 : 48)),
+                                report::read_csv(a.census), report::read_csv(a.response)};
+    std::ofstream(a.out + "/index.html") << report::page(report::figures(tables), a.from, today());
     fmt::print("{}/index.html\n", a.out);
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());

@@ -24,14 +24,15 @@ using oracle::Wide;
 
 constexpr Family kPairFamilies[] = {Family::random, Family::needles, Family::far_lattice};
 
-double extent_of(Family family) { return family == Family::far_lattice ? 1e6 : 1; }
+/// Shapes are about a metre large: below a millimetre an error counts in thousandths of that.
+constexpr double kLeastTruth = 1e-3;
 
 /// Collects the answers of one cell.
 class Tally {
  public:
   Tally(std::string query, std::string pair) : cell_{.query = std::move(query), .pair = std::move(pair)} {}
 
-  void add(const Answer& given, const Truth& truth, double extent) {
+  void add(const Answer& given, const Truth& truth, double least = kLeastTruth) {
     if (given.undecided || given.yes != truth.yes) {
       ++cell_.wrong;
       return;
@@ -41,11 +42,11 @@ class Tally {
     const Wide off = abs(Wide(given.value) - truth.value);
     // The truth has a hundred digits, and no more is asked of it.
     if (off > abs(truth.value) * Wide(1e-90) + Wide(1e-90)) {
-      const Wide floor = std::max(abs(truth.value), Wide(0x1p-53 * extent));
+      const Wide floor = std::max(abs(truth.value), Wide(least));
       cell_.worst_error = std::max(cell_.worst_error, static_cast<double>(Wide(off / floor)));
       cell_.worst_ratio = std::max(cell_.worst_ratio, given.bound > 0 ? static_cast<double>(Wide(off / Wide(given.bound))) : INFINITY);
     }
-    widths_.push_back(given.bound / std::max(static_cast<double>(abs(truth.value)), 0x1p-53 * extent));
+    widths_.push_back(given.bound / std::max(static_cast<double>(abs(truth.value)), least));
   }
 
   PairCell finish() {
@@ -60,13 +61,13 @@ class Tally {
 };
 
 /// n questions of every family; `ask` says nothing when a question has no truth to compare with, and does not count.
-using Ask = std::function<bool(RandomShapes&, Tally&, double extent)>;
+using Ask = std::function<bool(RandomShapes&, Tally&)>;
 PairCell cell(const char* query, const char* pair, unsigned long long seed, int n, const Ask& ask) {
   Tally tally(query, pair);
   std::mt19937_64 random(seed);
   for (const Family family : kPairFamilies) {
     RandomShapes shapes(random, family);
-    for (int i = 0, tries = 0; i < n && tries < 40 * n; ++tries) i += ask(shapes, tally, extent_of(family)) ? 1 : 0;
+    for (int i = 0, tries = 0; i < n && tries < 40 * n; ++tries) i += ask(shapes, tally) ? 1 : 0;
   }
   return tally.finish();
 }
@@ -80,35 +81,35 @@ Answer ray_answer(const Ray& ray, const S& shape) {
 
 template <class Make>
 Ask flat_ray(Make make) {
-  return [make](RandomShapes& shapes, Tally& tally, double extent) {
+  return [make](RandomShapes& shapes, Tally& tally) {
     const auto shape = make(shapes);
     const Ray ray = shapes.ray(false);
     const auto s = oracle::first_parameter(ray, shape);
-    tally.add(ray_answer(ray, shape), s ? Truth{true, Wide(*s) * oracle::length(ray.direction)} : Truth{}, extent);
+    tally.add(ray_answer(ray, shape), s ? Truth{true, Wide(*s) * oracle::length(ray.direction)} : Truth{});
     return s.has_value();
   };
 }
 
 template <class Make>
 Ask round_ray(Make make) {
-  return [make](RandomShapes& shapes, Tally& tally, double extent) {
+  return [make](RandomShapes& shapes, Tally& tally) {
     const auto shape = make(shapes);
     const Ray ray = shapes.ray(false);
     const Figure solid = figure(shape);
     const bool meets = oracle::ray_meets(ray, solid);
-    tally.add(ray_answer(ray, shape), meets ? Truth{true, oracle::first_distance(ray, solid)} : Truth{}, extent);
+    tally.add(ray_answer(ray, shape), meets ? Truth{true, oracle::first_distance(ray, solid)} : Truth{});
     return meets;
   };
 }
 
 template <class Make>
 Ask nearest(Make make) {
-  return [make](RandomShapes& shapes, Tally& tally, double extent) {
+  return [make](RandomShapes& shapes, Tally& tally) {
     const auto shape = make(shapes);
     const Vec3 point = shapes.point();
     const Closest found = closest(point, shape);
     tally.add({true, found.distance_m, found.distance_error_m},
-              {true, oracle::distance(figure(Sphere{point, 0}), figure(shape))}, extent);
+              {true, oracle::distance(figure(Sphere{point, 0}), figure(shape))});
     return true;
   };
 }
@@ -116,7 +117,7 @@ Ask nearest(Make make) {
 /// Depth where the cores (the sets without their radii) are apart: radii less distance.
 template <class MakeA, class MakeB>
 Ask round_depth(MakeA make_a, MakeB make_b) {
-  return [make_a, make_b](RandomShapes& shapes, Tally& tally, double extent) {
+  return [make_a, make_b](RandomShapes& shapes, Tally& tally) {
     const auto a = make_a(shapes);
     const auto b = make_b(shapes);
     const Figure fa = figure(a);
@@ -132,7 +133,7 @@ Ask round_depth(MakeA make_a, MakeB make_b) {
       given.bound = found.depth_error_m;
     }
     const bool touch = squared <= radii * radii;
-    tally.add(given, {touch, Wide(radii) - sqrt(Wide(squared))}, extent);
+    tally.add(given, {touch, Wide(radii) - sqrt(Wide(squared))});
     return touch;
   };
 }
@@ -140,14 +141,14 @@ Ask round_depth(MakeA make_a, MakeB make_b) {
 /// Depth of flat-sided sets: the least push along the normals of their Minkowski difference.
 template <class MakeA, class MakeB>
 Ask flat_depth(MakeA make_a, MakeB make_b) {
-  return [make_a, make_b](RandomShapes& shapes, Tally& tally, double extent) {
+  return [make_a, make_b](RandomShapes& shapes, Tally& tally) {
     const auto a = make_a(shapes);
     const auto b = make_b(shapes);
     const Verdict verdict = overlaps(a, b);
     // The yes or no of these pairs is compared with rationals elsewhere (ExactOverlapOracle); here it is the depth.
     if (!verdict.yes()) return false;
     const Contact found = contact(a, b);
-    tally.add({true, found.depth_m, found.depth_error_m}, {true, plain_depth(Body<Wide>(a), Body<Wide>(b))}, extent);
+    tally.add({true, found.depth_m, found.depth_error_m}, {true, plain_depth(Body<Wide>(a), Body<Wide>(b))});
     return true;
   };
 }
@@ -168,7 +169,7 @@ MovingSphere mover(RandomShapes& shapes) {
 
 template <class Make>
 Ask round_time(Make make) {
-  return [make](RandomShapes& shapes, Tally& tally, double) {
+  return [make](RandomShapes& shapes, Tally& tally) {
     const auto other = make(shapes);
     const MovingSphere moving = mover(shapes);
     const Ray ray{moving.start, moving.end - moving.start};
@@ -187,7 +188,7 @@ Ask round_time(Make make) {
 }
 
 Ask triangle_time() {
-  return [](RandomShapes& shapes, Tally& tally, double) {
+  return [](RandomShapes& shapes, Tally& tally) {
     const Triangle other = shapes.triangle();
     const MovingSphere moving = mover(shapes);
     if ((other.b - other.a).cross(other.c - other.a).isZero(0)) return false;
@@ -199,7 +200,7 @@ Ask triangle_time() {
 
 /// An upright box: the distance is that of each coordinate.
 Ask box_time() {
-  return [](RandomShapes& shapes, Tally& tally, double) {
+  return [](RandomShapes& shapes, Tally& tally) {
     Box other = shapes.box();
     other.axes = Mat3::Identity();
     const MovingSphere moving = mover(shapes);

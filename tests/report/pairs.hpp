@@ -11,9 +11,9 @@ struct PairCell {
   std::string query;
   std::string pair;
   long n = 0;               // answers whose number was compared
-  double worst_error = 0;   // relative to the truth, or to one rounding of the extent where that is more
+  double worst_error = 0;   // relative to the truth, or to a millimetre (a step, for times) where that is more
   double worst_ratio = 0;   // error / bound: at most 1
-  double median_width = 0;  // bound / error scale: what a caller can rely on
+  double median_width = 0;  // bound, relative in the same way: what a caller can rely on
   long wrong = 0;           // decisions
 };
 

@@ -25,9 +25,6 @@ std::vector<Row> study_simplification(const Setting& setting);
 std::vector<Row> study_extremes(const Setting& setting);
 /// Rays aimed at edges and vertices: how often the yes or no is wrong.
 std::vector<Row> study_decisions(const Setting& setting);
-/// Every shape pair and query: the worst error and error / bound.
-std::vector<Row> study_pairs(const Setting& setting);
-
 /// The bunny of glmark2-data with its coordinates rounded to float, so that float programs get the same question; an
 /// icosphere where it is not installed.
 struct NamedMesh {
