@@ -91,7 +91,7 @@ inline GridPoint operator*(std::int64_t s, const GridPoint& a) { return {s * a[0
 /// lattice   0 to 4: coplanar, collinear, equal, without area
 /// touching  aimed at an edge, vertex or surface, and beside it by one step of the grid
 /// needle    aspect up to 2^bits
-/// far       touching, 2^30 to 2^49 steps from the origin, and scaled by 2^-300 to 2^300
+/// far       touching, 2^30 to 2^49 steps from the origin, and scaled by 2^-1074 to 2^970
 /// fine      touching, with mantissas of up to 50 bits
 enum class Family { random, lattice, touching, needle, far, fine };
 inline constexpr Family kAllFamilies[] = {Family::random, Family::lattice, Family::touching,
@@ -197,7 +197,8 @@ class Maker {
     Placing at;
     if (family_ != Family::far) return at;
     for (std::int64_t& x : at.offset) x = whole(0, 4) == 0 ? 0 : std::int64_t{1} << whole(30, 49);
-    if (whole(0, 1) == 0) at.power = static_cast<int>(whole(-300, 100));
+    if (whole(0, 1) == 0) at.power = static_cast<int>(whole(-300, 300));
+    if (whole(0, 9) == 0) at.power = whole(0, 1) == 0 ? -1074 : 970;  // denormals; products beyond the range
     return at;
   }
 

@@ -24,6 +24,7 @@ class WideInt {
   }
 
   constexpr bool negative() const { return limb_[kLimbs - 1] >> 63 != 0; }
+  constexpr std::uint64_t limb(int i) const { return limb_[static_cast<std::size_t>(i)]; }
   constexpr bool zero() const {
     std::uint64_t any = 0;
     for (const std::uint64_t limb : limb_) any |= limb;
