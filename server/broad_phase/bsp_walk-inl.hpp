@@ -9,6 +9,8 @@
 
 #include <hwy/highway.h>
 
+#include <limits>
+
 #include "server/broad_phase/bsp_ray.hpp"
 #include "server/broad_phase/bsp_tree.hpp"
 
@@ -185,7 +187,9 @@ HWY_INLINE unsigned met_triangles(const Leaf& leaf, const RayFrame& ray, float l
     const auto before_limit = hn::Le(along, hn::MulAdd(hn::Set(kFloats, limit), det_size, entry_slack));
     const auto met = hn::And(hn::Or(none_negative, none_positive), hn::And(after_start, before_limit));
     const unsigned bits = bits_of(met);
-    if (bits != 0) hn::Store(hn::Div(along, det_size), kFloats, estimate + first);
+    // An edge-on triangle has no parameter of its own: never 0/0, which a host may trap.
+    const Lanes divisor = hn::Max(det_size, hn::Set(kFloats, std::numeric_limits<float>::min()));
+    if (bits != 0) hn::Store(hn::Div(along, divisor), kFloats, estimate + first);
     mask |= bits << first;
   }
   return mask;
