@@ -37,7 +37,7 @@ inline constexpr double kLeastSubstep = 1e-4;
 
 /// Substeps a step may take; what is left of it then goes by one step of implicit Euler, which never gains energy, and
 /// is counted.
-/// Without it, ResponseStiffness.AStepOfAThousandYearsEnds does not end.
+/// Without it, ResponseStiffness.AStepOfADayEnds fails.
 inline constexpr int kMostSubsteps = 200'000;
 
 /// Rounds of impulses over the contacts that touch; what then still approaches stops without a bounce, together.
