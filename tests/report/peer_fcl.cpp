@@ -3,6 +3,8 @@
 #include <fcl/narrowphase/continuous_collision.h>
 #include <fcl/narrowphase/detail/gjk_solver_libccd.h>
 
+#include <cmath>
+
 #include "tests/report/peer.hpp"
 
 namespace {
@@ -24,7 +26,8 @@ PeerAnswer sphere_triangle(const double* q) {
                                      &normal)) {
     return {};
   }
-  return {1, depth};
+  // FCL gives this depth a minus sign.
+  return {1, std::abs(depth)};
 }
 
 fcl::Transform3d placed(const double* q) {
@@ -62,7 +65,7 @@ PeerAnswer time_of_contact(const double* q) {
                                                   fcl::CCDC_CONSERVATIVE_ADVANCEMENT);
   fcl::ContinuousCollisionResult<double> result;
   const fcl::Transform3d none = fcl::Transform3d::Identity();
-  fcl::continuousCollide(&model, none, none, &sphere, from, to, request, result);
+  fcl::continuousCollide(&sphere, from, to, &model, none, none, request, result);
   if (!result.is_collide) return {};
   return {1, result.time_of_contact};
 }

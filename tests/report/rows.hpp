@@ -28,6 +28,7 @@ struct Row {
   double error_max = kUnknown;  // relative, of the answers whose decision is right
   double error_p50 = kUnknown;
   double bound_ratio = kUnknown;  // largest error / bound
+  double bound_max = kUnknown;    // largest bound, relative like the errors
   double ns = kUnknown;           // a question: median of the repeats, and their range
   double ns_low = kUnknown;
   double ns_high = kUnknown;
