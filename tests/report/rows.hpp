@@ -20,10 +20,10 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// One method on one set of questions. NaN: not measured, or has no meaning here.
 struct Row {
-  std::string study;   // the figure it belongs to
-  std::string scene;
-  std::string series;  // the line of the figure
-  std::string label;   // the point on the line
+  std::string study{};   // the figure it belongs to
+  std::string scene{};
+  std::string series{};  // the line of the figure
+  std::string label{};   // the point on the line
   double knob = kUnknown;
   double error_max = kUnknown;  // relative, of the answers whose decision is right
   double error_p50 = kUnknown;
