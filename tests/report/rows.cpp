@@ -102,11 +102,12 @@ std::string short_number(double value, int digits) {
     return text;
   }
   std::snprintf(text, sizeof text, "%.*e", digits - 1, value);
-  // "1.2e-07" as "1.2e-7".
+  // "1.2e-07" as "1.2e-7", "1.0e-07" as "1e-7".
   std::string result = text;
   const std::size_t e = result.find('e');
   const int power = std::atoi(result.c_str() + e + 1);
-  return result.substr(0, e + 1) + std::to_string(power);
+  const bool whole = e >= 2 && result.compare(e - 2, 2, ".0") == 0;
+  return result.substr(0, whole ? e - 2 : e) + "e" + std::to_string(power);
 }
 
 }  // namespace collided::report

@@ -71,7 +71,6 @@ std::vector<Row> study_time(const Setting& setting) {
   write_problem(file, problem);
   add_peer(methods, setting, "peer_bullet_float", "", file, "Bullet 3.24", "float");
   add_peer(methods, setting, "peer_bullet_double", "", file, "Bullet 3.24", "double");
-  add_peer(methods, setting, "peer_fcl", "", file, "FCL 0.7", "conservative advancement, 1e-9");
   // Absolute, in steps: an extent of 2^53 makes the least divisor 1.
   return measure("time", "spheres moving past random triangles, half of them needles", methods, truth, 0x1p53,
                  setting.repeats());
