@@ -7,10 +7,17 @@
 
 namespace collided::kernel {
 
-inline Closest inside_at(const Vec3& point, const Vec3& normal) { return {0, 0, point, normal}; }
+inline Closest inside_at(const Vec3& point, const Vec3& normal) { return {0, 0, point, normal, 0}; }
 
+/// The foot, and from there the radius along the direction: the errors of both, of their product (1 u) and of their sum.
 inline Closest outside_at(const NearestValue& nearest, double radius_m) {
-  return {nearest.gap.value, nearest.gap.bound(), nearest.foot + radius_m * nearest.away, nearest.away};
+  Closest result{nearest.gap.value, nearest.gap.bound(), nearest.foot + radius_m * nearest.away, nearest.away};
+  result.point_error_m = nearest.foot_error_m;
+  if (radius_m > 0) {
+    const double turned = radius_m * (nearest.away_error + 2 * kRoundoff);
+    result.point_error_m += (turned + kPointSum * result.point.cwiseAbs().maxCoeff()) * (1 + kBoundSlack) + kUnderflow;
+  }
+  return result;
 }
 
 /// The outward normal of the face that the inner point is nearest to. In plain double: no decision hangs on it.

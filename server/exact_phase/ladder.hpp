@@ -20,6 +20,7 @@ struct WholeLadder {
   static auto sharpened(const Value& value) {
     auto quick = value.template operator()<Bounded>();
     if (crisp(quick)) return quick;
+    ++rungs.sharpened;
     auto traced = value.template operator()<Traced>();
     if (crisp(traced)) return traced;
     auto slow = value.template operator()<Expansion>();

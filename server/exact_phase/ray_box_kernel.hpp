@@ -110,7 +110,7 @@ Verdict cast_solid(const Ray& ray, const Box& box, RayHit& hit) {
   if (!verdict.yes()) return verdict;
   const Bounded& needed = crossing.inside ? crossing.exit_m : crossing.entry_m;
   if (!sharp(needed, kRefineRay)) cast_box<Dyadic>(ray, box, crossing);
-  set_interval(ray, crossing.inside, crossing.entry_m, crossing.exit_m.value, hit);
+  set_interval(ray, crossing.inside, crossing.entry_m, crossing.exit_m, hit);
   const int face = crossing.inside ? crossing.exit_face : crossing.entry_face;
   const Solid<Bounded> solid(box);
   const Vec3 normal = unit(solid.normal[face]);

@@ -19,11 +19,13 @@ inline Vec3 at_distance(const Ray& ray, double distance_m) {
 }
 
 /// Distances that differ from a start at 0, the point on the ray, and no normal yet.
-inline void set_interval(const Ray& ray, bool inside, const Bounded& first, double exit_m, RayHit& hit) {
+inline void set_interval(const Ray& ray, bool inside, const Bounded& first, const Bounded& exit, RayHit& hit) {
   hit.inside = inside;
   hit.distance_m = inside ? 0.0 : first.value;
   hit.distance_error_m = inside ? 0.0 : first.bound();
-  hit.exit_m = std::max(exit_m, hit.distance_m);
+  hit.exit_m = std::max(exit.value, hit.distance_m);
+  // Where rounding has the two in the wrong order, the truth is between the exit's value and the entry's bound.
+  hit.exit_error_m = exit.bound() + (hit.exit_m - exit.value);
   hit.point = inside ? ray.origin : at_distance(ray, first.value);
   hit.weights = Vec3::Zero();
 }

@@ -10,17 +10,44 @@ namespace {
 
 using namespace kernel;
 
+/// Where a ray meets the triangle's plane, in double, for a ray that is known to meet the triangle: false if that is
+/// not sharp or the ray may lie in the plane.
+bool fill_sharply(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  const Facet<Traced> facet(triangle);
+  const Line<Traced> line(ray);
+  const Sign slope = sign(dot(line.direction, facet.normal));
+  if (slope == Sign::zero || slope == Sign::unsure) return false;
+  fill(ray, triangle, facet, ray_to_plane(line, facet, slope == Sign::negative), hit);
+  return hit.distance_m >= 0 && sharp({hit.distance_m, hit.distance_error_m}, kRefineRay);
+}
+
+/// The signs are what expansions are needed for; the numbers seldom.
+Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  const Facet<Expansion> facet(triangle);
+  Reach<Expansion> reach;
+  const Decision decision = meet_facet(ray, facet, reach);
+  if (decision == Decision::yes && !fill_sharply(ray, triangle, hit)) fill(ray, triangle, facet, reach, hit);
+  return decision;
+}
+
 /// The rungs above the filter; also asked when a hit is sure but its distance is not sharp.
-[[gnu::noinline]] Verdict climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+[[gnu::noinline]] Verdict climb_higher(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   Decision decision = cast_facet<Traced>(ray, triangle, hit);
   if (decision == Decision::no) return {decision, Level::filter};
   if (decision == Decision::yes && sharp({hit.distance_m, hit.distance_error_m}, kRefineRay)) {
     return {decision, Level::filter};
   }
   if (precision.highest == Level::filter) return {decision, Level::filter};
-  decision = cast_facet<Expansion>(ray, triangle, hit);
+  if (decision == Decision::undecided) ++rungs.expansion;
+  decision = cast_over_expansions(ray, triangle, hit);
   if (decision != Decision::undecided || precision.highest == Level::expansion) return {decision, Level::expansion};
+  ++rungs.rational;
   return {cast_facet<Dyadic>(ray, triangle, hit), Level::rational};
+}
+
+[[gnu::noinline]] Verdict climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  ++rungs.uncertain;
+  return climb_higher(ray, triangle, hit);
 }
 
 struct FilterState {
@@ -66,12 +93,14 @@ Verdict finish(const Ray& ray, const Triangle& triangle, const FilterState& s, R
   if (distance - error > ray.length_m) return {Decision::no, Level::filter};
   if (!(distance + error <= ray.length_m) || !std::isfinite(distance)) return climb_from_filter(ray, triangle, hit);
   if (relative > kRefineRay && !sharp({distance, error}, kRefineRay)) {
-    const Verdict exact = climb_from_filter(ray, triangle, hit);
+    ++rungs.sharpened;
+    const Verdict exact = climb_higher(ray, triangle, hit);
     return {exact.decision, Level::filter};
   }
   hit.distance_m = distance;
   hit.distance_error_m = error;
   hit.exit_m = distance;
+  hit.exit_error_m = error;
   hit.inside = false;
   hit.point = ray.origin + parameter * ray.direction;
   const double against = (denominator > 0 ? -1 : 1) / std::sqrt(dot(normal, normal));

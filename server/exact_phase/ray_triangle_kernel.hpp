@@ -53,6 +53,7 @@ void fill(const Ray& ray, const Triangle& triangle, const Facet<N>& facet, const
   hit.distance_m = distance.value;
   hit.distance_error_m = distance.bound();
   hit.exit_m = distance.value;
+  hit.exit_error_m = hit.distance_error_m;
   hit.inside = false;
   for (int k = 0; k < 3; ++k) {
     hit.point[k] = ray.origin[k] + plain(parameter * scaled(Bounded(ray.direction[k]))).value;
@@ -72,11 +73,16 @@ void fill(const Ray& ray, const Triangle& triangle, const Facet<N>& facet, const
 }
 
 template <class N>
+Decision meet_facet(const Ray& ray, const Facet<N>& facet, Reach<N>& reach) {
+  reach = ray_to_facet(Line<N>(ray), facet);
+  return reach.meets == Decision::yes ? within_length(reach, ray) : reach.meets;
+}
+
+template <class N>
 Decision cast_facet(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   const Facet<N> facet(triangle);
-  const Reach<N> reach = ray_to_facet(Line<N>(ray), facet);
-  Decision decision = reach.meets;
-  if (decision == Decision::yes) decision = within_length(reach, ray);
+  Reach<N> reach;
+  const Decision decision = meet_facet(ray, facet, reach);
   if (decision == Decision::yes) fill(ray, triangle, facet, reach, hit);
   return decision;
 }

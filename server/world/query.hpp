@@ -27,6 +27,9 @@ struct Questions {
   std::span<const double> numbers;    // as Query.numbers in collided.idl
 };
 
+/// Layers and name patterns let the object answer.
+bool may_answer(const ObjectInfo& info, const Questions& asked);
+
 struct AnswerHit {
   ObjectId object = 0;
   std::uint32_t triangle = wire_contract::kNoTriangle;  // within the object (a part's triangles count from 0)
