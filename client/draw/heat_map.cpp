@@ -57,15 +57,13 @@ std::string svg(const HeatMap& map) {
   double name_width = 40;
   for (const std::string& name : map.rows) name_width = std::max(name_width, text_width(name, kTextSize));
   const std::vector<std::string> title = wrapped(map.title, 15, map.width - 40);
-  const double top = 24 + 20 * static_cast<double>(title.size());
+  const double top = 44 + 20 * static_cast<double>(title.size());
   const double height = top + kRow * static_cast<double>(map.rows.size());
   Canvas canvas(map.width, height + 105, map.title);
-  for (std::size_t i = 0; i < title.size(); ++i) {
-    canvas.text(20, 22 + 20 * static_cast<double>(i), title[i], 15, Anchor::start, kInk, true);
-  }
-  const double left = 36 + name_width + 8;
+  draw_title(canvas, map.title);
+  const double left = 20 + name_width + 8;
   const double column = (map.width - 24 - left) / static_cast<double>(std::max<std::size_t>(1, map.columns.size()));
-  canvas.vertical_text(20, (top + height) / 2, map.y_label, kTextSize);
+  canvas.text(left - 7, top - 7, map.y_label, kTextSize, Anchor::start);
   for (std::size_t row = 0; row < map.rows.size(); ++row) {
     const double y = top + kRow * static_cast<double>(row);
     canvas.text(left - 7, y + kRow / 2 + 4, map.rows[row], kTextSize, Anchor::end);

@@ -159,6 +159,16 @@ bool Canvas::is_free(const Rectangle& r) const {
   return std::none_of(occupied_.begin(), occupied_.end(), [&](const Rectangle& o) { return o.overlaps(r); });
 }
 
+double draw_title(Canvas& canvas, std::string_view title) {
+  constexpr double kTitleSize = 15;
+  double y = 22;
+  for (const std::string& line : wrapped(title, kTitleSize, canvas.width() - 40)) {
+    canvas.text(20, y, line, kTitleSize, Anchor::start, kInk, true);
+    y += 20;
+  }
+  return y + 2;
+}
+
 std::string Canvas::finish() && { return std::move(body_) + "</svg>\n"; }
 
 }  // namespace collided::draw

@@ -80,4 +80,7 @@ class Canvas {
   std::vector<Rectangle> occupied_;
 };
 
+/// Bold at the top, in as many lines as it needs; returns where the drawing may begin.
+double draw_title(Canvas& canvas, std::string_view title);
+
 }  // namespace collided::draw

@@ -27,7 +27,9 @@ draw::Plot work_precision(const std::string& title, const std::vector<Row>& rows
                   .x = {.label = "time a question, ns (median; bar: range of the repeats)", .scale = Scale::logarithmic},
                   .y = {.label = rows.front().study == "time" ? "worst error, steps" : "worst relative error",
                         .scale = Scale::logarithmic}};
+  draw::Series bounds{.name = "ours: proved bound, worst", .paint = Paint::quiet, .joined = false, .hollow = true};
   for (const Row& row : rows) {
+    if (!std::isnan(row.bound_max) && !std::isnan(row.ns)) bounds.points.push_back({row.ns, row.bound_max});
     auto series = std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == row.series; });
     if (series == plot.series.end()) {
       const bool asked = row.series.ends_with("asked");
@@ -38,6 +40,7 @@ draw::Plot work_precision(const std::string& title, const std::vector<Row>& rows
     if (std::isnan(row.ns) || std::isnan(row.error_max)) continue;
     series->points.push_back({row.ns, row.error_max, point_label(row), row.ns_low, row.ns_high});
   }
+  if (!bounds.points.empty()) plot.series.push_back(bounds);
   return plot;
 }
 

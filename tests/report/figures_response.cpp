@@ -32,9 +32,16 @@ bool exploded(const Csv& csv, std::size_t row) {
   return text == "1" || text == "true" || text == "yes";
 }
 
-void sort_points(draw::Plot& plot) {
+/// Every method in the same order, so that it has the same colour in both figures.
+void name_methods(draw::Plot& plot, const Csv& csv) {
+  for (std::size_t i = 0; i < csv.rows.size(); ++i) series_of(plot, csv.text(i, "method"));
+}
+
+/// A method that has no place in a figure is not named there.
+void finish(draw::Plot& plot) {
   for (draw::Series& series : plot.series) {
     std::stable_sort(series.points.begin(), series.points.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+    if (series.points.empty()) series.name.clear();
   }
 }
 
@@ -69,6 +76,7 @@ Figure stability(const Csv& csv) {
   draw::Plot plot{.title = "Energy drift against stiffness",
                   .x = {.label = "kappa = k dt^2 / m", .scale = Scale::logarithmic},
                   .y = {.label = "energy drift, relative", .scale = Scale::logarithmic, .low = 1e-12, .high = 1e6}};
+  name_methods(plot, csv);
   long used = 0;
   for (std::size_t i = 0; i < csv.rows.size(); ++i) {
     const double kappa = stiffness_ratio(csv, i);
@@ -79,7 +87,7 @@ Figure stability(const Csv& csv) {
     ++used;
   }
   if (used == 0) return figure;
-  sort_points(plot);
+  finish(plot);
   figure.caption += " n = " + std::to_string(used) + " rows.";
   figure.body = draw::svg(plot);
   figure.rows = csv_table(csv);
@@ -94,6 +102,7 @@ Figure step_size(const Csv& csv) {
   draw::Plot plot{.title = "Error against run time of the sample simulation",
                   .x = {.label = "time of a simulated second, ns", .scale = Scale::logarithmic},
                   .y = {.label = "error of positions, m (median)", .scale = Scale::logarithmic}};
+  name_methods(plot, csv);
   std::map<std::pair<std::string, double>, std::vector<std::pair<double, double>>> groups;
   for (std::size_t i = 0; i < csv.rows.size(); ++i) {
     const double dt = std::isnan(csv.number(i, "dt")) ? csv.number(i, "dt_s") : csv.number(i, "dt");
@@ -114,7 +123,7 @@ Figure step_size(const Csv& csv) {
     series_of(plot, key.first).points.push_back({times[times.size() / 2], errors[errors.size() / 2], short_number(key.second, 2)});
   }
   if (groups.empty()) return figure;
-  sort_points(plot);
+  finish(plot);
   figure.caption += " n = " + std::to_string(csv.rows.size()) + " rows.";
   figure.body = draw::svg(plot);
   return figure;

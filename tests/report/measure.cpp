@@ -13,6 +13,7 @@ using oracle::Wide;
 void score(Row& row, const std::vector<Answer>& answers, const std::vector<Truth>& truth, double extent) {
   std::vector<double> errors;
   double worst_ratio = kUnknown;
+  double worst_bound = kUnknown;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const Answer& given = answers[i];
     if (given.undecided) {
@@ -36,9 +37,12 @@ void score(Row& row, const std::vector<Answer>& answers, const std::vector<Truth
       const Wide ratio = off <= truth[i].value * Wide(1e-90) ? Wide(0) : Wide(off / Wide(given.bound));
       const double r = given.bound > 0 || off == 0 ? static_cast<double>(ratio) : (ratio == 0 ? 0.0 : INFINITY);
       worst_ratio = std::isnan(worst_ratio) ? r : std::max(worst_ratio, r);
+      const double relative = given.bound > 0 ? static_cast<double>(Wide(Wide(given.bound) / floor)) : 0.0;
+      worst_bound = std::isnan(worst_bound) ? relative : std::max(worst_bound, relative);
     }
   }
   row.bound_ratio = worst_ratio;
+  row.bound_max = worst_bound;
   if (errors.empty()) return;
   std::sort(errors.begin(), errors.end());
   row.error_max = errors.back();

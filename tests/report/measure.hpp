@@ -17,7 +17,7 @@ struct Setting {
   std::string scratch;
 
   /// Questions of a study: few in the quick form, four times as many in the full one.
-  int count(int normal) const { return quick ? normal / 8 + 1 : full ? 4 * normal : normal; }
+  int count(int normal) const { return quick ? normal / 20 + 1 : full ? 4 * normal : normal; }
   int repeats() const { return quick ? 3 : 9; }
 };
 

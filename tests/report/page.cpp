@@ -36,6 +36,7 @@ const Column kColumns[] = {
     {"worst error", [](const Row& r) { return short_number(r.error_max); }},
     {"median error", [](const Row& r) { return short_number(r.error_p50); }},
     {"error / bound", [](const Row& r) { return short_number(r.bound_ratio); }},
+    {"worst bound", [](const Row& r) { return short_number(r.bound_max); }},
     {"ns", [](const Row& r) { return short_number(r.ns, 3); }},
     {"ns, range", [](const Row& r) {
        return std::isnan(r.ns) ? std::string("-") : short_number(r.ns_low, 3) + " .. " + short_number(r.ns_high, 3);

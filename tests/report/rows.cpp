@@ -48,11 +48,11 @@ std::vector<std::string> fields(const std::string& line) {
 
 void write_rows(const std::filesystem::path& file, const std::vector<Row>& rows, const Provenance& from) {
   std::ofstream out(file);
-  out << "study,scene,series,label,knob,error_max,error_p50,bound_ratio,ns,ns_low,ns_high,n,missed,false,undecided,note,"
+  out << "study,scene,series,label,knob,error_max,error_p50,bound_ratio,bound_max,ns,ns_low,ns_high,n,missed,false,undecided,note,"
          "machine,commit,seed,command\n";
   for (const Row& r : rows) {
     for (const std::string* text : {&r.study, &r.scene, &r.series, &r.label}) out << quoted(*text) << ',';
-    for (const double value : {r.knob, r.error_max, r.error_p50, r.bound_ratio, r.ns, r.ns_low, r.ns_high}) {
+    for (const double value : {r.knob, r.error_max, r.error_p50, r.bound_ratio, r.bound_max, r.ns, r.ns_low, r.ns_high}) {
       out << full_number(value) << ',';
     }
     out << r.n << ',' << r.missed << ',' << r.false_hits << ',' << r.undecided << ',' << quoted(r.note) << ','
@@ -96,17 +96,18 @@ std::string short_number(double value, int digits) {
   if (value == 0) return "0";
   char text[40];
   const double size = std::abs(value);
-  if (size >= 1e-3 && size < 1e5) {
+  if (size >= 1e-2 && size < 1e5) {
     std::snprintf(text, sizeof text, "%.*g", size >= 1 ? std::max(digits, static_cast<int>(std::log10(size)) + 1) : digits,
                   value);
     return text;
   }
   std::snprintf(text, sizeof text, "%.*e", digits - 1, value);
-  // "1.2e-07" as "1.2e-7".
+  // "1.2e-07" as "1.2e-7", "1.0e-07" as "1e-7".
   std::string result = text;
   const std::size_t e = result.find('e');
   const int power = std::atoi(result.c_str() + e + 1);
-  return result.substr(0, e + 1) + std::to_string(power);
+  const bool whole = e >= 2 && result.compare(e - 2, 2, ".0") == 0;
+  return result.substr(0, whole ? e - 2 : e) + "e" + std::to_string(power);
 }
 
 }  // namespace collided::report

@@ -20,14 +20,15 @@ inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// One method on one set of questions. NaN: not measured, or has no meaning here.
 struct Row {
-  std::string study;   // the figure it belongs to
-  std::string scene;
-  std::string series;  // the line of the figure
-  std::string label;   // the point on the line
+  std::string study{};   // the figure it belongs to
+  std::string scene{};
+  std::string series{};  // the line of the figure
+  std::string label{};   // the point on the line
   double knob = kUnknown;
   double error_max = kUnknown;  // relative, of the answers whose decision is right
   double error_p50 = kUnknown;
   double bound_ratio = kUnknown;  // largest error / bound
+  double bound_max = kUnknown;    // largest bound, relative like the errors
   double ns = kUnknown;           // a question: median of the repeats, and their range
   double ns_low = kUnknown;
   double ns_high = kUnknown;

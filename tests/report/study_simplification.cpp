@@ -46,7 +46,7 @@ std::vector<Row> study_simplification(const Setting& setting) {
     const TriangleMesh level = divisor == 1 ? scene.mesh : simplified(scene.mesh, scene.mesh.triangles.size() / divisor);
     if (level.triangles.size() == last_count || level.triangles.empty()) break;
     last_count = level.triangles.size();
-    const double bound_m = divisor == 1 ? 0 : two_sided_hausdorff(scene.mesh, level, setting.quick ? 100000 : 1000000);
+    const double bound_m = divisor == 1 ? 0 : two_sided_hausdorff(scene.mesh, level, setting.quick ? 1000 : 200000);
     rows.push_back(level_row("simplification", scene.name, divisor == 1 ? "full" : "1/" + std::to_string(divisor), level,
                              points, truth_m, bound_m, setting.repeats()));
   }

@@ -1,7 +1,6 @@
 #include <cmath>
 #include <random>
 
-#include "server/exact_phase/precision.hpp"
 #include "server/exact_phase/time_of_contact.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/report/peer_method.hpp"
@@ -63,10 +62,6 @@ std::vector<Row> study_time(const Setting& setting) {
   }
   std::vector<Method> methods{{"ours: uncertified", "float", kUnknown, each(questions, plain<float>)},
                               {"ours: uncertified", "double", kUnknown, each(questions, plain<double>)}};
-  methods.push_back({"ours: certified", "width 0, bounded double", kUnknown, each(questions, [](const Motion& m) {
-    const PrecisionScope scope({.highest = Level::filter});
-    return decided(m, 0);
-  })});
   for (const double width : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 0.0}) {
     if (setting.quick && width != 0 && width != 1e-2 && width != 1e-8) continue;
     methods.push_back({"ours: width asked", "width " + short_number(width, 1), width,
@@ -76,7 +71,6 @@ std::vector<Row> study_time(const Setting& setting) {
   write_problem(file, problem);
   add_peer(methods, setting, "peer_bullet_float", "", file, "Bullet 3.24", "float");
   add_peer(methods, setting, "peer_bullet_double", "", file, "Bullet 3.24", "double");
-  add_peer(methods, setting, "peer_fcl", "", file, "FCL 0.7", "conservative advancement, 1e-9");
   // Absolute, in steps: an extent of 2^53 makes the least divisor 1.
   return measure("time", "spheres moving past random triangles, half of them needles", methods, truth, 0x1p53,
                  setting.repeats());
