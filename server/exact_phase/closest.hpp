@@ -8,8 +8,9 @@ namespace collided {
 struct Closest {
   double distance_m = 0;
   double distance_error_m = 0;
-  Vec3 point = Vec3::Zero();   // on the set
+  Vec3 point = Vec3::Zero();   // on the set, |true point - point| <= point_error_m
   Vec3 normal = Vec3::Zero();  // unit, from the set towards the asked point; of the nearest face when inside
+  double point_error_m = 0;
 };
 
 Closest closest(const Vec3& point, const Sphere& sphere);

@@ -178,12 +178,24 @@ Bounded gap(const Nearest<N>& nearest, const N& radius) {
   return plain(scaled(excess) / scale / (root + scaled(radius)));
 }
 
+/// A point and a bound on the length by which it is off.
+struct BoundedPoint {
+  Vec3 point;
+  double error_m;
+};
+
 template <class N>
-Vec3 foot(const Nearest<N>& nearest) {
+BoundedPoint foot(const Nearest<N>& nearest) {
   const Scaled scale = scaled(nearest.step_scale);
-  return {rounded(nearest.base.x) + plain(scaled(nearest.step.x) / scale).value,
-          rounded(nearest.base.y) + plain(scaled(nearest.step.y) / scale).value,
-          rounded(nearest.base.z) + plain(scaled(nearest.step.z) / scale).value};
+  BoundedPoint result{Vec3::Zero(), 0};
+  const N* base[3] = {&nearest.base.x, &nearest.base.y, &nearest.base.z};
+  const N* step[3] = {&nearest.step.x, &nearest.step.y, &nearest.step.z};
+  for (int k = 0; k < 3; ++k) {
+    const Bounded coordinate = plain(scaled(*base[k])) + plain(scaled(*step[k]) / scale);
+    result.point[k] = coordinate.value;
+    result.error_m += coordinate.bound();
+  }
+  return result;
 }
 
 /// A nearest point ready to report.
@@ -191,6 +203,8 @@ struct NearestValue {
   Bounded gap{0, std::numeric_limits<double>::infinity()};
   Vec3 away = Vec3::Zero();  // unit, or zero if p is on the (unrounded) set
   Vec3 foot = Vec3::Zero();
+  double foot_error_m = 0;  // |true foot - foot| at most
+  double away_error = 0;    // |true direction - away| at most
   bool known = false;
   bool crisp = false;  // gap and direction are both sharp
 };
@@ -207,24 +221,56 @@ bool sharp_direction(const Vector<N>& v) {
   return error <= kRefineDirection * largest && std::isfinite(error);
 }
 
+/// |true unit vector - unit(v)|: at most |error| / |v| for the direction (the chord of an angle below 2^-30), and the
+/// roundings of making it a unit vector.
+template <class N>
+double unit_error(const Vector<N>&) {
+  return kUnitVector;
+}
+template <Rounding N>
+double unit_error(const Vector<N>& v) {
+  const double largest = std::max({std::abs(v.x.value), std::abs(v.y.value), std::abs(v.z.value)});
+  const double error = v.x.bound() + v.y.bound() + v.z.bound();
+  return largest == 0 ? 0 : error / largest * (1 + 0x1p-20) + kUnitVector;
+}
+
 template <class N>
 NearestValue value_of(const Nearest<N>& nearest, const N& radius) {
   if (nearest.sure != Decision::yes) return {};
   const Bounded apart = gap(nearest, radius);
   const bool crisp = sharp(apart, kRefineDistance) && sharp_direction(nearest.away);
-  return {apart, unit(nearest.away), foot(nearest), true, crisp};
+  const BoundedPoint on_set = foot(nearest);
+  return {apart, unit(nearest.away), on_set.point, on_set.error_m, unit_error(nearest.away), true, crisp};
 }
 
-/// value<N>() in double when that is known and sharp, else exactly.
-template <class Value>
-NearestValue sharpened_nearest(const Value& value) {
-  const NearestValue quick = value.template operator()<Bounded>();
-  if (quick.crisp) return quick;
-  const NearestValue traced = value.template operator()<Traced>();
-  if (traced.crisp) return traced;
-  const NearestValue slow = value.template operator()<Expansion>();
-  if (slow.crisp) return slow;
-  return value.template operator()<Dyadic>();
+inline bool crisp(const NearestValue& nearest) { return nearest.crisp; }
+
+/// The nearest point of each set to a point, the set grown by a radius (its sum with the set's own is not rounded).
+template <class N>
+NearestValue nearest_in(const Vec3& point, double radius_m, const Sphere& sphere) {
+  const Vector<N> center(sphere.center);
+  return value_of(at_corner(Vector<N>(point) - center, center, 0), N(sphere.radius_m) + N(radius_m));
+}
+
+template <class N>
+NearestValue nearest_in(const Vec3& point, double radius_m, const Box& box) {
+  return value_of(nearest_on_solid(Vector<N>(point), Solid<N>(box), guessed_pattern(point, box)), N(radius_m));
+}
+
+template <class N>
+NearestValue nearest_in(const Vec3& point, double radius_m, const Capsule& capsule) {
+  const Segment<N> segment{Vector<N>(capsule.a), Vector<N>(capsule.b)};
+  return value_of(nearest_on_segment(Vector<N>(point), segment), N(capsule.radius_m) + N(radius_m));
+}
+
+template <class N>
+NearestValue nearest_in(const Vec3& point, double radius_m, const Triangle& triangle) {
+  return value_of(nearest_on_facet(Vector<N>(point), Facet<N>(triangle)), N(radius_m));
+}
+
+template <class Climb, class Shape>
+NearestValue nearest_by(const Vec3& point, double radius_m, const Shape& shape) {
+  return Climb::sharpened([&]<class N>() { return nearest_in<N>(point, radius_m, shape); });
 }
 
 }  // namespace collided::kernel

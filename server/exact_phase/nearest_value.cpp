@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/exact_phase/ladder.hpp"
+
 namespace collided::kernel {
 
 Pattern guessed_pattern(const Vec3& p, const Box& box) {
@@ -17,30 +19,19 @@ Pattern guessed_pattern(const Vec3& p, const Box& box) {
 }
 
 NearestValue nearest_value(const Vec3& point, double radius_m, const Sphere& sphere) {
-  return sharpened_nearest([&]<class N>() {
-    const Vector<N> center(sphere.center);
-    return value_of(at_corner(Vector<N>(point) - center, center, 0), N(sphere.radius_m) + N(radius_m));
-  });
+  return nearest_by<WholeLadder>(point, radius_m, sphere);
 }
 
 NearestValue nearest_value(const Vec3& point, double radius_m, const Box& box) {
-  const Pattern guess = guessed_pattern(point, box);
-  return sharpened_nearest([&]<class N>() {
-    return value_of(nearest_on_solid(Vector<N>(point), Solid<N>(box), guess), N(radius_m));
-  });
+  return nearest_by<WholeLadder>(point, radius_m, box);
 }
 
 NearestValue nearest_value(const Vec3& point, double radius_m, const Capsule& capsule) {
-  return sharpened_nearest([&]<class N>() {
-    const Segment<N> segment{Vector<N>(capsule.a), Vector<N>(capsule.b)};
-    return value_of(nearest_on_segment(Vector<N>(point), segment), N(capsule.radius_m) + N(radius_m));
-  });
+  return nearest_by<WholeLadder>(point, radius_m, capsule);
 }
 
 NearestValue nearest_value(const Vec3& point, double radius_m, const Triangle& triangle) {
-  return sharpened_nearest([&]<class N>() {
-    return value_of(nearest_on_facet(Vector<N>(point), Facet<N>(triangle)), N(radius_m));
-  });
+  return nearest_by<WholeLadder>(point, radius_m, triangle);
 }
 
 NearestValue nearest_value(const Vec3& point, const Sphere& sphere) { return nearest_value(point, 0, sphere); }

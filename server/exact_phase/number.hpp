@@ -164,10 +164,13 @@ template <class Kernel>
 Verdict climb(const Kernel& kernel) {
   Decision decision = kernel.template operator()<Bounded>();
   if (decision != Decision::undecided) return {decision, Level::filter};
+  ++rungs.uncertain;
   decision = kernel.template operator()<Traced>();
   if (decision != Decision::undecided || precision.highest == Level::filter) return {decision, Level::filter};
+  ++rungs.expansion;
   decision = kernel.template operator()<Expansion>();
   if (decision != Decision::undecided || precision.highest == Level::expansion) return {decision, Level::expansion};
+  ++rungs.rational;
   return {kernel.template operator()<Dyadic>(), Level::rational};
 }
 

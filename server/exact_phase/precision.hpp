@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "server/exact_phase/verdict.hpp"
 
 namespace collided {
@@ -12,9 +14,19 @@ struct Precision {
   double error_asked_m = 0;
 };
 
+/// What the tests of one thread have needed since it started: the honest price of exactness.
+struct RungCounts {
+  std::uint64_t uncertain = 0;  // questions that double with a running bound left open
+  std::uint64_t expansion = 0;  // of those, asked of expansions
+  std::uint64_t rational = 0;   // of those, asked of rationals
+  std::uint64_t sharpened = 0;  // numbers worked out again because double knew too few digits
+};
+
 namespace kernel {
 // Read only where a filter has failed, so that the sure majority never pays for it.
 inline thread_local constinit Precision precision;
+// Counted only where a filter has failed, for the same reason.
+inline thread_local constinit RungCounts rungs;
 }  // namespace kernel
 
 /// Sets the calling thread's precision for as long as it lives; scopes nest.

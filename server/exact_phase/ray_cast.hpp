@@ -3,6 +3,7 @@
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/ray.hpp"
 #include "server/geometry/shapes.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided {
 
@@ -14,8 +15,20 @@ struct RayHit {
   Vec3 normal = Vec3::Zero();   // unit, against the ray; for a start inside a solid: of the exit
   Vec3 weights = Vec3::Zero();  // barycentric, triangles only; their sum is 1 to one rounding
   double exit_m = 0;            // where the ray leaves a solid (may exceed the length); the distance for a triangle
+  double exit_error_m = 0;      // |true exit - exit_m| at most
   bool inside = false;          // the ray starts inside a solid: distance 0
 };
+
+/// A bound on |hit.point - true point|, for a hit that `cast_ray` filled. Worked out here, not in every hit.
+///
+/// The point is o + x, x the product of the distance and the unit direction (of the parameter and the direction for a
+/// triangle, which is one rounding less). x is off by the distance's own error along the ray and by kPointOnRay of the
+/// distance; the sum rounds once more in each coordinate.
+inline double point_error_m(const RayHit& hit) {
+  if (hit.distance_m == 0 && hit.distance_error_m == 0) return 0;  // the ray's origin
+  return (hit.distance_error_m + kPointOnRay * hit.distance_m + kPointSum * hit.point.cwiseAbs().maxCoeff()) *
+             (1 + kBoundSlack) + kUnderflow;
+}
 
 /// Whether the ray meets the shape, exact for the given doubles; touching counts, so do both ends of the ray and
 /// both sides of a triangle. A zero-area triangle is the segment or point that it is. `hit` is filled on yes only.

@@ -80,6 +80,19 @@ std::array<N, 3> edge_sides(const Line<N>& ray, const Facet<N>& f) {
   return side;
 }
 
+/// `against`: the direction has a negative product with the normal.
+template <class N>
+Reach<N> ray_to_plane(const Line<N>& ray, const Facet<N>& f, bool against) {
+  N numerator = dot(f.corner[0] - ray.origin, f.normal);
+  N denominator = dot(ray.direction, f.normal);
+  if (against) {
+    numerator = -numerator;
+    denominator = -denominator;
+  }
+  const Decision ahead = at_most(N(0.0), numerator);
+  return {ahead, numerator, denominator};
+}
+
 template <class N>
 Reach<N> ray_to_facet(const Line<N>& ray, const Facet<N>& f) {
   bool negative = false;
@@ -94,14 +107,7 @@ Reach<N> ray_to_facet(const Line<N>& ray, const Facet<N>& f) {
   if (negative && positive) return {Decision::no, N(0.0), N(1.0)};
   if (unsure) return {Decision::undecided, N(0.0), N(1.0)};
   if (!negative && !positive) return ray_to_flat_facet(ray, f);
-  N numerator = dot(f.corner[0] - ray.origin, f.normal);
-  N denominator = dot(ray.direction, f.normal);
-  if (positive) {
-    numerator = -numerator;
-    denominator = -denominator;
-  }
-  const Decision ahead = at_most(N(0.0), numerator);
-  return {ahead, numerator, denominator};
+  return ray_to_plane(ray, f, positive);
 }
 
 /// numerator / denominator * |direction| <= length_m.

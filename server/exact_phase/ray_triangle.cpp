@@ -1,9 +1,8 @@
 #include <algorithm>
 
 #include "server/exact_phase/ray_cast.hpp"
-#include "server/exact_phase/ray_kernel.hpp"
+#include "server/exact_phase/ray_triangle_kernel.hpp"
 #include "server/exact_phase/triple.hpp"
-#include "server/exact_phase/value.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided {
@@ -11,90 +10,44 @@ namespace {
 
 using namespace kernel;
 
-/// Weights whose sum is 1 to one rounding; a hair below zero becomes zero.
-Vec3 normalized_weights(double a, double b, double c) {
-  const double sum = a + b + c;
-  const double weight_a = std::clamp(a / sum, 0.0, 1.0);
-  const double weight_b = std::clamp(b / sum, 0.0, 1.0 - weight_a);
-  return {weight_a, weight_b, 1.0 - (weight_a + weight_b)};
+/// Where a ray meets the triangle's plane, in double, for a ray that is known to meet the triangle: false if that is
+/// not sharp or the ray may lie in the plane.
+bool fill_sharply(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  const Facet<Traced> facet(triangle);
+  const Line<Traced> line(ray);
+  const Sign slope = sign(dot(line.direction, facet.normal));
+  if (slope == Sign::zero || slope == Sign::unsure) return false;
+  fill(ray, triangle, facet, ray_to_plane(line, facet, slope == Sign::negative), hit);
+  return hit.distance_m >= 0 && sharp({hit.distance_m, hit.distance_error_m}, kRefineRay);
 }
 
-/// Barycentric weights of a point of the triangle when the ray gives none: it runs in the plane, or there is no plane.
-Vec3 weights_of(const Vec3& point, const Triangle& t) {
-  const Vec3 corner[3] = {t.a - point, t.b - point, t.c - point};
-  const double scale = std::max({corner[0].cwiseAbs().maxCoeff(), corner[1].cwiseAbs().maxCoeff(),
-                                 corner[2].cwiseAbs().maxCoeff(), std::numeric_limits<double>::min()});
-  const Vec3 a = corner[0] / scale;
-  const Vec3 b = corner[1] / scale;
-  const Vec3 c = corner[2] / scale;
-  const double area[3] = {b.cross(c).norm(), c.cross(a).norm(), a.cross(b).norm()};
-  const double sum = area[0] + area[1] + area[2];
-  if (sum > 1e-12) return normalized_weights(area[0], area[1], area[2]);
-  // On an edge of a triangle without area: the corner pair around the point.
-  const Vec3 span[3] = {a, b, c};
-  Vec3 best(1, 0, 0);
-  double best_length = -1;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3& p = span[i];
-    const Vec3& q = span[(i + 1) % 3];
-    const double length = (q - p).norm();
-    if (length <= best_length || p.dot(q) > 1e-12) continue;
-    best_length = length;
-    best = Vec3::Zero();
-    const double part = length > 0 ? std::clamp(p.norm() / length, 0.0, 1.0) : 0.0;
-    best[i] = 1 - part;
-    best[(i + 1) % 3] = part;
-  }
-  return best;
-}
-
-template <class N>
-void fill(const Ray& ray, const Triangle& triangle, const Facet<N>& facet, const Reach<N>& reach, RayHit& hit) {
-  const Line<N> line(ray);
-  const Scaled parameter = scaled(reach.numerator) / scaled(reach.denominator);
-  const Bounded distance = plain(parameter * sqrt(scaled(square(line.direction))));
-  hit.distance_m = distance.value;
-  hit.distance_error_m = distance.bound();
-  hit.exit_m = distance.value;
-  hit.inside = false;
-  for (int k = 0; k < 3; ++k) {
-    hit.point[k] = ray.origin[k] + plain(parameter * scaled(Bounded(ray.direction[k]))).value;
-  }
-  const Vec3 direction = unit(line.direction);
-  hit.normal = unit(facet.normal);
-  if (hit.normal.isZero(0)) hit.normal = -direction;
-  if (hit.normal.dot(direction) > 0) hit.normal = -hit.normal;
-  const std::array<N, 3> side = edge_sides(line, facet);
-  const Scaled sum = scaled(side[0] + side[1] + side[2]);
-  if (sum.value.value == 0) {
-    hit.weights = weights_of(hit.point, triangle);
-  } else {
-    hit.weights = normalized_weights(plain(scaled(side[1]) / sum).value, plain(scaled(side[2]) / sum).value,
-                                     plain(scaled(side[0]) / sum).value);
-  }
-}
-
-template <class N>
-Decision cast_exactly(const Ray& ray, const Triangle& triangle, RayHit& hit) {
-  const Facet<N> facet(triangle);
-  const Reach<N> reach = ray_to_facet(Line<N>(ray), facet);
-  Decision decision = reach.meets;
-  if (decision == Decision::yes) decision = within_length(reach, ray);
-  if (decision == Decision::yes) fill(ray, triangle, facet, reach, hit);
+/// The signs are what expansions are needed for; the numbers seldom.
+Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  const Facet<Expansion> facet(triangle);
+  Reach<Expansion> reach;
+  const Decision decision = meet_facet(ray, facet, reach);
+  if (decision == Decision::yes && !fill_sharply(ray, triangle, hit)) fill(ray, triangle, facet, reach, hit);
   return decision;
 }
 
 /// The rungs above the filter; also asked when a hit is sure but its distance is not sharp.
-[[gnu::noinline]] Verdict climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
-  Decision decision = cast_exactly<Traced>(ray, triangle, hit);
+[[gnu::noinline]] Verdict climb_higher(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  Decision decision = cast_facet<Traced>(ray, triangle, hit);
   if (decision == Decision::no) return {decision, Level::filter};
   if (decision == Decision::yes && sharp({hit.distance_m, hit.distance_error_m}, kRefineRay)) {
     return {decision, Level::filter};
   }
   if (precision.highest == Level::filter) return {decision, Level::filter};
-  decision = cast_exactly<Expansion>(ray, triangle, hit);
+  if (decision == Decision::undecided) ++rungs.expansion;
+  decision = cast_over_expansions(ray, triangle, hit);
   if (decision != Decision::undecided || precision.highest == Level::expansion) return {decision, Level::expansion};
-  return {cast_exactly<Dyadic>(ray, triangle, hit), Level::rational};
+  ++rungs.rational;
+  return {cast_facet<Dyadic>(ray, triangle, hit), Level::rational};
+}
+
+[[gnu::noinline]] Verdict climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  ++rungs.uncertain;
+  return climb_higher(ray, triangle, hit);
 }
 
 struct FilterState {
@@ -140,12 +93,14 @@ Verdict finish(const Ray& ray, const Triangle& triangle, const FilterState& s, R
   if (distance - error > ray.length_m) return {Decision::no, Level::filter};
   if (!(distance + error <= ray.length_m) || !std::isfinite(distance)) return climb_from_filter(ray, triangle, hit);
   if (relative > kRefineRay && !sharp({distance, error}, kRefineRay)) {
-    const Verdict exact = climb_from_filter(ray, triangle, hit);
+    ++rungs.sharpened;
+    const Verdict exact = climb_higher(ray, triangle, hit);
     return {exact.decision, Level::filter};
   }
   hit.distance_m = distance;
   hit.distance_error_m = error;
   hit.exit_m = distance;
+  hit.exit_error_m = error;
   hit.inside = false;
   hit.point = ray.origin + parameter * ray.direction;
   const double against = (denominator > 0 ? -1 : 1) / std::sqrt(dot(normal, normal));

@@ -67,8 +67,9 @@ inline Bounded plain(const Scaled& x) {
   if (!std::isfinite(value)) {
     return {std::copysign(std::numeric_limits<double>::max(), value), std::numeric_limits<double>::infinity()};
   }
-  // Into the denormals ldexp rounds once more.
-  const bool cut = std::abs(value) < std::numeric_limits<double>::min() && !x.value.exactly_zero();
+  // Into the denormals ldexp rounds once more: the value, or an error far below it.
+  const bool value_cut = std::abs(value) < std::numeric_limits<double>::min() && !x.value.exactly_zero();
+  const bool cut = value_cut || (x.value.error != 0 && std::abs(value) < 0x1p-900);
   const double denormal = cut ? std::numeric_limits<double>::denorm_min() : 0.0;
   return {value, std::ldexp(x.value.error * (1 + kBoundSlack), clipped) + 2 * denormal};
 }
@@ -115,5 +116,8 @@ inline bool sharp(const Bounded& x, double relative_width) {
   return bound <= relative_width * std::abs(x.value) || bound <= precision.error_asked_m ||
          precision.highest == Level::filter;
 }
+
+/// A distance along a ray that is worth no higher rung.
+inline bool crisp(const Bounded& along_ray) { return sharp(along_ray, kRefineRay); }
 
 }  // namespace collided::kernel

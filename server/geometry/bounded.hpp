@@ -102,9 +102,11 @@ inline Traced operator*(const Traced& a, const Traced& b) {
   const double a_low = a.value - a_high;
   const double b_low = b.value - b_high;
   const double lost = a_low * b_low - (((value - a_high * b_high) - a_low * b_high) - a_high * b_low);
-  // Too large to split, the lost part is not a number and neither is the bound; too small, it may underflow itself.
-  const double underflow = std::abs(value) < 0x1p-900 ? kUnderflow : 0.0;
   const double error = (std::abs(a.value) * b.error + std::abs(b.value) * a.error) + a.error * b.error;
+  // Too large to split, the lost part is not a number and neither is the bound; too small, it may underflow itself. So
+  // may the product of an error with anything: beside a half, 2^-1074 was lost, and times a quarter it looks like zero.
+  const bool error_underflows = error < kUnderflow && a.error + b.error != 0;
+  const double underflow = std::abs(value) < 0x1p-900 || error_underflows ? kUnderflow : 0.0;
   return {value, (error + std::abs(lost)) + underflow};
 }
 

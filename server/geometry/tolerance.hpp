@@ -41,6 +41,21 @@ inline constexpr double kRefineRay = 0x1p-33;
 /// Without it ExactContactOracle.SphereCapsule fails (a centre a rounding away from the axis).
 inline constexpr double kRefineDirection = 0x1p-36;
 
+/// Error of a point reported on a ray, relative to its distance, beyond that of the distance itself: the unit direction
+/// is off by 3.5 u in each coordinate (three roundings of the squared norm halve under the root to 1.5, the root and
+/// the quotient one each), its product with the distance by 1 u, and 1.5 u is left for the second-order terms and the
+/// roundings of the bound. No unit. At zero, AccuracyBounds.RaySphere fails.
+inline constexpr double kPointOnRay = 6 * kRoundoff;
+
+/// Error of the last sum of a reported point, relative to its largest coordinate: u a coordinate, so sqrt(3) u as a
+/// length; 2 covers the roundings of the bound. No unit. At zero, AccuracyBounds.RayTriangle fails.
+inline constexpr double kPointSum = 2 * kRoundoff;
+
+/// Error of a unit vector made from one in double that is right to the last digit: as in kPointOnRay without the
+/// product, 3.5 u a coordinate, with four more from a rounded exact number; as a length. No unit.
+/// At zero, AccuracyBounds.ClosestSphere fails.
+inline constexpr double kUnitVector = 14 * kRoundoff;
+
 /// Error of a witness point, relative to the largest coordinate of the sets: a + u d with u in [0, 1] on an edge whose
 /// ends took four roundings each, or the foot on a face (two quotients and two sums on each coordinate). No unit.
 /// At zero, ExactContactOracle.CapsuleCapsule fails.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/exact_phase/precision.hpp"
 #include "server/world/question.hpp"
 
 namespace collided {
@@ -58,10 +59,7 @@ void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch
   scratch.allowed.assign(table->size(), 0);
   for (std::size_t slot = 0; slot < table->size(); ++slot) {
     const ObjectInfo* info = (*table)[slot].get();
-    if (info == nullptr || (info->filter.layers & asked.mask) == 0) continue;
-    if (!asked.only.empty() && !glob_matches(asked.only, info->name)) continue;
-    if (!asked.skip.empty() && glob_matches(asked.skip, info->name)) continue;
-    scratch.allowed[slot] = 1;
+    scratch.allowed[slot] = info != nullptr && may_answer(*info, asked) ? 1 : 0;
   }
   scratch.allowed_table = table;
   scratch.allowed_version = snapshot.table_version;
@@ -119,6 +117,12 @@ void note_age(Answers& answers, const Question& question) {
 
 }  // namespace
 
+bool may_answer(const ObjectInfo& info, const Questions& asked) {
+  if ((info.filter.layers & asked.mask) == 0) return false;
+  if (!asked.only.empty() && !glob_matches(asked.only, info.name)) return false;
+  return asked.skip.empty() || !glob_matches(asked.skip, info.name);
+}
+
 void Answers::clear() {
   answers.clear();
   reasons.clear();
@@ -135,6 +139,7 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   const std::uint32_t stride = numbers_of(questions.kind);
   if (stride == 0) return;
   fill_allowed(snapshot, questions, scratch);
+  const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
   const std::size_t count = questions.numbers.size() / stride;
   for (std::size_t i = 0; i < count; ++i) {
     const double* numbers = questions.numbers.data() + i * stride;

@@ -25,6 +25,9 @@ struct Question {
   bool truncated = false;
   bool timed_out = false;
 
+  /// Half of the error asked for is spent on numbers that are not sharpened, half on nearer things that are not looked
+  /// for: what lies nearer than the best found by less than this.
+  double slack_m() const { return asked.error_m / 2; }
   bool allows(ObjectId id) const { return allowed[slot_of(id)] != 0; }
   bool allows_part(const StaticScene& scene, std::uint32_t part) const { return allows(scene.part_objects[part]); }
   const ObjectInfo& object(std::uint32_t slot) const { return *(*snapshot.objects)[slot]; }

@@ -15,7 +15,7 @@ struct RayWalk {
   Question& question;
   Ray ray;
   double direction_m = 0;  // |direction|, rounded to nearest
-  double limit = 0;        // in s, never below the best hit
+  double limit = 0;        // in s, never below the best hit less the error asked for; below 0: nothing is sought
   Triangle best_triangle = {};
   bool best_is_triangle = false;
 
@@ -79,7 +79,7 @@ void RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, c
   question.found.assign(1, kept);
   best_is_triangle = corners != nullptr;
   if (best_is_triangle) best_triangle = *corners;
-  const double reach = rounded_up(kept.distance_m + kept.error_m);
+  const double reach = rounded_up(kept.distance_m + kept.error_m - question.slack_m());
   if (reach < limit) limit = reach;
 }
 
@@ -172,6 +172,9 @@ void ask_ray(Question& question, const double* n) {
     question.snapshot.grid->walk_ray(walk.ray, walk.limit, candidate, &walk, question.walk);
   }
   if (question.asked.mode == RayMode::all) finish_all(question);
+  if (walk.closest() && !question.found.empty() && !question.found.front().is_at_start()) {
+    question.found.front().error_m += question.slack_m();
+  }
 }
 
 }  // namespace collided

@@ -102,6 +102,15 @@ TEST(ExactExpansion, SumsAndProductsAreExact) {
   EXPECT_EQ(x.leading(), 0);
 }
 
+// Half and 2^-1074 make a half; what was lost is an error, and a quarter of it is still one.
+TEST(ExactTraced, AnErrorThatUnderflowsIsStillAnError) {
+  const Traced sum = Traced(0.5) + Traced(0x1p-1074);
+  EXPECT_EQ(sum.error, 0x1p-1074);
+  const Traced part = Traced(0.25) * sum;
+  EXPECT_GT(part.bound(), 0);
+  EXPECT_FALSE((part - Traced(0.125)).exactly_zero());
+}
+
 TEST(ExactExpansion, OutOfRangeIsLost) {
   EXPECT_TRUE((Expansion(1e-200) * Expansion(1e-200)).lost());
   EXPECT_TRUE((Expansion(1e200) * Expansion(1e200)).lost());

@@ -1,0 +1,49 @@
+#!/bin/sh
+# Builds the exact phase and the census with one bug planted, and succeeds when the census finds wrong decisions.
+# usage: run.sh SOURCE_DIR WORK_DIR COMPILER EIGEN_INCLUDE BUG
+set -eu
+source=$1 work=$2/$5 compiler=$3 eigen=$4 bug=$5
+mkdir -p "$work"
+flags="-std=c++20 -O2 -DNDEBUG -ffp-contract=off -fno-tree-slp-vectorize"
+
+# The planted copy of a header stands first on the include path.
+plant() {
+  mkdir -p "$work/planted/$(dirname "$1")"
+  sed "$2" "$source/$1" > "$work/planted/$1"
+  if cmp -s "$source/$1" "$work/planted/$1"; then echo "nothing was planted in $1"; exit 2; fi
+}
+
+part=0.001
+case $bug in
+  none) ;;
+  triple_product) plant server/geometry/tolerance.hpp 's/kTripleProductError = 11 \*/kTripleProductError = 0.1 */' ;;
+  separation) plant server/geometry/tolerance.hpp 's/kSeparationError = 96 \*/kSeparationError = 0.1 */' ;;
+  bounded) plant server/geometry/bounded.hpp 's/(a.error + b.error) + kRoundoff \* std::abs(value)/(a.error + b.error)/' ;;
+  traced) plant server/geometry/bounded.hpp 's/(a.error + b.error) + std::abs(lost)/(a.error + b.error)/' ;;
+  box_ulp) plant server/exact_phase/box_kernel.hpp 's/height\[i\] = half\[i\] \* abs(determinant)/height[i] = half[i] * abs(determinant) * N(1 - 0x1p-52)/' ;;
+  contraction)
+    # Fused products break the error-free transformations that the second rung stands on.
+    flags="-std=c++20 -O2 -DNDEBUG -mfma -ffp-contract=fast -ffast-math -fno-finite-math-only"
+    if ! grep -q fma /proc/cpuinfo; then echo "no fma on this machine"; exit 77; fi ;;
+  *) echo "no such bug: $bug"; exit 2 ;;
+esac
+
+sources="$source/server/exact_phase/*.cpp $source/server/geometry/pose.cpp $source/tests/accuracy/census/*.cpp"
+objects=
+for file in $sources; do
+  object=$work/$(basename "$file" .cpp).o
+  # shellcheck disable=SC2086
+  $compiler $flags -I"$work/planted" -I"$source" -isystem "$eigen" -c "$file" -o "$object"
+  objects="$objects $object"
+done
+# shellcheck disable=SC2086
+$compiler $objects -lgmpxx -lgmp -o "$work/census"
+
+status=0
+"$work/census" --part $part > "$work/census.txt" || status=$?
+grep -E "^WRONG" "$work/census.txt" | head -5 || true
+wrong=$(grep -c "^WRONG" "$work/census.txt" || true)
+if [ "$bug" = none ]; then exit $status; fi
+if [ "$wrong" -gt 0 ]; then echo "$bug: caught in $wrong rows"; exit 0; fi
+echo "$bug: not caught"
+exit 1
