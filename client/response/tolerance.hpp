@@ -30,11 +30,6 @@ inline constexpr double kSubstepError = 1e-8;
 /// At zero, ResponseResting.AStackOfTheStiffestSpringsCostsFewSubsteps fails.
 inline constexpr double kUnseenGap = 8;
 
-/// Least substep, in units of 1 / (the contact's own frequency): below it a substep is kept whatever it says of its
-/// error, because rounding of the gap is then what it measures.
-/// Without it, ResponseStiffness.FarFromTheOriginTheControllerStillEnds fails.
-inline constexpr double kLeastSubstep = 1e-4;
-
 /// Substeps a step may take; what is left of it then goes by one step of implicit Euler, which never gains energy, and
 /// is counted.
 /// Without it, ResponseStiffness.AStepOfADayEnds fails.
