@@ -128,5 +128,16 @@ TEST(ResponseStiffness, AStepOfADayEnds) {
   EXPECT_LE(stepper.energy(motion), 9.82);
 }
 
+// What overflows comes out not finite, but it comes out.
+TEST(ResponseStiffness, AnOverflowEnds) {
+  for (const double speed : {1e150, 1e300, 1.7e308}) {
+    Stepper stepper({{1, 1}, {1, 1}, -9.81, 0}, {.spring = {.stiffness_n_m = 1e12, .damping_ratio = 0.1}});
+    Motion motion{{0.999, 2.9}, {-speed, speed}};
+    stepper.step(motion, 0.01);
+    EXPECT_LT(stepper.counts().substeps, 300'000U) << speed;
+    EXPECT_LT(stepper.counts().repeated, 300'000U) << speed;
+  }
+}
+
 }  // namespace
 }  // namespace collided::response

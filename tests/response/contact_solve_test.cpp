@@ -1,6 +1,4 @@
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include <Eigen/Dense>
@@ -8,16 +6,10 @@
 
 #include "client/response/contact_solve.hpp"
 #include "client/response/stepper.hpp"
+#include "tests/oracle/seed.hpp"
 
 namespace collided::response {
 namespace {
-
-std::mt19937_64 seeded(std::uint64_t fallback) {
-  const char* asked = std::getenv("COLLIDED_SEED");
-  const std::uint64_t seed = asked != nullptr ? std::strtoull(asked, nullptr, 10) : fallback;
-  std::printf("COLLIDED_SEED=%llu\n", static_cast<unsigned long long>(seed));
-  return std::mt19937_64(seed);
-}
 
 /// The slow twin: every set of pushing contacts is tried, each by a dense solution, until one fits.
 /// Returns forces and fails the test if none or two fit.
@@ -63,7 +55,7 @@ Eigen::VectorXd forces_by_enumeration(const Line& line, const Spring& spring, do
 }
 
 TEST(ResponseContactSolve, EqualsTheOnlySetOfContactsThatFits) {
-  std::mt19937_64 random = seeded(20);
+  std::mt19937_64 random = oracle::seeded(20);
   std::uniform_real_distribution<double> unit(-1, 1);
   std::size_t pushing = 0;
   for (int trial = 0; trial < 2'000; ++trial) {
