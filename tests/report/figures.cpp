@@ -21,24 +21,34 @@ std::string point_label(const Row& row) {
   return label;
 }
 
+std::string asked_label(const Row& row) {
+  return row.label.starts_with("width") ? row.label : "asked " + row.label;
+}
+
 /// Worst error against time, both logarithmic; a line a series, a point a row.
 draw::Plot work_precision(const std::string& title, const std::vector<Row>& rows) {
   draw::Plot plot{.title = title,
                   .x = {.label = "time a question, ns (median; bar: range of the repeats)", .scale = Scale::logarithmic},
                   .y = {.label = rows.front().study == "time" ? "worst error, steps" : "worst relative error",
                         .scale = Scale::logarithmic}};
+  double labelled_bound = INFINITY;
   draw::Series bounds{.name = "ours: proved bound, worst", .paint = Paint::quiet, .joined = false, .hollow = true};
   for (const Row& row : rows) {
-    if (!std::isnan(row.bound_max) && !std::isnan(row.ns)) bounds.points.push_back({row.ns, row.bound_max});
+    const bool asked = row.series.ends_with("asked");
+    if (!std::isnan(row.bound_max) && !std::isnan(row.ns)) {
+      // What was asked for shows in the bound; where asking for more changes nothing, it is not said again.
+      const bool says_more = asked && !(row.bound_max > labelled_bound / 3);
+      if (says_more) labelled_bound = row.bound_max;
+      bounds.points.push_back({row.ns, row.bound_max, says_more ? asked_label(row) : ""});
+    }
     auto series = std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == row.series; });
     if (series == plot.series.end()) {
-      const bool asked = row.series.ends_with("asked");
       plot.series.push_back({.name = row.series, .paint = is_ours(row.series) ? Paint::accent : Paint::palette,
                              .joined = asked, .dashed = asked, .hollow = row.series == "ours: uncertified"});
       series = plot.series.end() - 1;
     }
     if (std::isnan(row.ns) || std::isnan(row.error_max)) continue;
-    series->points.push_back({row.ns, row.error_max, point_label(row), row.ns_low, row.ns_high});
+    series->points.push_back({row.ns, row.error_max, asked ? "" : point_label(row), row.ns_low, row.ns_high});
   }
   if (!bounds.points.empty()) plot.series.push_back(bounds);
   return plot;

@@ -24,22 +24,11 @@ std::vector<Count> from_rows(const std::vector<Row>& rows) {
   return counts;
 }
 
-std::vector<Count> from_census(const Csv& census) {
-  std::vector<Count> counts;
-  for (std::size_t i = 0; i < census.rows.size(); ++i) {
-    const double n = census.number(i, "n");
-    if (!(n > 0)) continue;
-    counts.push_back({census.text(i, "query") + ": " + census.text(i, "family"), census.text(i, "method"),
-                      1e6 * (census.number(i, "missed") + census.number(i, "false")) / n});
-  }
-  return counts;
-}
-
 std::string bars_of(const std::string& title, const std::vector<Count>& counts) {
   draw::Bars bars{.title = title, .value = {.label = "wrong decisions a million", .scale = draw::Scale::logarithmic, .low = 0.1, .high = 1e6}};
   for (const Count& count : counts) {
     if (std::find(bars.series.begin(), bars.series.end(), count.method) != bars.series.end()) continue;
-    bars.series.insert(count.method.starts_with("ours") || count.method == "collided" ? bars.series.begin() : bars.series.end(), count.method);
+    bars.series.insert(count.method.starts_with("ours") ? bars.series.begin() : bars.series.end(), count.method);
   }
   for (const Count& count : counts) {
     auto group = std::find_if(bars.groups.begin(), bars.groups.end(), [&](const auto& g) { return g.name == count.family; });
@@ -51,6 +40,39 @@ std::string bars_of(const std::string& title, const std::vector<Count>& counts) 
     group->values[static_cast<std::size_t>(at)] = count.per_million;
   }
   return draw::svg(bars);
+}
+
+/// One drawing a query that others answered as well, and all counts as a table.
+std::string census_body(const Csv& census, std::string& table) {
+  std::vector<std::string> queries;
+  for (std::size_t i = 0; i < census.rows.size(); ++i) {
+    const std::string query = census.text(i, "query");
+    if (std::find(queries.begin(), queries.end(), query) == queries.end()) queries.push_back(query);
+  }
+  std::string body;
+  for (const std::string& query : queries) {
+    std::vector<Count> counts;
+    bool compared = false;
+    for (std::size_t i = 0; i < census.rows.size(); ++i) {
+      const double n = census.number(i, "n");
+      if (census.text(i, "query") != query || !(n > 0)) continue;
+      const std::string method = census.text(i, "method");
+      compared = compared || method != "collided";
+      counts.push_back({census.text(i, "family"), method == "collided" ? "ours" : method,
+                        1e6 * (census.number(i, "missed") + census.number(i, "false")) / n});
+    }
+    if (compared) body += bars_of(query, counts);
+  }
+  table = "<table><thead><tr>";
+  for (const std::string& name : census.header) table += "<th>" + draw::escaped(name) + "</th>";
+  table += "</tr></thead><tbody>\n";
+  for (const auto& row : census.rows) {
+    table += "<tr>";
+    for (const std::string& text : row) table += "<td>" + draw::escaped(text) + "</td>";
+    table += "</tr>\n";
+  }
+  table += "</tbody></table>\n";
+  return body.empty() ? table : body;
 }
 
 }  // namespace
@@ -67,8 +89,9 @@ std::vector<Figure> decision_figures(const std::vector<Row>& rows, const Csv& ce
                    "than 3/n with 95 % confidence.";
   }
   Figure counted{"census", "Wrong decisions per million: the census",
-                 "Counts of the nightly census, family by family; missed and false together.", ""};
-  if (!census.rows.empty()) counted.body = bars_of(counted.title, from_census(census));
+                 "Missed and false together, family by family, each decision against exact integer or rational truth; n of every "
+                 "row is in its table, and 0 of n means less than 3/n with 95 % confidence. Rows of the program census.", ""};
+  if (!census.rows.empty()) counted.body = census_body(census, counted.rows);
   return {own, counted};
 }
 
