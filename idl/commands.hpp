@@ -33,4 +33,13 @@ inline constexpr const char* kGet = "get";
 /// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], bytes
 inline constexpr const char* kPlan = "plan";
 
+/// -> every (one answer in so many is worked out again; 0: none), chosen, audited, differing, skipped,
+/// differences [text], questions [{kind, double, expansion, rational}] (answers by the highest rung they needed),
+/// float_repairs (times that a thread's floating-point settings had to be set back)
+inline constexpr const char* kAudit = "audit";
+
+/// questions (of each kind), seed -> rows [{kind, method, asked, undecided, wrong, worst_error, worst_bound (m, or
+/// "inf"), p50_ns, p99_ns}], seed, version. Takes a second or more.
+inline constexpr const char* kMenu = "menu";
+
 }  // namespace collided::wire_contract::command

@@ -13,6 +13,12 @@ namespace collided::wire_contract {
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 
 enum class QueryKind : std::uint8_t { hello, ray, sphere, box, near, command };
+/// The kinds that are answered about the world, and their names.
+inline constexpr QueryKind kWorldQuestions[] = {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near};
+inline const char* name_of(QueryKind kind) {
+  static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command"};
+  return kNames[static_cast<std::uint8_t>(kind)];
+}
 enum class RayMode : std::uint8_t { closest, any, all };
 enum class Answer : std::uint8_t { miss, hit, undecided, invalid };
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline };

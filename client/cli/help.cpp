@@ -11,7 +11,7 @@
 namespace collided::cli {
 namespace {
 
-constexpr std::array<std::string_view, 6> kGroups{"Ask", "Follow", "Change", "Look", "Files", "More"};
+constexpr std::array<std::string_view, 7> kGroups{"Ask", "Follow", "Change", "Look", "Measure", "Files", "More"};
 constexpr std::size_t kOptionColumn = 28;
 
 std::string lines_after_collide(std::string_view text) {

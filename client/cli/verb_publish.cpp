@@ -32,7 +32,8 @@ class PublishCommand : public Command {
     declare_group(app, "Pace", {"--rate", "--speed", "--loop", "--stay", "--steps", "--for"});
     declare_group(app, "Objects", {"--shape", "--name", "--layers", "--mask", "--when-lost", "--as"});
     declare_group(app, "Motion capture", {"--unit", "--radius", "--bone-radius", "--up", "--group"});
-    declare_group(app, "Spheres in a cube", {"--spheres", "--polygons", "--round", "--size", "--side", "--seed", "--spin", "--bounce", "--as-asked"});
+    declare_group(app, "Spheres in a cube", {"--spheres", "--polygons", "--round", "--size", "--side", "--seed", "--spin", "--bounce", "--as-asked",
+                                              "--response", "--restitution", "--stiffness"});
     declare_group(app, "Path", {"--path", "--waypoints", "--face"});
   }
 
@@ -155,10 +156,28 @@ class PublishCommand : public Command {
     if (given("--seed")) options.bounce.seed = parse_count(text("--seed"));
     options.bounce.as_asked = setting("--as-asked").flag;
     options.bounces = setting("--bounce").flag || options.bounce.as_asked;
+    read_response(options);
     options.round = setting("--round").flag;
     options.rate_hz = positive("--rate", Measure::rate, options.rate_hz);
     if (given("--name")) options.name = text("--name");
     return make_bounce_source(options);
+  }
+
+  void read_response(BounceSourceOptions& options) {
+    using response::Answer;
+    BounceOptions& bounce = options.bounce;
+    const std::string& answer = text("--response");
+    if (answer == "impulse") bounce.answer = Answer::impulse;
+    else if (answer == "compliant") bounce.answer = Answer::compliant;
+    else if (!answer.empty() && answer != "flip") throw bad_use(fmt::format("--response '{}'; allowed: flip, impulse, compliant", answer));
+    if (given("--response") && !options.bounces) throw bad_use("--response answers contacts: it needs --bounce");
+    if (bounce.as_asked && bounce.answer != Answer::flip) throw bad_use("--as-asked is a way to flip, and --response something else");
+    if (given("--restitution") && bounce.answer == Answer::flip) throw bad_use("--restitution needs --response impulse or compliant");
+    if (given("--stiffness") && bounce.answer != Answer::compliant) throw bad_use("--stiffness needs --response compliant");
+    bounce.restitution = given("--restitution") ? parse_finite(text("--restitution"), Measure::none) : 1;
+    bounce.stiffness_n_m = positive("--stiffness", Measure::none, bounce.stiffness_n_m);
+    // What the response library is tested for.
+    if (!(bounce.stiffness_n_m >= 1e2 && bounce.stiffness_n_m <= 1e12)) throw bad_use(fmt::format("--stiffness {}, allowed 1e2 to 1e12 N/m", text("--stiffness")));
   }
 
   std::unique_ptr<Source> path(Io& io) {
@@ -203,6 +222,9 @@ class PublishCommand : public Command {
       {"--spin", {Kind::spheres}, "Largest angular speed, rad/s (0)"},
       {"--bounce", {Kind::spheres}, "On contact: flip velocities, once a contact"},
       {"--as-asked", {Kind::spheres}, "On contact: flip on every frame, as the homework words it"},
+      {"--response", {Kind::spheres}, "To a contact: flip (default), impulse or compliant (spring and damper)"},
+      {"--restitution", {Kind::spheres}, "Of impulse 0 to 1, of compliant 0.001 to 1 (1: no energy is lost)"},
+      {"--stiffness", {Kind::spheres}, "Of compliant, N/m: 1e2 to 1e12 (1e6)"},
       {"--path", {Kind::path}, "One object along the points of this file: x,y,z"},
       {"--waypoints", {Kind::path}, "One object along these points: \"0,0,1 2,0,1\""},
       {"--face", {Kind::path}, "Its x axis points along the way"},

@@ -57,6 +57,8 @@ const std::vector<Verb>& verbs() {
        make_publish},
       {"load", "Change", "load a file as a scene", "load FILE", "load warehouse.obj --unit mm --up y", make_load},
       {"clear", "Change", "empty the world, or one scene of it", "clear [SCENE]", "clear --moving", make_clear},
+      {"menu", "Measure", "this scene's price list: error against time", "menu", "menu\nmenu --questions 10000 --seed 7 --json", make_menu},
+      {"audit", "Measure", "answers that the server worked out again, exactly", "audit", "audit", make_audit},
       {"check", "Files", "what a file holds and what is wrong with it; needs no server", "check FILE", "check warehouse.obj --json", make_check, true},
       {"convert", "Files", "read a file, write a .cscene file; needs no server", "convert IN OUT.cscene", "convert scan.ply scene.cscene --unit mm --center",
        make_convert, true},

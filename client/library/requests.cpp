@@ -49,9 +49,11 @@ void Requests::recycle(std::vector<SamplePool<wire::Reply>::Pointer>& replies) {
 
 const std::vector<SamplePool<wire::Reply>::Pointer>& Requests::Running::wait(Clock::time_point deadline) {
   requests_.recycle(taken_);
+  requests_.spin_.wait(deadline, [this] { return slot_.has_replies.load(std::memory_order_acquire); });
   std::unique_lock lock(slot_.mutex);
   slot_.came.wait_until(lock, deadline, [this] { return !slot_.replies.empty(); });
   std::swap(taken_, slot_.replies);
+  slot_.has_replies.store(false, std::memory_order_relaxed);
   return taken_;
 }
 
@@ -78,6 +80,7 @@ void Requests::hand_over(SamplePool<wire::Reply>::Pointer reply) {
     std::unique_lock lock(slot->mutex);
     if (slot->request == number) {
       slot->replies.push_back(std::move(reply));
+      slot->has_replies.store(true, std::memory_order_release);
       lock.unlock();
       slot->came.notify_one();
       return;

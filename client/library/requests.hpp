@@ -10,6 +10,7 @@
 
 #include "client/library/sample_pool.hpp"
 #include "client/library/server_pulse.hpp"
+#include "client/library/short_spin.hpp"
 
 namespace collided::client {
 
@@ -20,6 +21,7 @@ class Requests {
     std::mutex mutex;
     std::condition_variable came;
     std::uint64_t request = 0;  // 0: nobody waits
+    std::atomic<bool> has_replies{false};
     std::vector<SamplePool<wire::Reply>::Pointer> replies;
     dds::Sample<wire::Query> query;  // its memory stays with the slot
   };
@@ -67,6 +69,7 @@ class Requests {
   std::vector<std::size_t> free_;
   std::vector<std::uint64_t> uses_;
   SamplePool<wire::Reply> pool_;
+  ShortSpin spin_;
   std::array<SamplePool<wire::Reply>::Pointer, 4> next_;  // the callback's own
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "server/geometry/float_environment.hpp"
 #include "server/service/reply_columns.hpp"
 #include "server/world/query.hpp"
 
@@ -32,6 +33,7 @@ class Answering::Worker {
     reply_->epoch = owner.options_.epoch;
   }
   void run();
+  void answer_here(AskPointer ask) { work(std::move(ask)); }
 
  private:
   void work(AskPointer ask);
@@ -40,6 +42,7 @@ class Answering::Worker {
   void work(Sweep sweep);
   void answer_questions(Client& client, const Ask& ask);
   void doubt(const Questions& questions);
+  void count_levels(QueryKind kind);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
   void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text);
   void command(const wire::Query& query);
@@ -121,12 +124,25 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
       .only = query.only,
       .skip = query.skip,
       .deadline_ns = allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0,
+      .error_m = query.error_asked_m > 0 ? query.error_asked_m : owner_.options_.error_m,
       .numbers = dds::view(query.numbers)};
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
+  if (restore_float_environment()) ++owner_.counts_.float_repairs;
   answer(*lease, questions, answers_, scratch_);
   // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, *lease);
+  count_levels(questions.kind);
+  owner_.audit_.consider(lease, questions, answers_);
+}
+
+void Answering::Worker::count_levels(QueryKind kind) {
+  std::array<std::uint64_t, 3> counts{};
+  for (const std::uint8_t level : answers_.levels) ++counts[level];
+  auto& total = owner_.counts_.levels[static_cast<std::size_t>(kind)];
+  for (std::size_t level = 0; level < counts.size(); ++level) {
+    if (counts[level] > 0) total[level].fetch_add(counts[level], std::memory_order_relaxed);
+  }
 }
 
 void Answering::Worker::doubt(const Questions& questions) {
@@ -197,17 +213,19 @@ void Answering::Worker::send(Client& client) {
 // ---- the way in
 
 Answering::Answering(const World& world, const WorldClock& clock, Fences& fences, LeaseBook& leases,
-                     QuestionCounts& counts, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
-                     Command command)
+                     QuestionCounts& counts, BackgroundAudit& audit, const dds::Topic<wire::Reply>& replies,
+                     const AnsweringOptions& options, Command command)
     : world_(world),
       clock_(clock),
       fences_(fences),
       leases_(leases),
       counts_(counts),
+      audit_(audit),
       options_(options),
       command_(std::move(command)),
       queue_(kMostQueued),
       clients_(replies, [this](std::uint64_t client) { queue_.push(Resume{client}); }) {
+  listening_worker_ = std::make_unique<Worker>(*this);
   for (unsigned i = 0; i < std::max(1U, options.threads); ++i) {
     threads_.emplace_back([this] { Worker(*this).run(); });
   }
@@ -217,33 +235,62 @@ Answering::~Answering() {
   stop();
 }
 
-void Answering::take(const dds::Taker<wire::Query>& taker) {
+void Answering::listen(const dds::Taker<wire::Query>& taker) {
+  AskPointer single;
+  take(taker, &single);
+  if (!single) return;
+  const std::int64_t started_ns = steady_ns();
+  const bool here = short_questions_.is_short(*single->query, started_ns) && clients_.ready(single->query->client);
+  if (!here) {
+    queue_.push(std::move(single));
+    return;
+  }
+  listening_worker_->answer_here(std::move(single));
+  short_questions_.took(started_ns, steady_ns());
+}
+
+/// Takes everything there is room for. Where that is one question and nobody waits before it, it is left to the caller.
+void Answering::take(const dds::Taker<wire::Query>& taker, AskPointer* single) {
   const std::lock_guard lock(taking_);
+  const bool idle = single != nullptr && queue_.empty();
+  AskPointer first;
+  const auto pass_first_on = [&] {
+    if (first) admit(std::move(first));
+  };
   while (!stopping_.load() && queue_.has_room()) {
     AskPointer ask = pool_.get();
     if (!taker.take(ask->query)) {
       pool_.put(std::move(ask));
+      if (first) *single = std::move(first);
       return;
     }
+    pass_first_on();
     ask->taken_ns = steady_ns();
     if (!ask->query.info().valid_data) {
       pool_.put(std::move(ask));
       continue;
     }
     const Fences::Outcome outcome = fences_.pass(ask);
-    if (outcome == Fences::Outcome::passed) admit(std::move(ask));
+    if (outcome == Fences::Outcome::passed) {
+      if (idle && ask->query->chunk_count == 1 && queue_.empty()) {
+        first = std::move(ask);
+      } else {
+        admit(std::move(ask));
+      }
+    }
     if (outcome == Fences::Outcome::full) {
       refuse_later(std::move(ask),
                    fmt::format("{} questions wait for a publisher's samples, the limit", Fences::kMost));
     }
   }
+  pass_first_on();
   // The rest stays with DDS, which makes the askers wait: admission. A worker comes back for it.
   if (!stopping_.load()) left_in_reader_.store(taker.reader());
 }
 
 void Answering::take_more() {
   const dds_entity_t reader = left_in_reader_.exchange(0);
-  if (reader != 0) take(dds::Taker<wire::Query>(reader));
+  if (reader != 0) take(dds::Taker<wire::Query>(reader), nullptr);
 }
 
 void Answering::admit(AskPointer ask) {

@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "idl/dds.hpp"
+#include "server/service/background_audit.hpp"
 #include "server/service/clients.hpp"
 #include "server/service/clock.hpp"
 #include "server/service/counters.hpp"
 #include "server/service/fences.hpp"
 #include "server/service/lease_book.hpp"
+#include "server/service/short_questions.hpp"
 #include "server/service/work_queue.hpp"
 #include "server/world/world.hpp"
 
@@ -25,6 +27,7 @@ struct AnsweringOptions {
   std::uint64_t epoch = 0;
   unsigned threads = 1;
   std::int64_t deadline_ns = 0;      // of questions that bring none; 0: none
+  double error_m = 0;                // the same
   std::function<bool()> recovering;  // the world may lack what publishers have yet to say again
 };
 
@@ -45,11 +48,13 @@ class Answering {
   using Command = std::function<void(CommandAsk)>;  // called on a worker; answers through send_text
 
   Answering(const World& world, const WorldClock& clock, Fences& fences, LeaseBook& leases, QuestionCounts& counts,
-            const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options, Command command);
+            BackgroundAudit& audit, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
+            Command command);
   ~Answering();
 
-  /// From the query reader's listener: takes, stamps and hands over.
-  void take(const dds::Taker<wire::Query>& taker);
+  /// From the query reader's listener: takes, stamps and hands over; answers a single short question itself when
+  /// nobody waits, which saves waking another thread.
+  void listen(const dds::Taker<wire::Query>& taker);
   /// Past its fence: pins the state of a request in chunks and queues.
   void admit(AskPointer ask);
   /// The text of a command's answer, in as many replies as it needs. Any thread.
@@ -77,6 +82,7 @@ class Answering {
   class Worker;
 
   void refuse_later(AskPointer ask, std::string reason);
+  void take(const dds::Taker<wire::Query>& taker, AskPointer* single);
   void take_more();
 
   const World& world_;
@@ -84,12 +90,15 @@ class Answering {
   Fences& fences_;
   LeaseBook& leases_;
   QuestionCounts& counts_;
+  BackgroundAudit& audit_;
   AnsweringOptions options_;
   Command command_;
   AskPool pool_;
   WorkQueue<Work> queue_;
   Clients clients_;
   std::mutex taking_;
+  std::unique_ptr<Worker> listening_worker_;  // of the listener's thread
+  ShortQuestions short_questions_;            // the same
   std::atomic<dds_entity_t> left_in_reader_{0};  // the queue was full: this reader has more
   std::atomic<bool> stopping_{false};
   std::vector<std::thread> threads_;

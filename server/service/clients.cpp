@@ -54,6 +54,13 @@ std::shared_ptr<Client> Clients::find(std::uint64_t id) const {
   return found == clients_.end() ? nullptr : found->second;
 }
 
+bool Clients::ready(std::uint64_t id) const {
+  const std::shared_ptr<Client> client = find(id);
+  if (!client) return false;
+  const std::unique_lock lock(client->mutex_, std::try_to_lock);
+  return lock.owns_lock() && client->ready();
+}
+
 bool Clients::hold(Client& client, AskPointer& ask) {
   const std::lock_guard lock(client.mutex_);
   if (client.ready()) return false;

@@ -54,6 +54,8 @@ class Clients {
   /// The client of an ask; made when it is first seen; null when kMost are there.
   std::shared_ptr<Client> meet(std::uint64_t id, std::uint64_t asker);
   std::shared_ptr<Client> find(std::uint64_t id) const;
+  /// Its replies can be written at once. The only question here that a listener may ask.
+  bool ready(std::uint64_t id) const;
   /// Takes the ask where it must wait.
   bool hold(Client& client, AskPointer& ask);
   std::vector<AskPointer> resume(std::uint64_t id);

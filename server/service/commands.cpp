@@ -33,8 +33,11 @@ std::string dump(const json& value) {
 
 }  // namespace
 
-Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock)
-    : loop_(loop), inbox_(inbox), clock_(clock), loads_(kMostLoads), loader_([this] { load_loop(); }) {}
+Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
+                   const BackgroundAudit& audit)
+    : loop_(loop), inbox_(inbox), clock_(clock), counts_(counts), audit_(audit), slow_jobs_(kMostSlowJobs), slow_thread_([this] {
+        while (std::optional<SlowJob> job = slow_jobs_.pop()) (*job)();
+      }) {}
 
 Commands::~Commands() {
   stop();
@@ -42,8 +45,8 @@ Commands::~Commands() {
 
 void Commands::stop() {
   stopping_.store(true);
-  loads_.close();
-  if (loader_.joinable()) loader_.join();
+  slow_jobs_.close();
+  if (slow_thread_.joinable()) slow_thread_.join();
 }
 
 /// The answer of some work, or the refusal that it threw.
@@ -80,10 +83,12 @@ void Commands::run(CommandAsk ask) {
   }
   if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
+  if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
+  if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
   answer(ask, [&]() -> json {
-    const std::vector<std::string> known{names::kLoad,   names::kClear, names::kAdd, names::kMove,
-                                         names::kRemove, names::kList,  names::kGet, names::kPlan};
+    const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
+                                         names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "server/service/answering.hpp"
+#include "server/service/background_audit.hpp"
 #include "server/service/command_arguments.hpp"
 #include "server/service/inbox.hpp"
 #include "server/service/scene_loading.hpp"
@@ -21,7 +22,8 @@ namespace collided::service {
 /// becomes a job of the world's thread; files are read on a thread of their own.
 class Commands {
  public:
-  Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock);
+  Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
+           const BackgroundAudit& audit);
   ~Commands();
 
   /// Where the answers go; before the first run().
@@ -32,7 +34,7 @@ class Commands {
   void stop();
 
  private:
-  static constexpr std::size_t kMostLoads = 4;  // that wait
+  static constexpr std::size_t kMostSlowJobs = 4;  // that wait
   using Change = nlohmann::json (Commands::*)(const CommandAsk&, const Arguments&);
   struct Load {
     CommandAsk ask;
@@ -47,6 +49,7 @@ class Commands {
   // Where it is asked.
   nlohmann::json list(const Arguments& arguments) const;
   nlohmann::json plan(const Arguments& arguments) const;
+  nlohmann::json audit(const Arguments& arguments) const;
   // On the world's thread.
   nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
@@ -60,17 +63,23 @@ class Commands {
   std::uint64_t step();
   std::uint32_t ended_count() const;
 
+  // On a thread of their own, one after the other.
+  using SlowJob = std::function<void()>;
+  void make_room(const char* what) const;
   void load_later(CommandAsk ask, const Arguments& arguments);
-  void load_loop();
   void load_one(Load load);
+  void menu_later(CommandAsk ask, const Arguments& arguments);
+  nlohmann::json menu(std::uint32_t questions, std::uint64_t seed) const;
 
   WorldLoop& loop_;
   Inbox& inbox_;
   const WorldClock& clock_;
   Answering* answering_ = nullptr;
-  WorkQueue<Load> loads_;
+  const QuestionCounts& counts_;
+  const BackgroundAudit& audit_;
+  WorkQueue<SlowJob> slow_jobs_;
   std::atomic<bool> stopping_{false};
-  std::thread loader_;
+  std::thread slow_thread_;
 };
 
 }  // namespace collided::service

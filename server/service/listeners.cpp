@@ -76,7 +76,7 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
       pose_reader_(pose_topic_,
                    {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_poses(taker); },
                     .liveliness = [this](const dds::Liveliness& change) { pose_writers_.liveliness(change); }}),
-      query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) { answering.take(taker); }}) {}
+      query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) { answering.listen(taker); }}) {}
 
 void Listeners::take_left_definitions() {
   if (definitions_left_.exchange(false)) take_definitions(object_reader_.taker());

@@ -46,19 +46,15 @@ void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
     if (up != "y" && up != "z") throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z'", printable(up)));
     if (!(load.options.unit_m > 0))
       throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
-    if (!loads_.has_room())
-      throw BadCommand(fmt::format("{} files wait to be loaded already", kMostLoads), "ask again");
+    make_room("load");
     load.options.up = up[0];
   } catch (const BadCommand& bad) {
     answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
     return;
   }
   load.ask = std::move(ask);
-  loads_.push(std::move(load));
-}
-
-void Commands::load_loop() {
-  while (std::optional<Load> load = loads_.pop()) load_one(std::move(*load));
+  const auto shared = std::make_shared<Load>(std::move(load));
+  slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
 }
 
 void Commands::load_one(Load load) {

@@ -57,6 +57,17 @@ std::optional<std::int64_t> parse_duration_ns(std::string_view text) {
   return std::nullopt;
 }
 
+std::optional<double> parse_length_m(std::string_view text) {
+  const std::optional<double> value = take_number(text);
+  if (!value || !std::isfinite(*value) || *value < 0) return std::nullopt;
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  if (text.empty()) return value;
+  for (const auto& [name, metres] : kLengths) {
+    if (text == name) return *value * metres;
+  }
+  return std::nullopt;
+}
+
 std::optional<double> parse_unit_m(std::string_view text) {
   for (const auto& [name, metres] : kLengths) {
     if (text == name) return metres;

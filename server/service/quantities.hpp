@@ -15,6 +15,9 @@ std::optional<std::int64_t> parse_duration_ns(std::string_view text);
 /// Metres of a unit's name ("mm", "m", "in", ...) or of a positive number of metres.
 std::optional<double> parse_unit_m(std::string_view text);
 
+/// Metres of "1um", "0.5", "2 mm": a length not below 0, in metres where no unit stands.
+std::optional<double> parse_length_m(std::string_view text);
+
 /// True for what from_chars takes whole as a number ("-1", "-.5", "+3", "1e-300", "-inf"): never an option.
 bool is_number(std::string_view text);
 

@@ -14,7 +14,7 @@ struct SelfTestResult {
   std::vector<std::string> differences;  // a few, as sentences with all numbers
 };
 
-/// Asks rays, spheres and boxes about a state of the world, and the same of every triangle and primitive one by one.
+/// Asks rays, spheres, boxes and nearest points about a state of the world, and audits every answer.
 ///
 /// question_count  of each kind; the same seed asks the same questions
 SelfTestResult self_test(const Snapshot& snapshot, std::uint32_t question_count, std::uint64_t seed);

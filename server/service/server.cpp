@@ -91,6 +91,7 @@ struct Server::Parts {
   Fences fences;
   LeaseBook leases;
   QuestionCounts questions;
+  BackgroundAudit audit;
   Inbox inbox;
   WireOutlet outlet;
   WorldLoop loop;
@@ -123,6 +124,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
           .server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
       world({.epoch = identity.epoch, .max_objects = options.max_objects}),
       leases(world),
+      audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
       outlet(participant, identity),
       loop({.world = world,
             .clock = clock,
@@ -137,7 +139,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
            {.step_ns = options.step_ns,
             .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
-      commands(loop, inbox, clock),
+      commands(loop, inbox, clock, questions, audit),
       reply_topic(participant, options.name_space) {
   if (participant.configured_by_environment())
     log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
@@ -167,9 +169,9 @@ Server::~Server() {
 std::string Server::start() {
   Parts& p = *parts_;
   p.answering =
-      std::make_unique<Answering>(p.world, p.clock, p.fences, p.leases, p.questions, p.reply_topic,
+      std::make_unique<Answering>(p.world, p.clock, p.fences, p.leases, p.questions, p.audit, p.reply_topic,
                                   AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options),
-                                                   p.options.deadline_ns, [&p] { return p.loop.recovering(); }},
+                                                   p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); }},
                                   [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering);
@@ -188,6 +190,7 @@ void Server::stop() {
   p.commands.stop();
   p.let_jobs_end();
   p.answering->stop();
+  p.audit.stop();
   p.loop.stop();
   p.world_thread.join();
   p.listeners.reset();
@@ -200,7 +203,7 @@ int run_once(const Options& options) {
   load_start_scenes(options, world, 1);
   const SelfTestResult result = self_test(*world.newest(), 200, 1);
   for (const std::string& difference : result.differences) fmt::print("differs: {}\n", difference);
-  fmt::print("self-test: {} of {} answers equal to brute force\n", result.equal, result.asked);
+  fmt::print("self-test: {} of {} answers equal to brute force by rationals\n", result.equal, result.asked);
   return result.equal == result.asked ? 0 : 1;
 }
 

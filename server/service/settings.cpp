@@ -88,6 +88,27 @@ Allowed apply_deadline(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_error(Options& options, Values values) {
+  const std::optional<double> error = parse_length_m(values[0]);
+  if (!error) return "a length not below 0, such as 1um";
+  options.error_m = *error;
+  return std::nullopt;
+}
+
+Allowed apply_audit(Options& options, Values values) {
+  constexpr std::string_view kOneIn = "1/";
+  if (values[0] == "off") {
+    options.audit_every = 0;
+    return std::nullopt;
+  }
+  const std::string& text = values[0];
+  const bool fraction = text.starts_with(kOneIn);
+  const std::optional<std::int64_t> every = parse_whole(std::string_view(text).substr(fraction ? kOneIn.size() : 0));
+  if (!every || *every < 1 || (!fraction && *every != 1)) return "'off', '1' (all) or '1/N'";
+  options.audit_every = static_cast<std::uint64_t>(*every);
+  return std::nullopt;
+}
+
 Allowed apply_domain(Options& options, Values values) {
   return apply_whole(options.domain, values, 0, 230);
 }
@@ -145,6 +166,10 @@ constexpr Setting kSettings[] = {
     {"world.up", "--up", "COLLIDED_UP", "z", "AXIS", "of the scene files: y or z", false, apply_up},
     {"world.max_objects", "--max-objects", "COLLIDED_MAX_OBJECTS", "100000", "N", "static parts and moving objects",
      false, apply_max_objects},
+    {"answer.error", "--error", "COLLIDED_ERROR", "0", "LENGTH", "good enough where none is asked; 0: exact on doubt",
+     false, apply_error},
+    {"answer.audit", "--audit", "COLLIDED_AUDIT", "off", "1/N",
+     "one answer in N is worked out again, exactly and without index", false, apply_audit},
     {"answer.deadline", "--deadline", "COLLIDED_DEADLINE", "none", "TIME", "of questions that bring none", false,
      apply_deadline},
     {"dds.domain", "--domain", "COLLIDED_DOMAIN", "0", "N", "DDS domain; else ROS_DOMAIN_ID", false, apply_domain},

@@ -22,6 +22,10 @@ class WorkQueue {
     }
     arrived_.notify_one();
   }
+  bool empty() const {
+    const std::lock_guard lock(mutex_);
+    return items_.empty();
+  }
   bool has_room() const {
     const std::lock_guard lock(mutex_);
     return items_.size() < limit_;

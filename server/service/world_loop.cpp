@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file.hpp"
 
 namespace collided::service {
@@ -48,6 +49,7 @@ void WorldLoop::run() {
   next_step_ns_ = next_status_ns_;
   while (!stopping_.load()) {
     around_.inbox.drain(next_wake(), arrivals_);
+    if (restore_float_environment()) ++around_.questions.float_repairs;
     for (Arrival& arrival : arrivals_) {
       take(arrival);
       keep_time();

@@ -41,7 +41,7 @@ class WorldLoop {
     Outlet& outlet;
     Fences& fences;
     LeaseBook& leases;
-    const QuestionCounts& questions;
+    QuestionCounts& questions;
     std::function<void(AskPointer)> admit;           // asks whose fence has been passed
     std::function<void()> tick;                      // ten times a second
     std::function<void(const std::string&)> notice;  // a sentence for the log

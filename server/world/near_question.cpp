@@ -25,6 +25,7 @@ struct NearWalk {
   void keep(const AnswerHit& hit);
   void walk_scene(const StaticScene& scene);
   void walk_object(std::uint32_t slot);
+  void walk_movers(const Grid& grid);
 };
 
 template <class Part>
@@ -59,7 +60,8 @@ void NearWalk::keep(const AnswerHit& hit) {
   }
   found.insert(std::upper_bound(found.begin(), found.end(), hit, nearer_first), hit);
   if (found.size() == question.asked.max_hits) {
-    limit_m2 = std::min(limit_m2, square_up(found.back().distance_m, found.back().error_m));
+    const double farthest_m = std::max(found.back().distance_m - question.slack_m(), 0.0);
+    limit_m2 = std::min(limit_m2, square_up(farthest_m, found.back().error_m));
   }
 }
 
@@ -103,6 +105,23 @@ void NearWalk::walk_object(std::uint32_t slot) {
   info.mesh->tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, &context, question.walk);
 }
 
+void NearWalk::walk_movers(const Grid& grid) {
+  const auto candidate = [](void* raw, std::uint32_t slot, double) {
+    NearWalk& w = *static_cast<NearWalk*>(raw);
+    w.walk_object(slot);
+    return w.limit_m2;
+  };
+  grid.walk_near(point, limit_m2, candidate, this, question.walk);
+}
+
+/// What was not looked for may be nearer by this much.
+void widen_bounds(Question& question) {
+  if (question.found.size() < question.asked.max_hits) return;
+  for (AnswerHit& hit : question.found) {
+    if (!hit.is_at_start()) hit.error_m += question.slack_m();
+  }
+}
+
 }  // namespace
 
 void ask_near(Question& question, const double* n) {
@@ -113,13 +132,8 @@ void ask_near(Question& question, const double* n) {
                 .within_m = n[3],
                 .limit_m2 = NearWalk::square_up(n[3], 0)};
   for (const auto& scene : question.snapshot.scenes) walk.walk_scene(*scene);
-  if (!question.snapshot.grid) return;
-  const auto candidate = [](void* raw, std::uint32_t slot, double) {
-    NearWalk& w = *static_cast<NearWalk*>(raw);
-    w.walk_object(slot);
-    return w.limit_m2;
-  };
-  question.snapshot.grid->walk_near(walk.point, walk.limit_m2, candidate, &walk, question.walk);
+  if (question.snapshot.grid) walk.walk_movers(*question.snapshot.grid);
+  widen_bounds(question);
 }
 
 }  // namespace collided

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "idl/topics.hpp"
+#include "server/exact_phase/verdict.hpp"
 #include "server/geometry/vector.hpp"
 #include "server/world/snapshot.hpp"
 
@@ -18,11 +19,16 @@ struct Questions {
   wire_contract::RayMode mode = wire_contract::RayMode::closest;
   std::uint32_t mask = 0xffffffff;
   std::uint32_t max_hits = 1000;
-  std::string_view only;
-  std::string_view skip;
+  std::string_view only = {};
+  std::string_view skip = {};
   std::int64_t deadline_ns = 0;       // steady clock; 0: none
+  double error_m = 0;                 // distances and depths may be off by this much; yes and no are exact anyway
+  Level highest = Level::rational;    // of the ladder; below that, what is not decided is undecided
   std::span<const double> numbers;    // as Query.numbers in collided.idl
 };
+
+/// Layers and name patterns let the object answer.
+bool may_answer(const ObjectInfo& info, const Questions& asked);
 
 struct AnswerHit {
   ObjectId object = 0;
@@ -34,6 +40,9 @@ struct AnswerHit {
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::Zero();
   Vec3 weights = Vec3::Zero();
+
+  /// Exactly 0: nothing can be nearer.
+  bool is_at_start() const { return distance_m == 0 && error_m == 0; }
 };
 
 /// One answer a question and its hits in question order. Reused between calls so that answering does not allocate.
@@ -54,6 +63,7 @@ struct Answers {
 struct QueryScratch {
   std::vector<std::uint8_t> allowed;          // by slot, for the filter below
   std::vector<AnswerHit> found;
+  std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are answered together
   const ObjectTable* allowed_table = nullptr; // what `allowed` was computed for
   std::uint64_t allowed_version = 0;
   std::string allowed_only, allowed_skip;

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <span>
 
 #include "server/exact_phase/verdict.hpp"
 #include "server/world/query.hpp"
@@ -25,6 +27,9 @@ struct Question {
   bool truncated = false;
   bool timed_out = false;
 
+  /// Half of the error asked for is spent on numbers that are not sharpened, half on nearer things that are not looked
+  /// for: what lies nearer than the best found by less than this.
+  double slack_m() const { return asked.error_m / 2; }
   bool allows(ObjectId id) const { return allowed[slot_of(id)] != 0; }
   bool allows_part(const StaticScene& scene, std::uint32_t part) const { return allows(scene.part_objects[part]); }
   const ObjectInfo& object(std::uint32_t slot) const { return *(*snapshot.objects)[slot]; }
@@ -43,6 +48,9 @@ struct Question {
 
 /// Numbers as in Query.numbers; they have been checked.
 void ask_ray(Question& question, const double* numbers);
+/// Up to kRaysAtOnce rays, their walks through the static scenes in turn; each answer as from ask_ray.
+inline constexpr std::size_t kRaysAtOnce = 64;
+void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers);
 void ask_sphere(Question& question, const double* numbers);
 void ask_box(Question& question, const double* numbers);
 void ask_near(Question& question, const double* numbers);

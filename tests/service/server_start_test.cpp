@@ -83,7 +83,7 @@ TEST_F(ServerStart, OptionErrorsSayWhatIsAllowed) {
 TEST_F(ServerStart, OnceComparesWithBruteForce) {
   const Ended ended = run({"--once"});
   EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
-  EXPECT_NE(ended.output.find("600 of 600 answers equal to brute force"), std::string::npos) << ended.output;
+  EXPECT_NE(ended.output.find("800 of 800 answers equal to brute force by rationals"), std::string::npos) << ended.output;
 }
 
 TEST_F(ServerStart, StopsWithinASecond) {

@@ -69,6 +69,9 @@ class BounceSource : public Source {
     record.push_back({"energy_after", ledger.energy_after});
     record.push_back({"momentum_before", MaybeVector(ledger.momentum_before)});
     record.push_back({"momentum_after", MaybeVector(ledger.momentum_after)});
+    record.push_back({"response", std::string(answer_name())});
+    record.push_back({"energy_drift", ledger.energy_drift()});
+    record.push_back({"penetration_m", ledger.penetration_m});
     record.push_back({"events_lost", watch_ ? watch_->lost() : 0});
     add_lines(ledger, lines);
   }
@@ -120,7 +123,17 @@ class BounceSource : public Source {
     lines.push_back(fmt::format("  walls: {} faces, {} edges, {} corners", ledger.wall_hits[1], ledger.wall_hits[2], ledger.wall_hits[3]));
     lines.push_back(fmt::format("  energy {} before, {} after; momentum {} before, {} after", format_number(ledger.energy_before),
                                 format_number(ledger.energy_after), format_vector(ledger.momentum_before), format_vector(ledger.momentum_after)));
+    lines.push_back(fmt::format("  response {}: energy drift {:.2g}, worst penetration {:.3g} m", answer_name(), ledger.energy_drift(), ledger.penetration_m));
     if (bounce_.overlapping_at_start() > 0) lines.push_back(fmt::format("  {} spheres found no free place at the start", bounce_.overlapping_at_start()));
+  }
+
+  std::string_view answer_name() const {
+    switch (options_.bounce.answer) {
+      case response::Answer::flip: return "flip";
+      case response::Answer::impulse: return "impulse";
+      case response::Answer::compliant: break;
+    }
+    return "compliant";
   }
 
   std::size_t triangle_count() const {

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "client/draw/plot.hpp"
+#include "client/draw/svg.hpp"
+
+namespace collided::draw {
+
+/// From values to pixels along one axis, with its ticks.
+class AxisMap {
+ public:
+  AxisMap(const Axis& axis, const std::vector<double>& values, double first_px, double last_px);
+
+  double pixel(double value) const;
+  double value_at(double fraction) const;
+  /// Round values within the axis, few enough for texts of the given room; (value, text).
+  std::vector<std::pair<double, std::string>> ticks(double room_px) const;
+  /// Some value has no place on a logarithmic axis and is drawn at its low end.
+  bool has_zero() const { return has_zero_; }
+  double low() const { return low_; }
+  double high() const { return high_; }
+
+ private:
+  void choose_logarithmic(const std::vector<double>& values);
+  void choose_linear(const std::vector<double>& values);
+
+  Scale scale_;
+  double first_px_;
+  double last_px_;
+  double low_ = 0;
+  double high_ = 1;
+  bool has_zero_ = false;
+};
+
+}  // namespace collided::draw

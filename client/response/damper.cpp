@@ -1,0 +1,141 @@
+#include "client/response/damper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "client/response/tolerance.hpp"
+
+namespace collided::response {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+// Next to critical damping both forms divide by a difference that vanishes; this far off they lose 1e-10 of their value.
+constexpr double kCriticalWidth = 1e-10;
+constexpr double kLargestDampingRatio = 20;
+
+/// 1 - ratio^2, kept away from 0.
+double off_critical(double ratio) {
+  const double off = (1 - ratio) * (1 + ratio);
+  return std::abs(off) < kCriticalWidth ? kCriticalWidth : off;
+}
+
+/// First root of a function that falls from above 0 at `low` to below 0 at `high`; to the last bit.
+template <typename Function>
+double bisect(const Function& function, double low, double high) {
+  for (double middle = low + (high - low) / 2; low < middle && middle < high; middle = low + (high - low) / 2) {
+    (function(middle) > 0 ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+double Spring::damping(double reduced_mass_kg) const {
+  return 2 * damping_ratio * std::sqrt(stiffness_n_m * reduced_mass_kg);
+}
+
+double Spring::frequency(double reduced_mass_kg) const {
+  return std::sqrt(stiffness_n_m / reduced_mass_kg);
+}
+
+double restitution_of_damping(double damping_ratio) {
+  const double off = off_critical(damping_ratio);
+  const double root = std::sqrt(std::abs(off));
+  // Time to the end of the contact, times the damped frequency: where the force, not the depth, is 0 again.
+  if (off > 0) return std::exp(-damping_ratio / root * std::atan2(2 * damping_ratio * root, 2 * damping_ratio * damping_ratio - 1));
+  return std::exp(-damping_ratio / root * 2 * std::asinh(root));
+}
+
+double damping_of_restitution(double restitution) {
+  if (!(restitution >= kLeastDampedRestitution && restitution <= 1)) {
+    throw std::invalid_argument("restitution of a compliant contact: 0.001 to 1; a damper gives no less, an impulse does");
+  }
+  if (restitution == 1) return 0;
+  return bisect([&](double ratio) { return restitution_of_damping(ratio) - restitution; }, 0, kLargestDampingRatio);
+}
+
+ContactPhase::ContactPhase(const Spring& spring, double reduced_mass_kg, double approach_m_s, double load_n) {
+  frequency_ = spring.frequency(reduced_mass_kg);
+  decay_ = spring.damping_ratio * frequency_;
+  const double off = off_critical(spring.damping_ratio);
+  oscillates_ = off > 0;
+  turn_ = frequency_ * std::sqrt(std::abs(off));
+  rest_ = load_n / spring.stiffness_n_m;
+  sine_ = (approach_m_s - decay_ * rest_) / turn_;
+  duration_s_ = find_end();
+}
+
+double ContactPhase::depth(double seconds) const {
+  if (oscillates_) {
+    const double half = std::sin(turn_ * seconds / 2);
+    // 1 - e^(-a) cos b without the cancellation of a start near 0.
+    const double risen = -std::expm1(-decay_ * seconds) + std::exp(-decay_ * seconds) * 2 * half * half;
+    return rest_ * risen + std::exp(-decay_ * seconds) * sine_ * std::sin(turn_ * seconds);
+  }
+  const double slow = std::exp((turn_ - decay_) * seconds) / 2;
+  const double fast = std::exp((-turn_ - decay_) * seconds) / 2;
+  return rest_ - rest_ * (slow + fast) + sine_ * (slow - fast);
+}
+
+double ContactPhase::depth_rate(double seconds) const {
+  // d/dt of e^(-at) (C cos + S sin), with C = -rest.
+  if (oscillates_) {
+    return std::exp(-decay_ * seconds) *
+           ((sine_ * turn_ + decay_ * rest_) * std::cos(turn_ * seconds) + (rest_ * turn_ - decay_ * sine_) * std::sin(turn_ * seconds));
+  }
+  const double slow = std::exp((turn_ - decay_) * seconds) / 2;
+  const double fast = std::exp((-turn_ - decay_) * seconds) / 2;
+  return (turn_ - decay_) * slow * (sine_ - rest_) + (turn_ + decay_) * fast * (sine_ + rest_);
+}
+
+double ContactPhase::force_over_mass(double seconds) const {
+  return frequency_ * frequency_ * depth(seconds) + 2 * decay_ * depth_rate(seconds);
+}
+
+double ContactPhase::find_end() const {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  if (decay_ == 0) {
+    // y = rest (1 - cos) + sine sin = 0 at tan(theta / 2) = -sine / rest.
+    return sine_ == 0 && rest_ >= 0 ? kEndless : 2 * (kPi - std::atan2(sine_, rest_)) / turn_;
+  }
+  // The force is its value at rest plus e^(-at) times a wave; where it stands still, tan(theta) is the quotient below.
+  const double w2 = frequency_ * frequency_;
+  const double v0 = sine_ * turn_ + decay_ * rest_;
+  const double p = 2 * decay_ * v0 - w2 * rest_;
+  const double q = w2 * sine_ + 2 * decay_ * ((oscillates_ ? rest_ : -rest_) * turn_ - decay_ * sine_);
+  const auto force = [this](double seconds) { return force_over_mass(seconds); };
+  if (oscillates_) {
+    double first = std::atan2(q * turn_ - decay_ * p, p * turn_ + decay_ * q);
+    if (first <= 0) first += kPi;
+    const double peak = first / turn_;
+    const bool rises = force(peak) > force(0);
+    const double low = rises ? peak : 0;
+    const double least = rises ? peak + kPi / turn_ : peak;
+    return force(least) < 0 ? bisect(force, low, least) : kEndless;
+  }
+  // Two falling exponentials: at most one place where the force stands still.
+  const double slow = (p + q) * (turn_ - decay_);
+  const double fast = (p - q) * (turn_ + decay_);
+  const double still = fast / slow > 0 ? std::log(fast / slow) / (2 * turn_) : 0;
+  if (still <= 0 || force(still) >= 0) return rest_ < 0 ? bisect(force, 0, 1e3 / (decay_ - turn_)) : kEndless;
+  return bisect(force, 0, still);
+}
+
+double ContactPhase::deepest() const {
+  // Where the rate is 0 for the first time: (sine turn + decay rest) cos + (rest turn - decay sine) sin = 0.
+  const double start = sine_ * turn_ + decay_ * rest_;
+  if (oscillates_) {
+    double angle = std::atan2(start, decay_ * sine_ - rest_ * turn_);
+    if (angle <= 0) angle += kPi;
+    return depth(std::min(angle / turn_, duration_s_));
+  }
+  const double slow = (turn_ - decay_) * (sine_ - rest_);
+  const double fast = (turn_ + decay_) * (sine_ + rest_);
+  const double quotient = -fast / slow;
+  if (quotient > 1) return depth(std::min(std::log(quotient) / (2 * turn_), duration_s_));
+  return std::max(rest_, 0.0);
+}
+
+}  // namespace collided::response

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <limits>
+
+namespace collided::response {
+
+/// Relative, of the largest coordinate: gaps below it are touching. A gap is a difference of two rounded positions and of
+/// the radii between them, each step of a flight rounds each position once more: 4 half ulps of the largest.
+/// At zero, ResponseOnset.ADampedContactFeelsItsDamperFromTheFirstInstant fails.
+inline constexpr double kTouching = 2 * std::numeric_limits<double>::epsilon();
+
+/// Relative, of the largest coordinate: how far a pair must part before its contact ends, so that one which jitters by an
+/// ulp to either side of touching begins once. It begins at half of this. Two positions that jitter by an ulp each move the
+/// gap by two.
+/// At zero, ResponseChatter.AnUlpToEitherSideBeginsOnce fails.
+inline constexpr double kHysteresis = 4 * std::numeric_limits<double>::epsilon();
+
+/// Times |gravity * step|: impacts slower than this stop without a bounce. A resting body gathers gravity * step between
+/// two looks; with a bounce for that it would never lie still. Twice, since the impact before may have left as much.
+/// At zero, ResponseResting.AStackUnderImpulsesLiesStill fails.
+inline constexpr double kRestingSpeed = 2;
+
+/// Relative local error a substep of the compliant method may make, in the energy norm of the contacts that hold.
+/// A bounce takes about 2 / cbrt(kSubstepError) substeps; its speed comes out within 100 times this.
+/// At 1e-2, ResponseStiffness.EveryBounceReturnsItsSpeed fails.
+inline constexpr double kSubstepError = 1e-8;
+
+/// Times the gap called touching: errors of a gap below it are its rounding. Each gap has 4 roundings and enters the estimate
+/// in three states, with weights up to 2.
+/// At zero, ResponseResting.AStackOfTheStiffestSpringsCostsFewSubsteps fails.
+inline constexpr double kUnseenGap = 8;
+
+/// Least substep, in units of 1 / (the contact's own frequency): below it a substep is kept whatever it says of its
+/// error, because rounding of the gap is then what it measures.
+/// Without it, ResponseStiffness.FarFromTheOriginTheControllerStillEnds fails.
+inline constexpr double kLeastSubstep = 1e-4;
+
+/// Substeps a step may take; what is left of it then goes by one step of implicit Euler, which never gains energy, and
+/// is counted.
+/// Without it, ResponseStiffness.AStepOfADayEnds fails.
+inline constexpr int kMostSubsteps = 200'000;
+
+/// Rounds of impulses over the contacts that touch; what then still approaches stops without a bounce, together.
+/// Without it, ResponseSimultaneous.AHeavyBallOnAStackEndsItsRounds fails.
+inline constexpr int kMostRounds = 1'000;
+
+/// Least restitution that a damper can give: it takes damping_ratio 16, and goes to 0 only as 1 / (4 damping_ratio^2).
+/// Without it, ResponseDamper.ARestitutionThatNoDamperGivesIsRefused fails.
+inline constexpr double kLeastDampedRestitution = 1e-3;
+
+}  // namespace collided::response

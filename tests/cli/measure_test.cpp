@@ -1,0 +1,79 @@
+#include <gtest/gtest.h>
+
+#include "tests/cli/fake_client.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+class Measure : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    fake::server().command = [this](const std::string& name, const nlohmann::json& arguments, const Shape&) -> Result<std::string> {
+      asked = arguments;
+      return replies.at(name).dump();
+    };
+  }
+
+  std::map<std::string, nlohmann::json> replies;
+  nlohmann::json asked;
+};
+
+nlohmann::json menu_row(const char* method, nlohmann::json bound) {
+  return {{"kind", "ray"}, {"method", method}, {"asked", 300}, {"undecided", 0}, {"wrong", 7}, {"worst_error", 4.4e-16},
+          {"worst_bound", bound}, {"p50_ns", 2100}, {"p99_ns", 7700}};
+}
+
+TEST_F(Measure, TheMenuIsAPriceList) {
+  replies["menu"] = {{"rows", {menu_row("exact on doubt", 2e-15), menu_row("boxes only", "inf")}}, {"seed", 7}, {"version", 9}};
+  EXPECT_EQ(at_terminal("menu --questions 300 --seed 7").out,
+            "ASKED  METHOD          WORST ERROR  BOUND    P50     P99     UNDECIDED  WRONG\n"
+            "ray    exact on doubt  4.4e-16 m    2e-15 m  2.1 us  7.7 us  0          7\n"
+            "ray    boxes only      4.4e-16 m    none     2.1 us  7.7 us  0          7\n");
+  EXPECT_EQ(asked["questions"], 300);
+  EXPECT_EQ(asked["seed"], 7);
+  EXPECT_EQ(collide("menu --json --fields kind,method,worst_bound").out,
+            "{\"kind\":\"ray\",\"method\":\"exact on doubt\",\"worst_bound\":2e-15}\n"
+            "{\"kind\":\"ray\",\"method\":\"boxes only\",\"worst_bound\":\"inf\"}\n");
+}
+
+TEST_F(Measure, AnEmptyWorldHasNoMenu) {
+  replies["menu"] = {{"rows", nlohmann::json::array()}, {"seed", 1}, {"version", 9}};
+  const Ran ran = collide("menu");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_NE(ran.err.find("the world is empty"), std::string::npos);
+}
+
+nlohmann::json audit(int every, int differing) {
+  nlohmann::json differences = nlohmann::json::array();
+  if (differing > 0) differences.push_back("ray 0 0 5: the first hit is at 4");
+  return {{"every", every}, {"chosen", 12419}, {"audited", 12419}, {"differing", differing}, {"skipped", 0}, {"float_repairs", 0},
+          {"differences", differences},
+          {"questions", {{{"kind", "ray"}, {"double", 12417}, {"expansion", 2}, {"rational", 0}}}}};
+}
+
+TEST_F(Measure, AnAuditWithoutDifferenceIsAYes) {
+  replies["audit"] = audit(1000, 0);
+  const Ran ran = at_terminal("audit");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out,
+            "since start 12 419 re-asked, 0 differ\n"
+            "ASKED  DOUBLE  EXPANSION  RATIONAL\n"
+            "ray    12 417  2          0\n");
+}
+
+TEST_F(Measure, ADifferenceIsShownAndANo) {
+  replies["audit"] = audit(1000, 1);
+  const Ran ran = at_terminal("audit");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_NE(ran.out.find("1 differ\n  ray 0 0 5: the first hit is at 4\n"), std::string::npos);
+}
+
+TEST_F(Measure, AServerWithoutAuditorSaysHowToGetOne) {
+  replies["audit"] = audit(0, 0);
+  EXPECT_NE(collide("audit").err.find("--audit 1/1000"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace collided

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "server/broad_phase/bsp_tree.hpp"
+#include "server/broad_phase/grid.hpp"
+
+namespace collided::extreme {
+
+using Numbers = std::vector<std::uint32_t>;
+using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+inline Aabb cube(const Vec3& low, double size_m) { return {low, low + Vec3::Constant(size_m)}; }
+
+inline Grid grid_of(const std::vector<Aabb>& boxes) {
+  Grid grid;
+  grid.rebuild(boxes);
+  return grid;
+}
+
+/// In ascending order, so that a pair found twice shows.
+inline Pairs pairs_of(const Grid& grid) {
+  Pairs all;
+  WalkCost cost;
+  grid.pairs([](void* context, std::uint32_t a, std::uint32_t b) { static_cast<Pairs*>(context)->emplace_back(a, b); },
+             &all, cost);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+inline Pairs pairs_by_force(const std::vector<Aabb>& boxes) {
+  Pairs all;
+  for (std::uint32_t a = 0; a < boxes.size(); ++a) {
+    for (std::uint32_t b = a + 1; b < boxes.size(); ++b) {
+      if (overlaps(boxes[a], boxes[b])) all.emplace_back(a, b);
+    }
+  }
+  return all;
+}
+
+inline std::uint64_t count_pairs(const Grid& grid) {
+  std::uint64_t count = 0;
+  WalkCost cost;
+  grid.pairs([](void* context, std::uint32_t, std::uint32_t) { ++*static_cast<std::uint64_t*>(context); }, &count, cost);
+  return count;
+}
+
+template <class Index>
+Numbers in_box(const Index& index, const Aabb& asked) {
+  Numbers all;
+  WalkCost cost;
+  index.walk_box(
+      asked,
+      [](void* context, std::uint32_t number) {
+        static_cast<Numbers*>(context)->push_back(number);
+        return true;
+      },
+      &all, cost);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+inline Numbers along_ray(const Grid& grid, const Ray& ray, double limit) {
+  Numbers all;
+  WalkCost cost;
+  grid.walk_ray(
+      ray, limit,
+      [](void* context, std::uint32_t number, double now) {
+        static_cast<Numbers*>(context)->push_back(number);
+        return now;
+      },
+      &all, cost);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+/// A triangle may be offered twice; here once.
+inline Numbers along_ray(const BspTree& tree, const Ray& ray) {
+  Numbers all;
+  WalkCost cost;
+  tree.walk_ray(
+      ray, ray.length_m, 0,
+      [](void* context, std::uint32_t number, double now) {
+        static_cast<Numbers*>(context)->push_back(number);
+        return now;
+      },
+      &all, cost);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+inline Numbers near_point(const Grid& grid, const Vec3& point, double reach_m) {
+  Numbers all;
+  WalkCost cost;
+  grid.walk_near(
+      point, reach_m * reach_m,
+      [](void* context, std::uint32_t number, double now) {
+        static_cast<Numbers*>(context)->push_back(number);
+        return now;
+      },
+      &all, cost);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+}  // namespace collided::extreme

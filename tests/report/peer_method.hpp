@@ -1,0 +1,16 @@
+#pragma once
+
+#include "tests/report/measure.hpp"
+#include "tests/report/peer.hpp"
+
+namespace collided::report {
+
+/// Adds a peer to the methods of a study, if its program was built and knows the kind of problem.
+void add_peer(std::vector<Method>& methods, const Setting& setting, const std::string& program,
+              const std::string& option, const std::filesystem::path& problem, const std::string& series,
+              const std::string& label);
+
+/// Where the study may put its problem.
+std::filesystem::path problem_file(const Setting& setting, const std::string& study);
+
+}  // namespace collided::report

@@ -1,0 +1,87 @@
+#include <random>
+
+#include "server/broad_phase/bsp_tree.hpp"
+#include "server/exact_phase/ray_cast.hpp"
+#include "tests/report/peer_method.hpp"
+#include "tests/report/plain.hpp"
+#include "tests/report/studies.hpp"
+#include "tests/scenes/meshes.hpp"
+
+namespace collided::report {
+namespace {
+
+Vec3 on_sphere(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  const double x = normal(random);
+  const double y = normal(random);
+  return Vec3(x, y, normal(random)).normalized();
+}
+
+struct Any {
+  const Ray& ray;
+  bool hit = false;
+};
+
+template <class T>
+double plainly(void* context, std::uint32_t, const Triangle& t, double limit) {
+  auto& any = *static_cast<Any*>(context);
+  any.hit = plain_ray<T>(V<T>(any.ray.origin), V<T>(any.ray.direction), V<T>(t.a), V<T>(t.b), V<T>(t.c)).has_value();
+  return any.hit ? -1 : limit;
+}
+
+double exactly_so(void* context, std::uint32_t, const Triangle& t, double limit) {
+  auto& any = *static_cast<Any*>(context);
+  RayHit hit;
+  any.hit = cast_ray(any.ray, t, hit).yes();
+  return any.hit ? -1 : limit;
+}
+
+}  // namespace
+
+std::vector<Row> study_decisions(const Setting& setting) {
+  std::mt19937_64 random(setting.seed + 7);
+  // A closed surface seen from inside: every ray hits it, so no reference is needed.
+  TriangleMesh mesh = scenes::icosphere(setting.quick ? 3 : 5, 1);
+  for (Vec3& v : mesh.vertices) v = v.cast<float>().cast<double>();
+  const BspTree tree = BspTree::build(mesh);
+  std::uniform_real_distribution<double> part(0, 1);
+  std::vector<Row> rows;
+  const int count = setting.quick ? 2000 : setting.full ? 1000000 : 100000;
+  for (const std::string family : {"random direction", "toward a vertex, exactly", "toward an edge"}) {
+    std::vector<Ray> rays;
+    PeerProblem problem{"ray", mesh, 6, {}};
+    for (int i = 0; i < count; ++i) {
+      const Triangle t = mesh.triangle(static_cast<std::uint32_t>(random() % mesh.triangles.size()));
+      Vec3 direction = family[0] == 'r' ? on_sphere(random) : t.a;
+      if (family == "toward an edge") direction = t.a + part(random) * (t.b - t.a);
+      direction = direction.cast<float>().cast<double>();
+      rays.push_back({Vec3::Zero(), direction});
+      problem.numbers.insert(problem.numbers.end(), {0, 0, 0, direction[0], direction[1], direction[2]});
+    }
+    const std::vector<Truth> truth(rays.size(), Truth{true, 0});
+    const auto method = [&](const std::string& series, BspTree::RayTriangle decide) {
+      return Method{series, "", kUnknown, each(rays, [&, decide](const Ray& ray) {
+        Any any{ray};
+        WalkCost cost;
+        tree.walk_ray(ray, INFINITY, 0, mesh, decide, &any, cost);
+        return Answer{any.hit, 0};
+      })};
+    };
+    std::vector<Method> methods{method("ours", exactly_so), method("plain double", plainly<double>),
+                                method("plain float", plainly<float>)};
+    const auto file = problem_file(setting, "decisions");
+    write_problem(file, problem);
+    add_peer(methods, setting, "peer_embree", "default", file, "Embree default", "");
+    add_peer(methods, setting, "peer_embree", "robust", file, "Embree robust", "");
+    add_peer(methods, setting, "peer_bullet_float", "", file, "Bullet float", "");
+    add_peer(methods, setting, "peer_cgal", "", file, "CGAL", "");
+    for (Row& row : measure("decisions", family, methods, truth, 1, setting.repeats())) {
+      // The questions are only yes or no.
+      row.error_max = row.error_p50 = kUnknown;
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+}  // namespace collided::report
