@@ -110,8 +110,17 @@ inline Expansion abs(const Expansion& x) { return x.leading() < 0 ? -x : x; }
 inline Dyadic abs(const Dyadic& x) { return x.sign() < 0 ? -x : x; }
 using collided::abs;
 
-inline Expansion max(const Expansion& a, const Expansion& b) { return (a - b).leading() < 0 ? b : a; }
-inline Dyadic max(const Dyadic& a, const Dyadic& b) { return (a - b).sign() < 0 ? b : a; }
+/// Of a number that answers nothing and another one: one that answers nothing.
+inline Expansion max(const Expansion& a, const Expansion& b) {
+  const Expansion rest = a - b;
+  if (rest.lost()) return rest;
+  return rest.leading() < 0 ? b : a;
+}
+inline Dyadic max(const Dyadic& a, const Dyadic& b) {
+  const Dyadic rest = a - b;
+  if (!rest.finite()) return rest;
+  return rest.sign() < 0 ? b : a;
+}
 template <class N>
 N min(const N& a, const N& b) {
   return -max(-a, -b);

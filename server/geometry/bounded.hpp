@@ -58,8 +58,11 @@ inline Bounded operator/(const Bounded& a, const Bounded& b) {
 
 inline Bounded abs(const Bounded& a) { return {std::abs(a.value), a.error}; }
 
+/// A bound that is not a number must not vanish behind one that is.
+inline double greater_error(double a, double b) { return a > b || a != a ? a : b; }
+
 inline Bounded max(const Bounded& a, const Bounded& b) {
-  return {a.value > b.value ? a.value : b.value, a.error > b.error ? a.error : b.error};
+  return {a.value > b.value ? a.value : b.value, greater_error(a.error, b.error)};
 }
 
 inline Bounded min(const Bounded& a, const Bounded& b) { return -max(-a, -b); }
@@ -112,7 +115,7 @@ inline Traced operator*(const Traced& a, const Traced& b) {
 
 inline Traced abs(const Traced& a) { return {std::abs(a.value), a.error}; }
 inline Traced max(const Traced& a, const Traced& b) {
-  return {a.value > b.value ? a.value : b.value, a.error > b.error ? a.error : b.error};
+  return {a.value > b.value ? a.value : b.value, greater_error(a.error, b.error)};
 }
 
 /// Square root of a number that is known to be >= 0 (its value may be slightly below).
