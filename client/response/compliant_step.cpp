@@ -79,19 +79,20 @@ double Stepper::advance_in_contact(Motion& motion, double most_s, double touchin
   contact_forces(line_, options_.spring, motion, touching_m, force_);
   gather_accelerations(force_, start_acceleration_);
   if (next_substep_s_ == 0) next_substep_s_ = kFirstSubstep / highest_frequency_;
-  const double least = kLeastSubstep / highest_frequency_;
   const double onset = time_to_onset(motion, touching_m);
   double h = std::min(most_s, next_substep_s_);
-  if (onset > least) h = std::min(h, onset);
+  if (onset > 0) h = std::min(h, onset);
+  // Ends: a substep that fails is at least a tenth shorter, and one without length has no error.
   for (;;) {
     const double error = substep(motion, h, touching_m);
     // Third order; a cube root so small that the next try almost surely passes.
     const double factor = std::clamp(0.9 * std::cbrt(1 / std::max(error, 1e-30)), 0.1, 4.0);
-    const bool accepted = error <= 1 || h <= least;
+    // Not a number passes: of a state that has overflowed no shorter substep would make more.
+    const bool accepted = !(error > 1);
     // What the step's end or an onset cut short says little about how long the next may be.
     const bool was_cut = h < next_substep_s_;
     if (accepted && was_cut) next_substep_s_ = std::max(next_substep_s_, h * factor);
-    if (!(accepted && was_cut)) next_substep_s_ = std::max(h * factor, least);
+    if (!(accepted && was_cut)) next_substep_s_ = h * factor;
     if (accepted) break;
     h = std::min(h, next_substep_s_);
     ++counts_.repeated;

@@ -17,8 +17,8 @@ void contact_forces(const Line& line, const Spring& spring, const Motion& motion
 /// Always: one solution, found in at most one round a contact, whatever k h^2 / m is. In the forces the stage is the linear
 /// complementarity problem of A = 1/s + h^2 B M^-1 B^T, a tridiagonal M-matrix; contacts only ever join the set that
 /// pushes, since each that does pushes the others closer.
-/// error      entrywise: elimination adds and multiplies numbers of one sign only, so masses 1e6 apart and stiffness
-///            without end cost no digits
+/// error      of forces entrywise: elimination adds and multiplies numbers of one sign only, so masses 1e6 apart and
+///            stiffness without end cost no digits. Velocities are differences of forces: within roundings of force * h / m
 /// source     Chandrasekaran, "A special case of the complementary pivot problem", Opsearch 7, 1970; Cottle, Pang, Stone,
 ///            "The Linear Complementarity Problem", 1992, 4.7; Grassmann, Taksar, Heyman, "Regenerative analysis and steady
 ///            state distributions", Oper. Res. 33, 1985 (elimination without subtraction)

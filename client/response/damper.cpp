@@ -119,6 +119,7 @@ double ContactPhase::find_end() const {
   const double slow = (p + q) * (turn_ - decay_);
   const double fast = (p - q) * (turn_ + decay_);
   const double still = fast / slow > 0 ? std::log(fast / slow) / (2 * turn_) : 0;
+  // After a thousand decays nothing is left but the load.
   if (still <= 0 || force(still) >= 0) return rest_ < 0 ? bisect(force, 0, 1e3 / (decay_ - turn_)) : kEndless;
   return bisect(force, 0, still);
 }

@@ -38,10 +38,12 @@ class EventDriven {
   struct Next {
     double seconds;
     std::size_t contact;
+    double approach_m_s;  // at the impact
   };
   Next next_impact() const;
   void move(double seconds);
-  void answer(std::size_t contact);
+  void answer(const Next& impact);
+  void place(const Next& impact);
   double body_acceleration(std::size_t body) const { return body < resting_ ? 0 : line_.gravity_m_s2; }
 
   Line line_;
@@ -49,6 +51,7 @@ class EventDriven {
   double restitution_;
   double resting_speed_m_s_;
   double time_s_ = 0;
+  double time_lost_s_ = 0;   // what rounding has left out of the time so far: a million bounces add a million flights
   std::uint64_t impacts_ = 0;
   std::size_t resting_ = 0;  // the first so many bodies lie still
   std::vector<char> touching_;

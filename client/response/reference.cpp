@@ -69,7 +69,7 @@ ReferenceState compliant_ball(const Spring& spring, double mass_kg, double gravi
     ++state.contacts;
     left -= held;
     if (left > 0 && state.position_m < 0) {
-      // Out of the spring's reach without force, which takes no time worth a case of its own: it is flight.
+      // Up to the surface the spring, let go, follows without a force.
       const double out = (std::sqrt(std::max(0.0, state.velocity_m_s * state.velocity_m_s + 2 * gravity_m_s2 * state.position_m)) - state.velocity_m_s) / -gravity_m_s2;
       const double risen = std::min(left, out);
       state.position_m += (state.velocity_m_s - 0.5 * gravity_m_s2 * risen) * risen;

@@ -33,7 +33,9 @@ struct ReferenceState {
 };
 
 /// The same ball, mass and gap of its lowest point, on a spring: flights and contacts in closed form, in turn.
-/// `seconds` may be anything; cost a few closed forms a contact.
+/// error   of rounding without a damper. With one, a ball that its spring let go of below the surface flies on without a
+///         force: right while speeds are far above gravity / frequency, so not for the last bounces before rest
+/// cost    a few closed forms a contact
 ReferenceState compliant_ball(const Spring& spring, double mass_kg, double gravity_m_s2, double height_m, double velocity_m_s, double seconds);
 
 /// Two bodies that meet on a spring, nothing else: centre of mass uniform, distance by the contact's closed form.

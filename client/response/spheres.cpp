@@ -45,7 +45,7 @@ Vec3 Spheres::normal(const Pair& pair) const {
 void Spheres::contact_began(std::size_t a, std::size_t b) {
   if (a == b) return;
   const Pair pair = std::minmax(a, b);
-  const bool is_new = open_.emplace(pair, Episode{.answers = 0, .length_m = gap(pair)}).second;
+  const bool is_new = open_.emplace(pair, Episode{}).second;
   if (is_new) ++ledger_.contacts;
 }
 
@@ -87,8 +87,9 @@ bool Spheres::push(const Pair& pair, Episode& episode, double seconds) {
   Sphere& b = spheres_[pair.second];
   const Vec3 along = normal(pair);
   const InverseMasses masses{1 / mass(a), 1 / mass(b)};
-  const double start_m = gap(pair) - episode.length_m;
+  const double start_m = episode.deflection_m;
   const double start_m_s = along.dot(b.velocity - a.velocity);
+  const double overlap_m = -gap(pair);
   between_.mass_kg[0] = 1 / masses.sum();
   between_.low_wall_m = 0;
   between_.high_wall_m = kInfinity;
@@ -100,11 +101,22 @@ bool Spheres::push(const Pair& pair, Episode& episode, double seconds) {
   const double shift_m = motion_.position_m[0] - start_m - motion_.velocity_m_s[0] * seconds;
   a.velocity -= masses.a / masses.sum() * change_m_s * along;
   b.velocity += masses.b / masses.sum() * change_m_s * along;
-  a.position -= masses.a / masses.sum() * shift_m * along;
-  b.position += masses.b / masses.sum() * shift_m * along;
-  ledger_.penetration_m = std::max(ledger_.penetration_m, stepper_.counts().deepest_m - episode.length_m);
+  shift(a, -masses.a / masses.sum() * shift_m * along);
+  shift(b, masses.b / masses.sum() * shift_m * along);
+  // A spring that has let go starts afresh, wherever the two are then.
+  episode.deflection_m = std::min(motion_.position_m[0], 0.0);
+  ledger_.penetration_m = std::max(ledger_.penetration_m, overlap_m + std::max(stepper_.counts().deepest_m + start_m, 0.0));
   // However many steps a contact on a spring takes, it is one answer.
   return change_m_s != 0 && episode.answers == 0;
+}
+
+/// Not into a wall: its spring would take the way for work that nobody did.
+void Spheres::shift(Sphere& sphere, const Vec3& by) const {
+  const double most = options_.half_side_m - sphere.radius_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    double& at = sphere.position[axis];
+    if (std::abs(at) < most) at = std::clamp(at + by[axis], -most, most);
+  }
 }
 
 bool Spheres::move_on_springs(Sphere& sphere, int axis, double seconds) {
@@ -162,7 +174,7 @@ double Spheres::energy() const {
   for (const Sphere& sphere : spheres_) sum += 0.5 * mass(sphere) * sphere.velocity.squaredNorm();
   if (options_.answer != Answer::compliant) return sum;
   const auto stored = [this](double depth_m) { return 0.5 * spring_.stiffness_n_m * std::max(depth_m, 0.0) * std::max(depth_m, 0.0); };
-  for (const auto& [pair, episode] : open_) sum += stored(episode.length_m - gap(pair));
+  for (const auto& [pair, episode] : open_) sum += stored(-episode.deflection_m);
   for (const Sphere& sphere : spheres_) {
     for (int axis = 0; axis < 3; ++axis) sum += stored(std::abs(sphere.position[axis]) + sphere.radius_m - options_.half_side_m);
   }

@@ -61,9 +61,10 @@ struct SphereLedger {
 /// Spheres in a cube. Somebody else, the server, says who touches whom; this says what becomes of it. Walls are its own: they
 /// are met in closed form (by springs: at the exact time), so that no sphere leaves however far a step goes.
 ///
-/// A contact is heard of when the two already overlap. So that this overlap is no energy from nowhere, a spring is as
-/// long as the gap at which it was first heard of. Each pair is solved along its line of centres for the whole step, one
-/// pair after the other; a sphere in two contacts at once is where energy may drift.
+/// A contact is heard of when the two already overlap. So that this overlap is no energy from nowhere, a spring starts
+/// unloaded at whatever gap it is first heard of, and keeps its own deflection from there. Each pair is solved along its line of centres
+/// for the whole step, one pair after the other (Lie's splitting): each solution keeps its energy, and so does the whole,
+/// however many contacts a sphere has; what splitting costs is the order of events within a step.
 /// Always: with flip, speeds never change; but for springs, every centre is at least its radius inside the walls.
 class Spheres {
  public:
@@ -83,7 +84,7 @@ class Spheres {
  private:
   struct Episode {
     std::uint64_t answers = 0;
-    double length_m = 0;  // gap at which the spring is unloaded
+    double deflection_m = 0;  // of the spring, at most 0
   };
   using Pair = std::pair<std::size_t, std::size_t>;
 
@@ -91,6 +92,7 @@ class Spheres {
   Vec3 normal(const Pair& pair) const;
   bool answer(const Pair& pair, Episode& episode, double seconds);
   bool push(const Pair& pair, Episode& episode, double seconds);
+  void shift(Sphere& sphere, const Vec3& by) const;
   void move(Sphere& sphere, double seconds);
   bool move_on_springs(Sphere& sphere, int axis, double seconds);
   double energy() const;

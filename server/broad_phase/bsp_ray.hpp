@@ -159,9 +159,10 @@ bool prepare_any_ray(const Layout& layout, const Ray& ray, double slack_m, RayFr
 
 inline float RayFrame::local_limit(double limit) const {
   if (!(limit >= 0)) return -1;
+  // Never 0 * infinity: an endless ray has no limit at any scale, and where one overflows nothing is known.
+  if (std::isinf(limit) || (limit == 0 && std::isinf(to_local_1))) return std::numeric_limits<float>::infinity();
   double parameter = limit * to_local_1;
   if (is_moved) {
-    if (limit == 0 && std::isinf(to_local_1)) return std::numeric_limits<float>::infinity();
     parameter *= to_local_2;
     // Each exact while the two are within a factor of two of each other, else one rounding of the difference.
     for (const double move : moved) parameter -= move;

@@ -50,6 +50,11 @@ void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, const Trian
   bsp::walk_ray(layout, ray, limit, slack_m, mesh, candidate, context, cost);
 }
 
+void BspTree::walk_rays(std::span<const RayTask> tasks, const TriangleMesh& mesh, RayTriangle candidate) const {
+  const bsp::Layout& layout = storage_->layout;
+  if (layout.root != bsp::kNothing) bsp::walk_rays(layout, tasks, mesh, candidate);
+}
+
 void BspTree::walk_box(const Aabb& asked, BoxCandidate candidate, void* context, WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
   if (layout.root == bsp::kNothing || asked.empty()) return;

@@ -62,6 +62,17 @@ class BspTree {
   void walk_ray(const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh, RayTriangle candidate,
                 void* context, WalkCost& cost) const;
 
+  /// One ray of a batch: as the arguments of walk_ray. The ray must live as long as the walk.
+  struct RayTask {
+    const Ray* ray = nullptr;
+    double limit = 0;
+    void* context = nullptr;
+    WalkCost* cost = nullptr;
+  };
+  /// Many rays, some of them walked in turn, so that one works while the others wait for memory: for rays of no common
+  /// direction through large scenes. Each ray hears of the same candidates in the same order as alone.
+  void walk_rays(std::span<const RayTask> tasks, const TriangleMesh& mesh, RayTriangle candidate) const;
+
   /// Called with a candidate; false ends the walk.
   using BoxCandidate = bool (*)(void* context, std::uint32_t triangle);
   /// Triangles whose bounds overlap the asked box, touching included.

@@ -14,6 +14,9 @@ void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
               BspTree::RayTriangle candidate, void* context, WalkCost& cost);
 
+void walk_rays(const Layout& layout, std::span<const BspTree::RayTask> tasks, const TriangleMesh& mesh,
+               BspTree::RayTriangle candidate);
+
 /// A box in local coordinates, already grown by every rounding.
 struct LocalBox {
   float low[3];

@@ -34,7 +34,7 @@ void clip(const Ray& ray, int axis, double low, double high, Span& span) {
   }
   if (std::isfinite(to_far)) {
     const double exit = to_far / d;
-    span.exit = std::min(span.exit, exit + kRelative * std::abs(exit) + kLeast);
+    if (std::isfinite(exit)) span.exit = std::min(span.exit, exit + kRelative * std::abs(exit) + kLeast);
   }
 }
 

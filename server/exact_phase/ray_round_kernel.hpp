@@ -163,6 +163,7 @@ Bounded wall_exit(const Ray& ray, const Capsule& capsule) {
   if (sign(q.discriminant) == Sign::negative || sign(q.a) == Sign::zero) return {};
   if (sign(q.b) != Sign::negative && sign(q.c) == Sign::positive) return {};
   const Scaled parameter = exit(q);
+  if (!std::isfinite(parameter.value.error)) return {0, std::numeric_limits<double>::infinity()};
   const N start = dot(Vector<N>(ray.origin) - Vector<N>(capsule.a), axis);
   const N speed = dot(Vector<N>(ray.direction), axis);
   const Bounded along = plain((scaled(start) + scaled(speed) * parameter) / scaled(square(axis)));

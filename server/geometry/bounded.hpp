@@ -49,9 +49,9 @@ inline Bounded operator*(const Bounded& a, const Bounded& b) {
 /// Not sure (infinite bound) when the divisor may be zero.
 inline Bounded operator/(const Bounded& a, const Bounded& b) {
   if (a.exactly_zero() && std::abs(b.value) > b.bound()) return {};
-  const double value = a.value / b.value;
   const double smallest_divisor = std::abs(b.value) - b.bound() * (1 + kBoundSlack);
-  if (!(smallest_divisor > 0)) return {value, std::numeric_limits<double>::infinity()};
+  if (!(smallest_divisor > 0)) return {0, std::numeric_limits<double>::infinity()};
+  const double value = a.value / b.value;
   const double error = (a.error + std::abs(value) * b.error) / smallest_divisor * (1 + kBoundSlack);
   return {value, (error + 2 * kRoundoff * std::abs(value)) + kUnderflow};
 }

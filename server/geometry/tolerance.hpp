@@ -19,6 +19,7 @@ inline constexpr double kUnderflow = 0x1p-1000;
 
 /// Error of the triple product e . (p x d) in double, relative to |e| |p| |d|: seven roundings on each of six products
 /// (two differences, two products, three sums), and the six sum to at most sqrt(2) |e| |p| |d| (Cauchy-Schwarz twice).
+/// Proved by machine in tests/proofs, as are kBoundSlack, kPointOnRay, kPointSum, kSeparationError and kTurnError.
 /// 7 sqrt(2) = 9.9; the rest up to 11 absorbs the roundings of the norms. No unit.
 /// At 1, ExactRayTriangle.EveryOrderOfCornersAgreesAtTheFilterBoundary fails.
 inline constexpr double kTripleProductError = 11 * kRoundoff;

@@ -16,6 +16,17 @@ std::int64_t now_ns() {
       .count();
 }
 
+/// With fewer movers than one in so many objects, each asks the grid for its own pairs. All pairs at once are cheaper by
+/// the pair, but a hundred thousand resting objects in one place have five billion that nobody needs.
+constexpr std::size_t kWalksForAllPairs = 16;
+
+/// Movers such that each pair to be tested has one of them: those that moved, or all of them where something that does
+/// not move was placed.
+struct Lookers {
+  std::vector<std::uint32_t> slots;
+  bool all = false;
+};
+
 /// One step at work: the writer's state, the snapshot that is being filled, and what subscribers want.
 struct Step {
   World::State& s;
@@ -29,6 +40,9 @@ struct Step {
   void index_movers();
   void moving_against_static();
   void moving_against_moving();
+  Lookers movers_to_look() const;
+  void look_around(std::uint32_t mover, bool all_look);
+  void consider(std::uint32_t first, std::uint32_t second);
   void end_parted();
 
   bool has_moved(std::uint32_t slot) const { return s.motion[slot] != Motion::none; }
@@ -162,14 +176,57 @@ void Step::test_scene(std::uint32_t mover, const StaticScene& scene) {
 }
 
 void Step::moving_against_moving() {
+  const Lookers lookers = movers_to_look();
+  if (lookers.slots.size() * kWalksForAllPairs < next.grid->size()) {
+    for (const std::uint32_t slot : lookers.slots) look_around(slot, lookers.all);
+    return;
+  }
   const auto found = [](void* context, std::uint32_t first, std::uint32_t second) {
-    Step& step = *static_cast<Step*>(context);
-    if (!step.has_moved(first) && !step.has_moved(second)) return;
-    const ObjectInfo& a = *(*step.s.objects)[first];
-    const ObjectInfo& b = *(*step.s.objects)[second];
-    if ((a.moving || b.moving) && may_meet(a.filter, b.filter)) step.test_pair(first, second);
+    static_cast<Step*>(context)->consider(first, second);
   };
   next.grid->pairs(found, this, walk);
+}
+
+Lookers Step::movers_to_look() const {
+  Lookers lookers;
+  for (const std::uint32_t slot : s.moved_slots) {
+    const ObjectInfo* info = (*s.objects)[slot].get();
+    if (info == nullptr) continue;
+    if (info->moving) {
+      lookers.slots.push_back(slot);
+    } else {
+      lookers.all = true;
+    }
+  }
+  if (!lookers.all) return lookers;
+  lookers.slots.clear();
+  for (std::uint32_t slot = 0; slot < s.objects->size(); ++slot) {
+    if ((*s.objects)[slot] && (*s.objects)[slot]->moving) lookers.slots.push_back(slot);
+  }
+  return lookers;
+}
+
+/// The pairs of one mover; those of two that both look are left to the lower slot.
+void Step::look_around(std::uint32_t mover, bool all_look) {
+  struct Context {
+    Step& step;
+    std::uint32_t mover;
+    bool all_look;
+  } context{*this, mover, all_look};
+  const auto found = [](void* raw, std::uint32_t other) {
+    const Context& c = *static_cast<Context*>(raw);
+    const bool looks_too = (*c.step.s.objects)[other]->moving && (c.all_look || c.step.has_moved(other));
+    if (other != c.mover && !(looks_too && other < c.mover)) c.step.consider(c.mover, other);
+    return true;
+  };
+  next.grid->walk_box(s.swept_bounds[mover], found, &context, walk);
+}
+
+void Step::consider(std::uint32_t first, std::uint32_t second) {
+  if (!has_moved(first) && !has_moved(second)) return;
+  const ObjectInfo& a = *(*s.objects)[first];
+  const ObjectInfo& b = *(*s.objects)[second];
+  if ((a.moving || b.moving) && may_meet(a.filter, b.filter)) test_pair(first, second);
 }
 
 void Step::test_pair(std::uint32_t first, std::uint32_t second) {

@@ -1,6 +1,8 @@
 #include "server/world/query.hpp"
 
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "server/exact_phase/precision.hpp"
 #include "server/world/question.hpp"
@@ -115,6 +117,85 @@ void note_age(Answers& answers, const Question& question) {
   }
 }
 
+/// What is said at once: this is no question, or it is too late for it.
+std::optional<Answer> answer_at_once(const Questions& asked, const double* numbers) {
+  if (!is_question(asked.kind, numbers)) return Answer::invalid;
+  if (asked.deadline_ns != 0 && steady_now_ns() > asked.deadline_ns) return Answer::undecided;
+  return std::nullopt;
+}
+
+void push_at_once(Answers& answers, Answer answer) {
+  push_plain(answers, answer, answer == Answer::invalid ? UndecidedReason::none : UndecidedReason::deadline);
+}
+
+/// Questions one after the other, or rays in groups.
+struct Course {
+  const Snapshot& snapshot;
+  const Questions& asked;
+  QueryScratch& scratch;
+  Answers& answers;
+
+  void finish(const Question& question) const {
+    push_answer(answers, question);
+    note_age(answers, question);
+  }
+  void answer_one(const double* numbers) const {
+    if (const std::optional<Answer> at_once = answer_at_once(asked, numbers)) return push_at_once(answers, *at_once);
+    Question question{.snapshot = snapshot, .asked = asked, .allowed = scratch.allowed, .found = scratch.found};
+    ask(question, numbers);
+    finish(question);
+  }
+  void answer_rays(const double* numbers, std::size_t count) const;
+};
+
+void Course::answer_rays(const double* numbers, std::size_t count) const {
+  std::array<std::optional<Question>, kRaysAtOnce> group;
+  std::array<const double*, kRaysAtOnce> of_group;
+  scratch.found_by_ray.resize(kRaysAtOnce);
+  std::size_t size = 0;
+  // A ray that is answered at once ends a group, so that answers keep the order of the questions.
+  const auto ask_group = [&] {
+    if (size > 0) ask_rays(std::span(group).first(size), std::span<const double* const>(of_group).first(size));
+    for (std::size_t i = 0; i < size; ++i) finish(*group[i]);
+    size = 0;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const double* ray = numbers + i * wire_contract::kRayNumbers;
+    if (const std::optional<Answer> at_once = answer_at_once(asked, ray)) {
+      ask_group();
+      push_at_once(answers, *at_once);
+      continue;
+    }
+    group[size].emplace(snapshot, asked, scratch.allowed, scratch.found_by_ray[size]);
+    of_group[size++] = ray;
+  }
+  ask_group();
+}
+
+/// Rays of no common direction through more than the caches hold wait for memory most of the time: walked in turn they
+/// wait for each other's. Rays like those of a camera find what the last one left, and are faster alone.
+bool rays_gain_together(const Snapshot& snapshot, const Questions& asked) {
+  constexpr std::size_t kFewest = 16;
+  constexpr std::uint64_t kCacheBytes = 4 << 20;
+  constexpr std::size_t stride = wire_contract::kRayNumbers;
+  const std::size_t count = asked.numbers.size() / stride;
+  if (count < kFewest || asked.mode == wire_contract::RayMode::all) return false;
+  std::uint64_t bytes = 0;
+  for (const auto& scene : snapshot.scenes) bytes += scene->tree.report().bytes;
+  if (bytes < kCacheBytes) return false;
+  std::size_t alike = 0;
+  for (std::size_t i = 1; i < kFewest; ++i) {
+    const double* a = asked.numbers.data() + (i - 1) * stride;
+    const double* b = a + stride;
+    const bool same_start = a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+    const double along = a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+    const double squares = (a[3] * a[3] + a[4] * a[4] + a[5] * a[5]) * (b[3] * b[3] + b[4] * b[4] + b[5] * b[5]);
+    const bool same_direction = along > 0 && along * along > 0.99 * squares;
+    alike += same_start && same_direction ? 1 : 0;
+  }
+  return alike < kFewest / 2;
+}
+
 }  // namespace
 
 bool may_answer(const ObjectInfo& info, const Questions& asked) {
@@ -141,20 +222,12 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   fill_allowed(snapshot, questions, scratch);
   const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
   const std::size_t count = questions.numbers.size() / stride;
-  for (std::size_t i = 0; i < count; ++i) {
+  const Course course{snapshot, questions, scratch, answers};
+  const bool together = questions.kind == QueryKind::ray && rays_gain_together(snapshot, questions);
+  const std::size_t step = together ? kRaysAtOnce : 1;
+  for (std::size_t i = 0; i < count; i += step) {
     const double* numbers = questions.numbers.data() + i * stride;
-    if (!is_question(questions.kind, numbers)) {
-      push_plain(answers, Answer::invalid, UndecidedReason::none);
-      continue;
-    }
-    if (questions.deadline_ns != 0 && steady_now_ns() > questions.deadline_ns) {
-      push_plain(answers, Answer::undecided, UndecidedReason::deadline);
-      continue;
-    }
-    Question question{.snapshot = snapshot, .asked = questions, .allowed = scratch.allowed, .found = scratch.found};
-    ask(question, numbers);
-    push_answer(answers, question);
-    note_age(answers, question);
+    together ? course.answer_rays(numbers, std::min(step, count - i)) : course.answer_one(numbers);
   }
 }
 

@@ -63,6 +63,7 @@ struct Answers {
 struct QueryScratch {
   std::vector<std::uint8_t> allowed;          // by slot, for the filter below
   std::vector<AnswerHit> found;
+  std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are answered together
   const ObjectTable* allowed_table = nullptr; // what `allowed` was computed for
   std::uint64_t allowed_version = 0;
   std::string allowed_only, allowed_skip;

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <span>
 
 #include "server/exact_phase/verdict.hpp"
 #include "server/world/query.hpp"
@@ -46,6 +48,9 @@ struct Question {
 
 /// Numbers as in Query.numbers; they have been checked.
 void ask_ray(Question& question, const double* numbers);
+/// Up to kRaysAtOnce rays, their walks through the static scenes in turn; each answer as from ask_ray.
+inline constexpr std::size_t kRaysAtOnce = 64;
+void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers);
 void ask_sphere(Question& question, const double* numbers);
 void ask_box(Question& question, const double* numbers);
 void ask_near(Question& question, const double* numbers);

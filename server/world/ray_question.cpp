@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <type_traits>
 
@@ -29,6 +30,7 @@ struct RayWalk {
   bool is_nearer(const AnswerHit& hit, const Triangle* corners) const;
   void walk_scene(const StaticScene& scene);
   void walk_object(std::uint32_t slot);
+  void finish();
   void walk_mesh(const IndexedMesh& mesh, const Frame& frame, ObjectId object);
 };
 
@@ -83,21 +85,25 @@ void RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, c
   if (reach < limit) limit = reach;
 }
 
-void RayWalk::walk_scene(const StaticScene& scene) {
-  struct Context {
-    RayWalk& walk;
-    const StaticScene& scene;
-  } context{*this, scene};
-  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
-    Context& c = *static_cast<Context*>(raw);
-    const std::uint32_t part = c.scene.part_of(triangle);
-    const ObjectId object = c.scene.part_objects[part];
-    if (c.walk.question.allows(object)) {
-      c.walk.test(c.scene.mesh.triangle(triangle), object, triangle - c.scene.parts[part].first_triangle);
+/// Who hears of the candidates of one static scene.
+struct SceneWalk {
+  RayWalk* walk;
+  const StaticScene* scene;
+
+  static double candidate(void* raw, std::uint32_t triangle, const Triangle& corners, double) {
+    const SceneWalk& self = *static_cast<SceneWalk*>(raw);
+    const std::uint32_t part = self.scene->part_of(triangle);
+    const ObjectId object = self.scene->part_objects[part];
+    if (self.walk->question.allows(object)) {
+      self.walk->test(corners, object, triangle - self.scene->parts[part].first_triangle);
     }
-    return c.walk.limit;
-  };
-  scene.tree.walk_ray(ray, limit, 0, candidate, &context, question.walk);
+    return self.walk->limit;
+  }
+};
+
+void RayWalk::walk_scene(const StaticScene& scene) {
+  SceneWalk context{this, &scene};
+  scene.tree.walk_ray(ray, limit, 0, scene.mesh, &SceneWalk::candidate, &context, question.walk);
 }
 
 void RayWalk::walk_mesh(const IndexedMesh& mesh, const Frame& frame, ObjectId object) {
@@ -150,9 +156,7 @@ void finish_all(Question& question) {
   }
 }
 
-}  // namespace
-
-void ask_ray(Question& question, const double* n) {
+RayWalk started(Question& question, const double* n) {
   question.found.clear();
   RayWalk walk{.question = question,
                .ray = {.origin = {n[0], n[1], n[2]}, .direction = {n[3], n[4], n[5]}, .length_m = n[6]}};
@@ -160,21 +164,51 @@ void ask_ray(Question& question, const double* n) {
   walk.limit = walk.rounded_up(n[6]);
   // A length over a denormal direction may overflow: then there is no limit.
   if (!std::isfinite(walk.limit)) walk.limit = std::numeric_limits<double>::infinity();
-  for (const auto& scene : question.snapshot.scenes) {
-    if (!walk.over()) walk.walk_scene(*scene);
-  }
-  if (!walk.over() && question.snapshot.grid && question.snapshot.grid->size() > 0) {
+  return walk;
+}
+
+void RayWalk::finish() {
+  if (!over() && question.snapshot.grid && question.snapshot.grid->size() > 0) {
     const auto candidate = [](void* raw, std::uint32_t slot, double) {
       RayWalk& w = *static_cast<RayWalk*>(raw);
       w.walk_object(slot);
       return w.limit;
     };
-    question.snapshot.grid->walk_ray(walk.ray, walk.limit, candidate, &walk, question.walk);
+    question.snapshot.grid->walk_ray(ray, limit, candidate, this, question.walk);
   }
   if (question.asked.mode == RayMode::all) finish_all(question);
-  if (walk.closest() && !question.found.empty() && !question.found.front().is_at_start()) {
+  if (closest() && !question.found.empty() && !question.found.front().is_at_start()) {
     question.found.front().error_m += question.slack_m();
   }
+}
+
+}  // namespace
+
+void ask_ray(Question& question, const double* n) {
+  RayWalk walk = started(question, n);
+  for (const auto& scene : question.snapshot.scenes) {
+    if (!walk.over()) walk.walk_scene(*scene);
+  }
+  walk.finish();
+}
+
+void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers) {
+  std::array<std::optional<RayWalk>, kRaysAtOnce> walks;
+  std::array<SceneWalk, kRaysAtOnce> contexts;
+  std::array<BspTree::RayTask, kRaysAtOnce> tasks;
+  for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(started(*questions[i], numbers[i]));
+  for (const auto& scene : questions.front()->snapshot.scenes) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < questions.size(); ++i) {
+      RayWalk& walk = *walks[i];
+      if (walk.over()) continue;
+      contexts[count] = {&walk, scene.get()};
+      tasks[count] = {&walk.ray, walk.limit, &contexts[count], &walk.question.walk};
+      ++count;
+    }
+    scene->tree.walk_rays(std::span(tasks).first(count), scene->mesh, &SceneWalk::candidate);
+  }
+  for (std::size_t i = 0; i < questions.size(); ++i) walks[i]->finish();
 }
 
 }  // namespace collided

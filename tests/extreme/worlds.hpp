@@ -142,10 +142,21 @@ inline void expect_like_brute_force(const World& world, wire_contract::QueryKind
   expect_like_brute_force(world, questions);
 }
 
-/// The contacts that hold, by the world's events and by brute force.
+/// The contacts that hold.
 inline std::set<std::pair<ObjectId, ObjectId>> open_pairs(const World& world) {
   std::set<std::pair<ObjectId, ObjectId>> pairs;
   for (const OpenContact& contact : world.contacts()) pairs.emplace(contact.a, contact.b);
+  return pairs;
+}
+
+/// The same by name, for worlds whose ids differ.
+inline std::set<std::pair<std::string, std::string>> named_contacts(const World& world) {
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (const auto& [a, b] : open_pairs(world)) {
+    const std::string& x = world.info(a)->name;
+    const std::string& y = world.info(b)->name;
+    pairs.emplace(std::min(x, y), std::max(x, y));
+  }
   return pairs;
 }
 

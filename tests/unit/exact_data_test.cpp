@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "server/exact_phase/closest.hpp"
@@ -11,6 +12,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 #include "server/exact_phase/time_of_contact.hpp"
+#include "server/geometry/mesh.hpp"
 #include "tests/oracle/exact_data.hpp"
 #include "tests/oracle/exact_oracle.hpp"
 
@@ -125,6 +127,67 @@ TEST_P(RayFile, EveryRayAgainstEveryTriangle) {
 INSTANTIATE_TEST_SUITE_P(ExactData, RayFile,
                          testing::Values("cubegrid-16", "erleben-hole", "icosphere-3-r1e-12", "icosphere-4", "screw-big",
                                          "torus"));
+
+struct MeshPair {
+  const char* name;
+  const char* fixed;  // files relative to the folder of exact answers
+  const char* posed;
+};
+
+void PrintTo(const MeshPair& pair, std::ostream* out) { *out << pair.name; }
+
+class MeshPairFile : public testing::TestWithParam<MeshPair> {};
+
+/// Corner numbers of every triangle of a Wavefront file.
+std::vector<TriangleCorners> read_corners(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<TriangleCorners> corners;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string kind, a, b, c;
+    words >> kind >> a >> b >> c;
+    const auto number_of = [](const std::string& text) { return static_cast<std::uint32_t>(std::stoul(text) - 1); };
+    if (kind == "f") corners.push_back({number_of(a), number_of(b), number_of(c)});
+  }
+  return corners;
+}
+
+// The second mesh's vertices come posed, as doubles; every pair of triangles that meets is listed, and no other.
+TEST_P(MeshPairFile, EveryTriangleAgainstEveryTriangle) {
+  SKIP_WITHOUT_DATA();
+  const std::filesystem::path root = oracle::exact_data();
+  const std::vector<Triangle> fixed = read_obj(root / GetParam().fixed);
+  const std::vector<TriangleCorners> corners = read_corners(root / GetParam().posed);
+  const std::string name = GetParam().name;
+  std::vector<std::vector<Vec3>> vertices;
+  for (const Row& row : oracle::read_table(root / "meshpairs" / (name + ".vertices.csv.gz")).rows) {
+    if (row[1] == "0") vertices.emplace_back();
+    vertices.back().push_back(vec(row, 2));
+  }
+  std::set<std::array<std::size_t, 3>> expected;
+  for (const Row& row : oracle::read_table(root / "meshpairs" / (name + ".pairs.csv.gz")).rows) {
+    expected.insert({std::stoul(row[0]), std::stoul(row[1]), std::stoul(row[2])});
+  }
+  std::set<std::array<std::size_t, 3>> found;
+  for (std::size_t pose = 0; pose < vertices.size(); ++pose) {
+    const std::vector<Vec3>& v = vertices[pose];
+    for (std::size_t j = 0; j < corners.size(); ++j) {
+      const Triangle posed{v.at(corners[j][0]), v.at(corners[j][1]), v.at(corners[j][2])};
+      for (std::size_t i = 0; i < fixed.size(); ++i) {
+        const Decision decision = overlaps(fixed[i], posed).decision;
+        ASSERT_NE(decision, Decision::undecided);
+        if (decision == Decision::yes) found.insert({pose, i, j});
+      }
+    }
+  }
+  EXPECT_EQ(found, expected) << found.size() << " found, " << expected.size() << " expected";
+}
+INSTANTIATE_TEST_SUITE_P(
+    ExactData, MeshPairFile,
+    testing::Values(MeshPair{"env-rob", "meshpairs/env.obj", "meshpairs/rob.obj"},
+                    MeshPair{"erleben-hole-spike", "meshes-rigid-ipc/erleben/hole.obj", "meshes-rigid-ipc/erleben/spike.obj"},
+                    MeshPair{"erleben-wedge-wedge", "meshes-rigid-ipc/erleben/wedge.obj",
+                             "meshes-rigid-ipc/erleben/wedge.obj"}));
 
 void expect_contact(const Contact& contact, const Wide& signed_distance, const Row& row) {
   EXPECT_LE(abs(Wide(contact.depth_m) + signed_distance), Wide(contact.depth_error_m) + abs(signed_distance) * Wide(1e-37))

@@ -9,6 +9,7 @@
 #include "server/world/query.hpp"
 #include "tests/oracle/mixed_world.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/scenes/meshes.hpp"
 
 // Same state, same question, same bits: whatever the processor, the number of threads, and what is asked beside it.
 namespace collided {
@@ -132,6 +133,50 @@ TEST_F(WorldSameBits, AloneOrInAnyBatch) {
       given.add({.answers = {}, .reasons = {}, .levels = {}, .hit_counts = {}, .nodes = {}, .exact_tests = {}, .hits = hits});
       EXPECT_EQ(given.value(), expected.value()) << name_of(kind) << " by " << batch;
     }
+  }
+}
+
+// A large scene, so that rays are walked in turn; one by one they never are.
+TEST(WorldRaysTogether, GiveTheBitsOfEachAlone) {
+  std::mt19937_64 random = oracle::seeded(62);
+  Scene scene;
+  scene.name = "terrain";
+  scene.mesh = scenes::terrain(300, 300, random());
+  scene.parts = {{.name = "terrain", .first_triangle = 0, .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
+  World world(WorldOptions{});
+  auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
+  const Aabb bounds = indexed->tree.bounds();
+  world.add_scene(scene, indexed);
+  world.step(0, 1, {});
+  const auto state = world.newest();
+  ASSERT_GT(state->scenes[0]->tree.report().bytes, 4u << 20);
+  std::uniform_real_distribution<double> part(0, 1);
+  std::vector<double> numbers;
+  const auto place = [&] { return Vec3(bounds.low + Vec3(part(random), part(random), part(random)).cwiseProduct(bounds.high - bounds.low)); };
+  for (std::size_t i = 0; i < 1'000; ++i) {
+    const Vec3 p = place(), d = place() - p;
+    // Some are no questions, some end early.
+    numbers.insert(numbers.end(), {p.x(), p.y(), i % 97 == 0 ? NAN : p.z(), d.x(), d.y(), d.z(), i % 5 == 0 ? 10 : INFINITY});
+  }
+  for (const auto mode : {wire_contract::RayMode::closest, wire_contract::RayMode::any, wire_contract::RayMode::all}) {
+    Answers together, alone;
+    QueryScratch scratch;
+    Questions questions{.kind = QueryKind::ray, .mode = mode, .numbers = numbers};
+    answer(*state, questions, together, scratch);
+    Digest expected, given;
+    given.add(together);
+    Answers joined;
+    for (std::size_t i = 0; i < 1'000; ++i) {
+      questions.numbers = std::span(numbers).subspan(i * wire_contract::kRayNumbers, wire_contract::kRayNumbers);
+      answer(*state, questions, alone, scratch);
+      joined.answers.push_back(alone.answers[0]);
+      joined.hit_counts.push_back(alone.hit_counts[0]);
+      joined.hits.insert(joined.hits.end(), alone.hits.begin(), alone.hits.end());
+      ASSERT_EQ(together.nodes[i], alone.nodes[0]);
+    }
+    expected.add(joined);
+    EXPECT_EQ(given.value(), expected.value());
+    EXPECT_GT(together.hits.size(), 100U);
   }
 }
 

@@ -126,6 +126,13 @@ class Maker {
   /// One step of the grid aside, or none.
   std::int64_t nudge() { return whole(-1, 1); }
   GridPoint nudged() { return {nudge(), nudge(), nudge()}; }
+  GridPoint beside(const GridPoint& p) { return {p[0] + nudge(), p[1] + nudge(), p[2] + nudge()}; }
+  /// The difference of two points, the first made first: compilers choose the order within an expression.
+  GridPoint step() {
+    const GridPoint to = point();
+    const GridPoint from = point();
+    return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+  }
   std::int64_t size() {
     if (family_ == Family::lattice) return whole(0, 3);
     return whole(0, std::int64_t{1} << (bits_ - (whole(0, 3) == 0 ? 4 : 0)));
@@ -169,7 +176,8 @@ class Maker {
     }
     // A random turn, rounded to the grid: nearly but not quite perpendicular, as after any rotation in double.
     b.shift = family_ == Family::lattice ? 3 : family_ == Family::fine ? 20 : 8;
-    const Mat3 turn = Quat(normal(), normal(), normal(), normal()).normalized().toRotationMatrix();
+    const std::array<double, 4> q{normal(), normal(), normal(), normal()};
+    const Mat3 turn = Quat(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 3; ++k) b.axes[i][k] = std::llround(std::ldexp(turn(k, i), b.shift));
     }

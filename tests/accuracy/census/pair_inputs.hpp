@@ -24,6 +24,14 @@ inline void move(Maker& make, TriangleInput& t, const GridPoint& from, const Gri
 }
 inline void move(Maker& make, BoxInput& b, const GridPoint& from, const GridPoint& to) { b.center = b.center + (to + make.nudged() - from); }
 
+/// A point of b comes to a point of a, or one step beside it.
+template <class A, class B>
+void move_together(Maker& make, const A& a, B& b) {
+  const GridPoint from = make.on(b);
+  const GridPoint to = make.on(a);
+  move(make, b, from, to);
+}
+
 /// The first shape's radius, so that the pair touches when the squared distance is that of their cores.
 inline std::int64_t rest_of(Maker& make, double squared_distance, std::int64_t other_radius) {
   return std::max<std::int64_t>(0, touching_radius(make, squared_distance) - other_radius);
@@ -66,7 +74,7 @@ inline auto ball_triangle(Maker& make) {
 inline auto box_box(Maker& make) {
   const BoxInput a = make.box();
   BoxInput b = make.box();
-  if (make.aims()) move(make, b, make.on(b), make.on(a));
+  if (make.aims()) move_together(make, a, b);
   return std::pair{a, b};
 }
 
@@ -90,7 +98,7 @@ inline auto box_pill(Maker& make) {
 inline auto box_triangle(Maker& make) {
   const BoxInput a = make.box();
   TriangleInput b = make.triangle();
-  if (make.aims()) move(make, b, make.on(b), make.on(a));
+  if (make.aims()) move_together(make, a, b);
   return std::pair{a, b};
 }
 
@@ -123,8 +131,8 @@ inline auto triangle_triangle(Maker& make) {
   if (kind == 0) b = {a.a, a.b, make.point()};               // a shared edge
   if (kind == 1) b = {a.c, make.point(), make.point()};      // a shared vertex
   if (kind == 2) b = {make.on(a), make.on(a), make.point()}; // an edge in the other's plane
-  if (kind == 3) b = {make.on(a) + make.nudged(), make.on(a) + 2 * (a.b - a.a), make.on(a) - (a.c - a.a)};  // nearly coplanar
-  if (kind >= 4) move(make, b, make.on(b), make.on(a));      // edges cross, a vertex on a face, and beside it
+  if (kind == 3) b = {make.beside(make.on(a)), make.on(a) + 2 * (a.b - a.a), make.on(a) - (a.c - a.a)};  // nearly coplanar
+  if (kind >= 4) move_together(make, a, b);      // edges cross, a vertex on a face, and beside it
   return std::pair{a, b};
 }
 

@@ -37,15 +37,15 @@ inline RayInput ray_through(Maker& make, const GridPoint& target) {
 }
 
 inline RayInput any_ray(Maker& make) {
-  RayInput ray{make.point(), make.point() - make.point()};
-  while (ray.direction == GridPoint{0, 0, 0}) ray.direction = make.point() - make.point();
+  RayInput ray{make.point(), make.step()};
+  while (ray.direction == GridPoint{0, 0, 0}) ray.direction = make.step();
   return ray;
 }
 
 /// In the triangle's plane, or off it by one step in 2^20.
 inline RayInput grazing_ray(Maker& make, const TriangleInput& t) {
   RayInput ray{t.a + 3 * (t.b - t.a) - 2 * (t.c - t.a) + make.nudged(), {}};
-  ray.direction = make.on(t) + make.nudged() - ray.origin;
+  ray.direction = make.beside(make.on(t)) - ray.origin;
   if (ray.direction == GridPoint{0, 0, 0}) ray.direction = {0, 0, 1};
   return ray;
 }
