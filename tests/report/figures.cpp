@@ -21,16 +21,15 @@ std::string point_label(const Row& row) {
   return label;
 }
 
-std::string asked_label(const Row& row) {
-  return row.label.starts_with("width") ? row.label : "asked " + row.label;
-}
+std::string asked_label(const Row& row) { return row.label.starts_with("width") ? row.label : "asked " + row.label; }
 
 /// Worst error against time, both logarithmic; a line a series, a point a row.
 draw::Plot work_precision(const std::string& title, const std::vector<Row>& rows) {
-  draw::Plot plot{.title = title,
-                  .x = {.label = "time a question, ns (median; bar: range of the repeats)", .scale = Scale::logarithmic},
-                  .y = {.label = rows.front().study == "time" ? "worst error, steps" : "worst relative error",
-                        .scale = Scale::logarithmic}};
+  draw::Plot plot{
+      .title = title,
+      .x = {.label = "time a question, ns (median; bar: range of the repeats)", .scale = Scale::logarithmic},
+      .y = {.label = rows.front().study == "time" ? "worst error, steps" : "worst relative error",
+            .scale = Scale::logarithmic}};
   double labelled_bound = INFINITY;
   draw::Series bounds{.name = "ours: proved bound, worst", .paint = Paint::quiet, .joined = false, .hollow = true};
   for (const Row& row : rows) {
@@ -41,10 +40,14 @@ draw::Plot work_precision(const std::string& title, const std::vector<Row>& rows
       if (says_more) labelled_bound = row.bound_max;
       bounds.points.push_back({row.ns, row.bound_max, says_more ? asked_label(row) : ""});
     }
-    auto series = std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == row.series; });
+    auto series =
+        std::find_if(plot.series.begin(), plot.series.end(), [&](const auto& s) { return s.name == row.series; });
     if (series == plot.series.end()) {
-      plot.series.push_back({.name = row.series, .paint = is_ours(row.series) ? Paint::accent : Paint::palette,
-                             .joined = asked, .dashed = asked, .hollow = row.series == "ours: uncertified"});
+      plot.series.push_back({.name = row.series,
+                             .paint = is_ours(row.series) ? Paint::accent : Paint::palette,
+                             .joined = asked,
+                             .dashed = asked,
+                             .hollow = row.series == "ours: uncertified"});
       series = plot.series.end() - 1;
     }
     if (std::isnan(row.ns) || std::isnan(row.error_max)) continue;
@@ -77,20 +80,19 @@ std::vector<Figure> work_precision_figures(const std::vector<Row>& rows) {
           rows, "ray", "Ray, closest hit",
           "Distance along the ray of the closest hit, rays from around the mesh through it. Every method of ours walks "
           "the same tree; an error near 1 is a hit on another surface. Wrong yes or no is counted beside the point."),
-      work_precision_figure(
-          rows, "ray_hard", "Rays at vertices, edges and along faces",
-          "The same query where it is hard: a third of the rays aimed at vertices, a third at edges, a third along a face "
-          "at 1e-6 rad."),
+      work_precision_figure(rows, "ray_hard", "Rays at vertices, edges and along faces",
+                            "The same query where it is hard: a third of the rays aimed at vertices, a third at edges, "
+                            "a third along a face at 1e-6 rad."),
       work_precision_figure(rows, "sphere_overlap", "Sphere overlap: depth in a triangle",
                             "Whether sphere and triangle share a point, and how deep."),
       work_precision_figure(rows, "box_overlap", "Box overlap: depth in a triangle",
                             "Whether box and triangle share a point, and the shortest translation that parts them."),
-      work_precision_figure(rows, "nearest", "Nearest distance in a mesh",
-                            "Distance of points (a millionth to one size away from the surface) to the nearest triangle."),
       work_precision_figure(
-          rows, "time", "Time of contact",
-          "First time at which a moving sphere meets a triangle. The error is in steps (absolute); the dashed line is the "
-          "width of the bracket that was asked for."),
+          rows, "nearest", "Nearest distance in a mesh",
+          "Distance of points (a millionth to one size away from the surface) to the nearest triangle."),
+      work_precision_figure(rows, "time", "Time of contact",
+                            "First time at which a moving sphere meets a triangle. The error is in steps (absolute); "
+                            "a cross is the proved bound, with the width of bracket that was asked for beside it."),
       work_precision_figure(rows, "pair_depth", "Pair contact: depth of two boxes",
                             "Whether two turned boxes share a point, and the shortest translation that parts them."),
   };

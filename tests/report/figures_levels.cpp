@@ -10,9 +10,7 @@ namespace {
 using draw::Paint;
 using draw::Scale;
 
-double bound_of(const Row& row) {
-  return row.bound_ratio > 0 ? row.error_max / row.bound_ratio : 0;
-}
+double bound_of(const Row& row) { return row.bound_ratio > 0 ? row.error_max / row.bound_ratio : 0; }
 
 /// The observed error with the proved bound above it, a point a level; triangles beside the points.
 Figure level_figure(const std::vector<Row>& all, const std::string& study, const std::string& title,
@@ -20,9 +18,10 @@ Figure level_figure(const std::vector<Row>& all, const std::string& study, const
   const std::vector<Row> rows = of_study(all, study);
   Figure figure{study, title, what, ""};
   if (rows.empty()) return figure;
-  draw::Plot plot{.title = title,
-                  .x = {.label = "time a question, ns (median; bar: range of the repeats)", .scale = Scale::logarithmic},
-                  .y = {.label = "error of a distance, m", .scale = Scale::logarithmic}};
+  draw::Plot plot{
+      .title = title,
+      .x = {.label = "time a question, ns (median; bar: range of the repeats)", .scale = Scale::logarithmic},
+      .y = {.label = "error of a distance, m", .scale = Scale::logarithmic}};
   draw::Series seen{.name = "worst observed error; beside it the triangles", .paint = Paint::accent};
   draw::Series bound{.name = "proved bound", .dashed = true, .hollow = true};
   draw::Series closed{.name = "the sphere itself, closed form (its bound)", .paint = Paint::palette, .joined = false};
@@ -45,13 +44,14 @@ Figure level_figure(const std::vector<Row>& all, const std::string& study, const
 }  // namespace
 
 std::vector<Figure> level_figures(const std::vector<Row>& rows) {
-  return {level_figure(rows, "simplification", "Simplification levels",
-                       "Nearest distances asked of simpler and simpler meshes (full, 1/2, 1/4, ...; quadric error) "
-                       "against those of the whole mesh. The bound is a two-sided Hausdorff distance, proved by "
-                       "subdivision: no answer can be off by more."),
-          level_figure(rows, "tessellation", "Tessellation levels of a sphere",
-                       "Distances to icospheres of 20, 80, 320, ... triangles against the analytic sphere. The bound is "
-                       "the depth to which the faces cut into the sphere.")};
+  return {
+      level_figure(rows, "simplification", "Simplification levels",
+                   "Nearest distances asked of simpler and simpler meshes (full, 1/2, 1/4, ...; quadric error) "
+                   "against those of the whole mesh. The bound is a two-sided Hausdorff distance, proved by "
+                   "subdivision: no answer can be off by more."),
+      level_figure(rows, "tessellation", "Tessellation levels of a sphere",
+                   "Distances to icospheres of 20, 80, 320, ... triangles against the analytic sphere. The bound is "
+                   "the depth to which the faces cut into the sphere.")};
 }
 
 }  // namespace collided::report

@@ -10,8 +10,11 @@ namespace {
 
 /// One map: offsets down, scales across; the worst error, or the share of wrong decisions where there are any.
 std::string map_of(const std::vector<Row>& rows, const std::string& query, const std::string& series) {
-  draw::HeatMap map{.title = query + ": " + series, .x_label = "size of the shapes, m",
-                    .y_label = "distance from the origin, sizes", .low = 1e-16, .high = 1,
+  draw::HeatMap map{.title = query + ": " + series,
+                    .x_label = "size of the shapes, m",
+                    .y_label = "distance from the origin, sizes",
+                    .low = 1e-16,
+                    .high = 1,
                     .legend = "worst relative error; a dark cell with % : share of wrong yes or no"};
   std::vector<double> scales;
   for (const Row& row : rows) {
@@ -25,7 +28,8 @@ std::string map_of(const std::vector<Row>& rows, const std::string& query, const
   map.cells.resize(map.rows.size() * scales.size());
   for (const Row& row : rows) {
     if (row.scene != query || row.series != series) continue;
-    const auto line = static_cast<std::size_t>(std::find(map.rows.begin(), map.rows.end(), row.label) - map.rows.begin());
+    const auto line =
+        static_cast<std::size_t>(std::find(map.rows.begin(), map.rows.end(), row.label) - map.rows.begin());
     const auto column = static_cast<std::size_t>(std::find(scales.begin(), scales.end(), row.knob) - scales.begin());
     draw::HeatMap::Cell& cell = map.cells[line * scales.size() + column];
     const long wrong = row.missed + row.false_hits + row.undecided;
@@ -46,7 +50,8 @@ Figure map_figure(const std::vector<Row>& rows, const std::string& query, const 
     if (row.scene == query && row.series == series.front()) n = std::max(n, row.n);
   }
   for (const std::string& one : series) figure.body += map_of(rows, query, one);
-  figure.caption += " n = " + std::to_string(n) + " questions a cell. The exact input is the doubles after the offset; float "
+  figure.caption += " n = " + std::to_string(n) +
+                    " questions a cell. The exact input is the doubles after the offset; float "
                     "programs round them once more, which is part of their error. A hatched cell has no data.";
   return figure;
 }

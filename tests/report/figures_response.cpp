@@ -40,7 +40,8 @@ void name_methods(draw::Plot& plot, const Csv& csv) {
 /// A method that has no place in a figure is not named there.
 void finish(draw::Plot& plot) {
   for (draw::Series& series : plot.series) {
-    std::stable_sort(series.points.begin(), series.points.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+    std::stable_sort(series.points.begin(), series.points.end(),
+                     [](const auto& a, const auto& b) { return a.x < b.x; });
     if (series.points.empty()) series.name.clear();
   }
 }
@@ -69,10 +70,12 @@ std::string csv_table(const Csv& csv) {
 }
 
 Figure stability(const Csv& csv) {
-  Figure figure{"stiff", "Stability of stiff response",
-                "Energy drift of each way to step a contact of stiffness k, against kappa = k dt^2 / m: the worst of all "
-                "scenes and steps there. Explicit steps explode where their line leaves the frame at the top (drift above "
-                "ten, drawn at 1e6); implicit ones do not. Rows of response_study.", ""};
+  Figure figure{
+      "stiff", "Stability of stiff response",
+      "Energy drift of each way to step a contact of stiffness k, against kappa = k dt^2 / m: the worst of all "
+      "scenes and steps there. Explicit steps explode where their line leaves the frame at the top (drift above "
+      "ten, drawn at 1e6); implicit ones do not. Rows of response_study.",
+      ""};
   draw::Plot plot{.title = "Energy drift against stiffness",
                   .x = {.label = "kappa = k dt^2 / m", .scale = Scale::logarithmic},
                   .y = {.label = "energy drift, relative", .scale = Scale::logarithmic, .low = 1e-12, .high = 1e6}};
@@ -95,10 +98,12 @@ Figure stability(const Csv& csv) {
 }
 
 Figure step_size(const Csv& csv) {
-  Figure figure{"steps", "Step size of the sample simulation",
-                "Error of positions at the end against the reference, and the processor time of a simulated second; a point "
-                "a step size (beside it, in seconds), the median over scenes and stiffnesses where the method did not "
-                "explode. Rows of response_study.", ""};
+  Figure figure{
+      "steps", "Step size of the sample simulation",
+      "Error of positions at the end against the reference, and the processor time of a simulated second; a point "
+      "a step size (beside it, in seconds), the median over scenes and stiffnesses where the method did not "
+      "explode. Rows of response_study.",
+      ""};
   draw::Plot plot{.title = "Error against run time of the sample simulation",
                   .x = {.label = "time of a simulated second, ns", .scale = Scale::logarithmic},
                   .y = {.label = "error of positions, m (median)", .scale = Scale::logarithmic}};
@@ -120,7 +125,8 @@ Figure step_size(const Csv& csv) {
     }
     std::sort(times.begin(), times.end());
     std::sort(errors.begin(), errors.end());
-    series_of(plot, key.first).points.push_back({times[times.size() / 2], errors[errors.size() / 2], short_number(key.second, 2)});
+    series_of(plot, key.first)
+        .points.push_back({times[times.size() / 2], errors[errors.size() / 2], short_number(key.second, 2)});
   }
   if (groups.empty()) return figure;
   finish(plot);

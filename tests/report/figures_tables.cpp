@@ -19,19 +19,23 @@ std::vector<Count> from_rows(const std::vector<Row>& rows) {
   std::vector<Count> counts;
   for (const Row& row : of_study(rows, "decisions")) {
     if (row.n == 0 || std::isnan(row.ns)) continue;
-    counts.push_back({row.scene, row.series, 1e6 * static_cast<double>(row.missed + row.false_hits) / static_cast<double>(row.n)});
+    counts.push_back(
+        {row.scene, row.series, 1e6 * static_cast<double>(row.missed + row.false_hits) / static_cast<double>(row.n)});
   }
   return counts;
 }
 
 std::string bars_of(const std::string& title, const std::vector<Count>& counts) {
-  draw::Bars bars{.title = title, .value = {.label = "wrong decisions a million", .scale = draw::Scale::logarithmic, .low = 0.1, .high = 1e6}};
+  draw::Bars bars{
+      .title = title,
+      .value = {.label = "wrong decisions a million", .scale = draw::Scale::logarithmic, .low = 0.1, .high = 1e6}};
   for (const Count& count : counts) {
     if (std::find(bars.series.begin(), bars.series.end(), count.method) != bars.series.end()) continue;
     bars.series.insert(count.method.starts_with("ours") ? bars.series.begin() : bars.series.end(), count.method);
   }
   for (const Count& count : counts) {
-    auto group = std::find_if(bars.groups.begin(), bars.groups.end(), [&](const auto& g) { return g.name == count.family; });
+    auto group =
+        std::find_if(bars.groups.begin(), bars.groups.end(), [&](const auto& g) { return g.name == count.family; });
     if (group == bars.groups.end()) {
       bars.groups.push_back({count.family, std::vector<std::optional<double>>(bars.series.size())});
       group = bars.groups.end() - 1;
@@ -78,31 +82,39 @@ std::string census_body(const Csv& census, std::string& table) {
 }  // namespace
 
 std::vector<Figure> decision_figures(const std::vector<Row>& rows, const Csv& census) {
-  Figure own{"decisions", "Wrong decisions per million: rays inside a closed mesh",
-             "Rays from the centre of a closed icosphere (20,480 triangles, coordinates in float): every ray hits, so each "
-             "miss is wrong.", ""};
+  Figure own{
+      "decisions", "Wrong decisions per million: rays inside a closed mesh",
+      "Rays from the centre of a closed icosphere (20,480 triangles, 1,280 in the quick form; coordinates in float): "
+      "every ray hits, so each miss is wrong.",
+      ""};
   const std::vector<Count> counts = from_rows(rows);
   if (!counts.empty()) {
     own.body = bars_of(own.title, counts);
     own.rows = rows_table(of_study(rows, "decisions"));
-    own.caption += " n = " + std::to_string(of_study(rows, "decisions").front().n) + " a family and method; 0 of n means less "
+    own.caption += " n = " + std::to_string(of_study(rows, "decisions").front().n) +
+                   " a family and method; 0 of n means less "
                    "than 3/n with 95 % confidence.";
   }
-  Figure counted{"census", "Wrong decisions per million: the census",
-                 "Missed and false together, family by family, each decision against exact integer or rational truth; n of every "
-                 "row is in its table, and 0 of n means less than 3/n with 95 % confidence. Rows of the program census.", ""};
+  Figure counted{
+      "census", "Wrong decisions per million: the census",
+      "Missed and false together, family by family, each decision against exact integer or rational truth; n of every "
+      "row is in its table, and 0 of n means less than 3/n with 95 % confidence. Rows of the program census.",
+      ""};
   if (!census.rows.empty()) counted.body = census_body(census, counted.rows);
   return {own, counted};
 }
 
 std::vector<Figure> pair_figures(const std::vector<PinnedCell>& pairs) {
-  Figure figure{"pairs", "Worst error of every pair and query",
-                "The worst error seen, relative to the truth (to a millimetre, or a step, where the truth is less), against "
-                "rational or 100-digit truth; error / bound is at most 1 or the build fails. A third each: random shapes, "
-                "needles of aspect 1e6, a lattice 1,000 km out. Pinned by the test report_pairs.", ""};
+  Figure figure{
+      "pairs", "Worst error of every pair and query",
+      "The worst error seen, relative to the truth (to a millimetre, or a step, where the truth is less), against "
+      "rational or 100-digit truth; error / bound is at most 1 or the build fails. A third each: random shapes, "
+      "needles of aspect 1e6, a lattice 1,000 km out. Pinned by the test report_pairs.",
+      ""};
   if (pairs.empty()) return {figure};
-  std::string html = "<table><thead><tr><th class=\"t\">query</th><th class=\"t\">pair</th><th>answers</th><th>wrong</th>"
-                     "<th>worst error</th><th>error / bound, worst</th><th>bound, median</th></tr></thead><tbody>\n";
+  std::string html =
+      "<table><thead><tr><th class=\"t\">query</th><th class=\"t\">pair</th><th>answers</th><th>wrong</th>"
+      "<th>worst error</th><th>error / bound, worst</th><th>bound, median</th></tr></thead><tbody>\n";
   for (const PinnedCell& pin : pairs) {
     const PairCell& cell = pin.cell;
     html += "<tr><td class=\"t\">" + cell.query + "</td><td class=\"t\">" + cell.pair + "</td>";

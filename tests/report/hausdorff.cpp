@@ -50,7 +50,8 @@ class OneSide {
   Piece measured(const Triangle& t) {
     Piece piece{t, INFINITY};
     const Vec3 corner[3] = {t.a, t.b, t.c};
-    const double longest = std::sqrt(std::max({(t.b - t.a).squaredNorm(), (t.c - t.b).squaredNorm(), (t.a - t.c).squaredNorm()}));
+    const double longest =
+        std::sqrt(std::max({(t.b - t.a).squaredNorm(), (t.c - t.b).squaredNorm(), (t.a - t.c).squaredNorm()}));
     std::uint32_t tried[3];
     for (int i = 0; i < 3; ++i) {
       const Nearest found = nearest(corner[i]);

@@ -10,14 +10,19 @@ namespace collided::report {
 Row level_row(const std::string& study, const std::string& scene, const std::string& label, const TriangleMesh& mesh,
               const std::vector<Vec3>& points, const std::vector<double>& truth_m, double bound_m, int repeats) {
   const BspTree tree = BspTree::build(mesh);
-  Row row{.study = study, .scene = scene, .series = "ours", .label = label,
-          .knob = static_cast<double>(mesh.triangles.size()), .n = static_cast<long>(points.size())};
+  Row row{.study = study,
+          .scene = scene,
+          .series = "ours",
+          .label = label,
+          .knob = static_cast<double>(mesh.triangles.size()),
+          .n = static_cast<long>(points.size())};
   std::vector<double> seconds;
   std::vector<double> errors;
   for (int repeat = 0; repeat < repeats; ++repeat) {
     std::vector<Answer> answers(points.size());
     seconds.push_back(timed([&] {
-      for (std::size_t i = 0; i < points.size(); ++i) answers[i] = nearest_in(tree, mesh, points[i], certified_distance);
+      for (std::size_t i = 0; i < points.size(); ++i)
+        answers[i] = nearest_in(tree, mesh, points[i], certified_distance);
     }));
     if (repeat > 0) continue;
     for (std::size_t i = 0; i < points.size(); ++i) errors.push_back(std::abs(answers[i].value - truth_m[i]));

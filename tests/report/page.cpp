@@ -38,7 +38,8 @@ const Column kColumns[] = {
     {"error / bound", [](const Row& r) { return short_number(r.bound_ratio); }},
     {"worst bound", [](const Row& r) { return short_number(r.bound_max); }},
     {"ns", [](const Row& r) { return short_number(r.ns, 3); }},
-    {"ns, range", [](const Row& r) {
+    {"ns, range",
+     [](const Row& r) {
        return std::isnan(r.ns) ? std::string("-") : short_number(r.ns_low, 3) + " .. " + short_number(r.ns_high, 3);
      }},
     {"n", [](const Row& r) { return count_text(r.n); }},
@@ -73,30 +74,36 @@ std::string rows_table(const std::vector<Row>& rows) {
 
 std::string page(const std::vector<Figure>& figures, const Provenance& from, const std::string& date) {
   std::string html =
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>Collided: error against run time</title>"
-      "<meta name=\"viewport\" content=\"width=device-width\"/>\n<style>" + std::string(kStyle) + "</style></head>\n<body>\n"
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>Collided: error against run "
+      "time</title>"
+      "<meta name=\"viewport\" content=\"width=device-width\"/>\n<style>" +
+      std::string(kStyle) +
+      "</style></head>\n<body>\n"
       "<h1>Collided: error against run time</h1>\n"
       "<p>What an answer costs, and how wrong it may be. Times are processor time of one thread, the median of repeats "
       "that ran in turn with every other method of the figure, with their range; errors are against rational or "
       "100-digit truth. <span class=\"ours\">Ours is in this colour.</span> A cell without data says so.</p>\n";
   html += "<p class=\"from\">" + escaped(from.machine) + " · commit " + escaped(from.commit) + " · seed " +
-          std::to_string(from.seed) + " · " + escaped(date) + (from.quick ? " · <b>quick form: few questions</b>" : "") +
-          "<br/>command: <code>" + escaped(from.command) + "</code></p>\n<nav><ol>\n";
+          std::to_string(from.seed) + " · " + escaped(date) +
+          (from.quick ? " · <b>quick form: few questions</b>" : "") + "<br/>command: <code>" + escaped(from.command) +
+          "</code></p>\n<nav><ol>\n";
   for (const Figure& figure : figures) {
     html += "<li><a href=\"#" + figure.id + "\">" + escaped(figure.title) + "</a></li>\n";
   }
   html += "</ol></nav>\n";
   int number = 0;
   for (const Figure& figure : figures) {
-    html += "<section id=\"" + figure.id + "\"><h2>" + std::to_string(++number) + ". " + escaped(figure.title) + "</h2>\n";
+    html +=
+        "<section id=\"" + figure.id + "\"><h2>" + std::to_string(++number) + ". " + escaped(figure.title) + "</h2>\n";
     html += "<figure>\n" + (figure.body.empty() ? "<p>No data: nothing was measured.</p>\n" : figure.body);
     html += "<figcaption>" + escaped(figure.caption) + " Seed " + std::to_string(from.seed) + ", commit " +
             escaped(from.commit) + ", <code>" + escaped(from.command) + "</code>.</figcaption></figure>\n";
     if (!figure.rows.empty()) html += "<details><summary>the numbers</summary>\n" + figure.rows + "</details>\n";
     html += "</section>\n";
   }
-  return html + "<p class=\"from\">All rows, each with machine, commit, seed and command: <code>rows.csv</code> beside "
-                "this page.</p>\n</body></html>\n";
+  return html +
+         "<p class=\"from\">All rows, each with machine, commit, seed and command: <code>rows.csv</code> beside "
+         "this page.</p>\n</body></html>\n";
 }
 
 }  // namespace collided::report

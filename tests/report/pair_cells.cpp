@@ -44,7 +44,8 @@ class Tally {
     if (off > abs(truth.value) * Wide(1e-90) + Wide(1e-90)) {
       const Wide floor = std::max(abs(truth.value), Wide(least));
       cell_.worst_error = std::max(cell_.worst_error, static_cast<double>(Wide(off / floor)));
-      cell_.worst_ratio = std::max(cell_.worst_ratio, given.bound > 0 ? static_cast<double>(Wide(off / Wide(given.bound))) : INFINITY);
+      cell_.worst_ratio =
+          std::max(cell_.worst_ratio, given.bound > 0 ? static_cast<double>(Wide(off / Wide(given.bound))) : INFINITY);
     }
     widths_.push_back(given.bound / std::max(static_cast<double>(abs(truth.value)), least));
   }
@@ -209,7 +210,8 @@ Ask box_time() {
     const Truth truth = first_time([&](const Wide& t) {
       const V<Wide> from = start + step * t - V<Wide>(other.center);
       const auto beyond = [](const Wide& x, double half) { return std::max(Wide(abs(x) - Wide(half)), Wide(0)); };
-      const V<Wide> away(beyond(from.x, other.half_m[0]), beyond(from.y, other.half_m[1]), beyond(from.z, other.half_m[2]));
+      const V<Wide> away(beyond(from.x, other.half_m[0]), beyond(from.y, other.half_m[1]),
+                         beyond(from.z, other.half_m[2]));
       return Wide(sqrt(away.dot(away)) - Wide(moving.radius_m));
     });
     tally.add(time_answer(moving, other), truth, 1);

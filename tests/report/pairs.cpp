@@ -59,16 +59,19 @@ std::vector<std::string> complaints(const std::vector<PairCell>& cells, const st
     const std::string name = cell.query + ", " + cell.pair + ": ";
     if (cell.n == 0) result.push_back(name + "no answers to compare");
     if (cell.wrong != 0) result.push_back(name + std::to_string(cell.wrong) + " wrong decisions");
-    if (!(cell.worst_ratio <= 1)) result.push_back(name + "error " + short_number(cell.worst_ratio) + " times its bound");
+    if (!(cell.worst_ratio <= 1))
+      result.push_back(name + "error " + short_number(cell.worst_ratio) + " times its bound");
     const auto pin = std::find_if(pins.begin(), pins.end(), [&](const PinnedCell& p) {
       return p.cell.query == cell.query && p.cell.pair == cell.pair;
     });
     if (pin == pins.end()) {
       result.push_back(name + "no ceiling");
     } else if (!(cell.worst_error <= pin->ceiling)) {
-      result.push_back(name + "worst error " + short_number(cell.worst_error) + ", ceiling " + short_number(pin->ceiling, 1));
+      result.push_back(name + "worst error " + short_number(cell.worst_error) + ", ceiling " +
+                       short_number(pin->ceiling, 1));
     } else if (pin->ceiling > 10 * cell.worst_error) {
-      result.push_back(name + "ceiling " + short_number(pin->ceiling, 1) + " is too loose for " + short_number(cell.worst_error));
+      result.push_back(name + "ceiling " + short_number(pin->ceiling, 1) + " is too loose for " +
+                       short_number(cell.worst_error));
     }
   }
   if (pins.size() != cells.size()) result.push_back("another number of cells than ceilings");

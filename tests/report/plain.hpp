@@ -89,16 +89,23 @@ struct Body {
   int normal_count = 0;
 
   explicit Body(const Box& box)
-      : corner(filled<8>()), corner_count(8), edge{V<T>(Vec3(box.axes.col(0))), V<T>(Vec3(box.axes.col(1))), V<T>(Vec3(box.axes.col(2)))},
-        normal{edge[1].cross(edge[2]), edge[2].cross(edge[0]), edge[0].cross(edge[1])}, normal_count(3) {
+      : corner(filled<8>()),
+        corner_count(8),
+        edge{V<T>(Vec3(box.axes.col(0))), V<T>(Vec3(box.axes.col(1))), V<T>(Vec3(box.axes.col(2)))},
+        normal{edge[1].cross(edge[2]), edge[2].cross(edge[0]), edge[0].cross(edge[1])},
+        normal_count(3) {
     for (int i = 0; i < 8; ++i) {
       corner[i] = V<T>(box.center);
-      for (int k = 0; k < 3; ++k) corner[i] = corner[i] + edge[k] * static_cast<T>(i >> k & 1 ? box.half_m[k] : -box.half_m[k]);
+      for (int k = 0; k < 3; ++k)
+        corner[i] = corner[i] + edge[k] * static_cast<T>(i >> k & 1 ? box.half_m[k] : -box.half_m[k]);
     }
   }
   explicit Body(const Triangle& t)
-      : corner(filled<8>()), corner_count(3), edge{V<T>(t.b) - V<T>(t.a), V<T>(t.c) - V<T>(t.b), V<T>(t.a) - V<T>(t.c)},
-        normal{edge[0].cross(edge[1]), edge[0], edge[0]}, normal_count(1) {
+      : corner(filled<8>()),
+        corner_count(3),
+        edge{V<T>(t.b) - V<T>(t.a), V<T>(t.c) - V<T>(t.b), V<T>(t.a) - V<T>(t.c)},
+        normal{edge[0].cross(edge[1]), edge[0], edge[0]},
+        normal_count(1) {
     corner[0] = V<T>(t.a);
     corner[1] = V<T>(t.b);
     corner[2] = V<T>(t.c);
@@ -109,7 +116,8 @@ struct Body {
   static std::array<V<T>, N> filled() {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       return std::array<V<T>, N>{(static_cast<void>(I), V<T>(T(0), T(0), T(0)))...};
-    }(std::make_index_sequence<N>());
+    }
+    (std::make_index_sequence<N>());
   }
 };
 
@@ -145,7 +153,8 @@ T plain_depth(const Body<T>& a, const Body<T>& b) {
   for (int i = 0; i < a.normal_count; ++i) look_along(a.normal[i], T(0));
   for (int i = 0; i < b.normal_count; ++i) look_along(b.normal[i], T(0));
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) look_along(a.edge[i].cross(b.edge[j]), a.edge[i].dot(a.edge[i]) * b.edge[j].dot(b.edge[j]));
+    for (int j = 0; j < 3; ++j)
+      look_along(a.edge[i].cross(b.edge[j]), a.edge[i].dot(a.edge[i]) * b.edge[j].dot(b.edge[j]));
   }
   return least;
 }
@@ -181,7 +190,8 @@ std::optional<T> plain_time(const V<T>& start, const V<T>& end, T radius, const 
     if (time >= 0 && time <= 1) {
       const V<T> foot = start + d * time;
       bool inside = true;
-      for (int i = 0; i < 3; ++i) inside = inside && n.cross(corner[(i + 1) % 3] - corner[i]).dot(foot - corner[i]) >= 0;
+      for (int i = 0; i < 3; ++i)
+        inside = inside && n.cross(corner[(i + 1) % 3] - corner[i]).dot(foot - corner[i]) >= 0;
       if (inside) offer(time);
     }
   }

@@ -9,11 +9,13 @@
 namespace collided::report {
 namespace {
 
-constexpr const char* kShown[][2] = {
-    {"ray", "ray, closest hit in a mesh"},     {"ray_hard", "rays at vertices, edges, along faces"},
-    {"sphere_overlap", "sphere-triangle depth"}, {"box_overlap", "box-triangle depth"},
-    {"pair_depth", "box-box depth"},             {"nearest", "nearest distance in a mesh"},
-    {"time", "time of contact"}};
+constexpr const char* kShown[][2] = {{"ray", "ray, closest hit in a mesh"},
+                                     {"ray_hard", "rays at vertices, edges, along faces"},
+                                     {"sphere_overlap", "sphere-triangle depth"},
+                                     {"box_overlap", "box-triangle depth"},
+                                     {"pair_depth", "box-box depth"},
+                                     {"nearest", "nearest distance in a mesh"},
+                                     {"time", "time of contact"}};
 
 bool is_shown(const std::string& series, const std::string& label) {
   if (series == "ours: error asked" || label == "bounded double" || label == "rationals always") return false;
@@ -70,8 +72,8 @@ std::string price_line(const Csv& csv, const std::string& study, const std::stri
       peers += (peers.empty() ? "" : "; ") + method + ": " + price(csv, i);
     }
   }
-  return "| " + name + " | " + ours + " | " + plain_double + " | " + plain_float + " | " + (peers.empty() ? "-" : peers) + " | " +
-         n + " |\n";
+  return "| " + name + " | " + ours + " | " + plain_double + " | " + plain_float + " | " +
+         (peers.empty() ? "-" : peers) + " | " + n + " |\n";
 }
 
 }  // namespace
@@ -81,15 +83,22 @@ std::string readme_part(const std::filesystem::path& pairs, const std::filesyste
   std::string from;
   std::getline(first, from);
   if (!from.starts_with("# ")) throw std::runtime_error(prices.string() + ": its first line must say where it is from");
-  std::string text = "Worst relative error (of times: in steps), wrong yes-or-no answers of n, and processor time of one question. Times are "
-                     "of this run: " + from.substr(2) + ".\n\n";
+  std::string text =
+      "Worst relative error (of times: in steps), wrong yes-or-no answers of n, and processor time of one question. "
+      "Times are "
+      "of this run: " +
+      from.substr(2) + ".\n\n";
   text += "| query | ours, exact on doubt | plain double | plain float | peers | n |\n|---|---|---|---|---|--:|\n";
   const Csv csv = read_csv(prices);
   for (const auto& [study, name] : kShown) text += price_line(csv, study, name);
-  text += "\n<details><summary>Worst error of every pair and query, each with the ceiling that a test holds it to</summary>\n\n"
-          "Relative to the truth (rational or 100 digits), or to a millimetre or a step where the truth is less. A third each: random "
-          "shapes, needles, a lattice 1,000 km out. error / bound is at most 1, always.\n\n"
-          "| query | pair | answers | wrong | worst error | ceiling | error / bound, worst |\n|---|---|--:|--:|--:|--:|--:|\n";
+  text +=
+      "\n<details><summary>Worst error of every pair and query, each with the ceiling that a test holds it "
+      "to</summary>\n\n"
+      "Relative to the truth (rational or 100 digits), or to a millimetre or a step where the truth is less. A third "
+      "each: random "
+      "shapes, needles, a lattice 1,000 km out. error / bound is at most 1, always.\n\n"
+      "| query | pair | answers | wrong | worst error | ceiling | error / bound, worst "
+      "|\n|---|---|--:|--:|--:|--:|--:|\n";
   std::string last;
   for (const PinnedCell& pin : read_pinned(pairs)) {
     const PairCell& cell = pin.cell;

@@ -20,12 +20,14 @@ namespace {
 draw::Plot crowded(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> part(0, 1);
-  draw::Plot plot{.title = "Crowded & <quoted>", .x = {.label = "x", .scale = draw::Scale::logarithmic},
+  draw::Plot plot{.title = "Crowded & <quoted>",
+                  .x = {.label = "x", .scale = draw::Scale::logarithmic},
                   .y = {.label = "y", .scale = draw::Scale::logarithmic}};
   for (int s = 0; s < 9; ++s) {
     draw::Series series{.name = "series number " + std::to_string(s)};
     for (int i = 0; i < 12; ++i) {
-      series.points.push_back({std::pow(10, 3 * part(random)), i == 0 ? 0 : std::pow(10, -15 * part(random)), "a label " + std::to_string(i)});
+      series.points.push_back({std::pow(10, 3 * part(random)), i == 0 ? 0 : std::pow(10, -15 * part(random)),
+                               "a label " + std::to_string(i)});
     }
     plot.series.push_back(series);
   }
@@ -38,7 +40,8 @@ std::vector<draw::Rectangle> text_boxes(const std::string& svg) {
   std::vector<draw::Rectangle> boxes;
   for (std::sregex_iterator match(svg.begin(), svg.end(), kText), end; match != end; ++match) {
     const std::string anchor = (*match)[4];
-    boxes.push_back(draw::text_box(std::stod((*match)[1]), std::stod((*match)[2]), (*match)[5].str(), std::stod((*match)[3]),
+    boxes.push_back(draw::text_box(std::stod((*match)[1]), std::stod((*match)[2]), (*match)[5].str(),
+                                   std::stod((*match)[3]),
                                    anchor == "start"    ? draw::Anchor::start
                                    : anchor == "middle" ? draw::Anchor::middle
                                                         : draw::Anchor::end));
@@ -51,7 +54,8 @@ TEST(DrawPlot, NoTwoTextsOverlapInACrowd) {
     const std::vector<draw::Rectangle> boxes = text_boxes(draw::svg(crowded(seed)));
     ASSERT_GT(boxes.size(), 40u);
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-      for (std::size_t j = 0; j < i; ++j) ASSERT_FALSE(boxes[i].overlaps(boxes[j])) << "seed " << seed << " " << i << " " << j;
+      for (std::size_t j = 0; j < i; ++j)
+        ASSERT_FALSE(boxes[i].overlaps(boxes[j])) << "seed " << seed << " " << i << " " << j;
     }
   }
 }
@@ -69,7 +73,8 @@ TEST(DrawPlot, IsWellFormedWithNoDataOneDatumAndZeros) {
 }
 
 TEST(DrawBars, AMissingValueSaysNoData) {
-  const draw::Bars bars{.title = "b", .value = {.label = "v"}, .series = {"ours", "peer"}, .groups = {{"g", {3.0, std::nullopt}}}};
+  const draw::Bars bars{
+      .title = "b", .value = {.label = "v"}, .series = {"ours", "peer"}, .groups = {{"g", {3.0, std::nullopt}}}};
   const std::string svg = draw::svg(bars);
   EXPECT_EQ(xml_fault(svg), "");
   EXPECT_NE(svg.find("no data"), std::string::npos);
@@ -77,7 +82,8 @@ TEST(DrawBars, AMissingValueSaysNoData) {
 
 TEST(ReportPage, FaultsOfXmlAreFound) {
   EXPECT_EQ(xml_fault("<a b=\"1\"><c/>&lt;</a>"), "");
-  for (const char* broken : {"<a><b></a></b>", "<a>", "</a>", "<a b=1/>", "<a b=\"1\" b=\"2\"/>", "<a>&</a>", "<a b=\"<\"/>"}) {
+  for (const char* broken :
+       {"<a><b></a></b>", "<a>", "</a>", "<a b=1/>", "<a b=\"1\" b=\"2\"/>", "<a>&</a>", "<a b=\"<\"/>"}) {
     EXPECT_NE(xml_fault(broken), "") << broken;
   }
 }
@@ -125,9 +131,19 @@ TEST(ReportTruth, TimeOfAHeadOnContactIsKnownByHand) {
   EXPECT_FALSE(time_truth({{0, 0, 3}, {1, 0, 3}, 2.999}, floor).yes);
 }
 
+TEST(ReportRows, NumbersAreShortAndAlwaysWritten) {
+  EXPECT_EQ(short_number(1.23e-7), "1.2e-7");
+  EXPECT_EQ(short_number(1e-7), "1e-7");
+  EXPECT_EQ(short_number(123456), "1.2e5");
+  EXPECT_EQ(short_number(1234), "1234");
+  EXPECT_EQ(short_number(INFINITY), "infinite");
+  EXPECT_EQ(short_number(kUnknown), "-");
+}
+
 TEST(ReportRows, ACsvFieldKeepsCommasAndQuotes) {
   const auto file = std::filesystem::temp_directory_path() / "collided_report_rows_test.csv";
-  write_rows(file, {Row{.study = "s", .scene = "a, \"b\"", .n = 7}}, {.machine = "m, n", .commit = "c", .command = "x", .seed = 3});
+  write_rows(file, {Row{.study = "s", .scene = "a, \"b\"", .n = 7}},
+             {.machine = "m, n", .commit = "c", .command = "x", .seed = 3});
   const Csv csv = read_csv(file);
   std::filesystem::remove(file);
   ASSERT_EQ(csv.rows.size(), 1u);

@@ -48,15 +48,18 @@ std::vector<std::string> fields(const std::string& line) {
 
 void write_rows(const std::filesystem::path& file, const std::vector<Row>& rows, const Provenance& from) {
   std::ofstream out(file);
-  out << "study,scene,series,label,knob,error_max,error_p50,bound_ratio,bound_max,ns,ns_low,ns_high,n,missed,false,undecided,note,"
+  out << "study,scene,series,label,knob,error_max,error_p50,bound_ratio,bound_max,ns,ns_low,ns_high,n,missed,false,"
+         "undecided,note,"
          "machine,commit,seed,command\n";
   for (const Row& r : rows) {
     for (const std::string* text : {&r.study, &r.scene, &r.series, &r.label}) out << quoted(*text) << ',';
-    for (const double value : {r.knob, r.error_max, r.error_p50, r.bound_ratio, r.bound_max, r.ns, r.ns_low, r.ns_high}) {
+    for (const double value :
+         {r.knob, r.error_max, r.error_p50, r.bound_ratio, r.bound_max, r.ns, r.ns_low, r.ns_high}) {
       out << full_number(value) << ',';
     }
     out << r.n << ',' << r.missed << ',' << r.false_hits << ',' << r.undecided << ',' << quoted(r.note) << ','
-        << quoted(from.machine) << ',' << quoted(from.commit) << ',' << from.seed << ',' << quoted(from.command) << '\n';
+        << quoted(from.machine) << ',' << quoted(from.commit) << ',' << from.seed << ',' << quoted(from.command)
+        << '\n';
   }
 }
 
@@ -94,11 +97,12 @@ Csv read_csv(const std::filesystem::path& file) {
 std::string short_number(double value, int digits) {
   if (std::isnan(value)) return "-";
   if (value == 0) return "0";
+  if (std::isinf(value)) return value > 0 ? "infinite" : "-infinite";
   char text[40];
   const double size = std::abs(value);
   if (size >= 1e-2 && size < 1e5) {
-    std::snprintf(text, sizeof text, "%.*g", size >= 1 ? std::max(digits, static_cast<int>(std::log10(size)) + 1) : digits,
-                  value);
+    std::snprintf(text, sizeof text, "%.*g",
+                  size >= 1 ? std::max(digits, static_cast<int>(std::log10(size)) + 1) : digits, value);
     return text;
   }
   std::snprintf(text, sizeof text, "%.*e", digits - 1, value);

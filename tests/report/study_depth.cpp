@@ -45,7 +45,8 @@ Answer plain(const Pair<Box, B>& pair) {
 
 /// A sphere's centre off the triangle: radius minus the distance, which is the root of a rational.
 Truth truth_of(const Pair<Sphere, Triangle>& pair) {
-  const Wide apart = sqrt(Wide(oracle::squared_distance(oracle::figure(Sphere{pair.a.center, 0}), oracle::figure(pair.b))));
+  const Wide apart =
+      sqrt(Wide(oracle::squared_distance(oracle::figure(Sphere{pair.a.center, 0}), oracle::figure(pair.b))));
   const Wide depth = Wide(pair.a.radius_m) - apart;
   return {depth >= 0, depth};
 }
@@ -73,12 +74,13 @@ template <class A, class B>
 std::vector<Method> our_methods(const std::vector<Pair<A, B>>& pairs, const Setting& setting) {
   const auto with = [&](const std::string& series, const std::string& label, const Precision& precision, double knob) {
     return Method{series, label, knob, each(pairs, [precision](const Pair<A, B>& pair) {
-      const PrecisionScope scope(precision);
-      return decided(pair);
-    })};
+                    const PrecisionScope scope(precision);
+                    return decided(pair);
+                  })};
   };
-  std::vector<Method> methods{{"ours: uncertified", "float", kUnknown, each(pairs, [](const auto& pair) { return plain<float>(pair); })},
-                              {"ours: uncertified", "double", kUnknown, each(pairs, [](const auto& pair) { return plain<double>(pair); })}};
+  std::vector<Method> methods{
+      {"ours: uncertified", "float", kUnknown, each(pairs, [](const auto& pair) { return plain<float>(pair); })},
+      {"ours: uncertified", "double", kUnknown, each(pairs, [](const auto& pair) { return plain<double>(pair); })}};
   methods.push_back(with("ours: certified", "bounded double", {.highest = Level::filter}, kUnknown));
   methods.push_back(with("ours: certified", "exact on doubt", {}, kUnknown));
   for (const double asked : asked_errors(setting.quick)) {
@@ -126,8 +128,10 @@ std::vector<Row> study_depth(const Setting& setting) {
     boxes.push_back({tame.box(), shapes.triangle()});
     pairs.push_back({tame.box(), tame.box()});
   }
-  add(rows, run(setting, "sphere_overlap", "random spheres and triangles in [-1, 1]^3, half of them needles", spheres, "sphere_triangle"));
-  add(rows, run(setting, "box_overlap", "random turned boxes and triangles in [-1, 1]^3, half of them needles", boxes, "box_triangle"));
+  add(rows, run(setting, "sphere_overlap", "random spheres and triangles in [-1, 1]^3, half of them needles", spheres,
+                "sphere_triangle"));
+  add(rows, run(setting, "box_overlap", "random turned boxes and triangles in [-1, 1]^3, half of them needles", boxes,
+                "box_triangle"));
   add(rows, run(setting, "pair_depth", "random turned boxes in [-1, 1]^3", pairs, "box_box"));
   return rows;
 }

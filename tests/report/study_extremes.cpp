@@ -108,11 +108,11 @@ template <class Question, class Ask>
 Method method(const std::string& series, const std::vector<Question>& questions, const std::vector<Triangle>& targets,
               Ask ask) {
   return {series, "", kUnknown, [&questions, &targets, ask](std::vector<Answer>& answers) {
-    answers.resize(questions.size());
-    return timed([&] {
-      for (std::size_t i = 0; i < questions.size(); ++i) answers[i] = ask(questions[i], targets[i]);
-    });
-  }};
+            answers.resize(questions.size());
+            return timed([&] {
+              for (std::size_t i = 0; i < questions.size(); ++i) answers[i] = ask(questions[i], targets[i]);
+            });
+          }};
 }
 
 template <class Question, class Ask>
@@ -168,7 +168,8 @@ std::vector<Row> ray_rows(const Setting& setting, const Place& place, int count,
     if (direction.isZero(0)) continue;
     rays.push_back({origin, direction});
     truth.push_back(closest_truth(mesh, rays.back()));
-    problem.numbers.insert(problem.numbers.end(), {origin[0], origin[1], origin[2], direction[0], direction[1], direction[2]});
+    problem.numbers.insert(problem.numbers.end(),
+                           {origin[0], origin[1], origin[2], direction[0], direction[1], direction[2]});
   }
   const auto asked = [&](const std::string& series, Answer (*ask)(const TriangleMesh&, const Ray&)) {
     return Method{series, "", kUnknown, each(rays, [&, ask](const Ray& ray) { return ask(mesh, ray); })};
@@ -194,7 +195,8 @@ std::vector<Row> study_extremes(const Setting& setting) {
     for (int offset = -1; offset <= 12; offset += setting.quick ? 4 : 1) {
       const Place place{std::pow(10.0, scale), offset < 0 ? 0 : std::pow(10.0, offset)};
       const Cases all = cases(place, count, random);
-      const auto run = [&](const std::string& query, const std::vector<Method>& methods, const std::vector<Truth>& truth) {
+      const auto run = [&](const std::string& query, const std::vector<Method>& methods,
+                           const std::vector<Truth>& truth) {
         for (Row& row : measure("extremes", query, methods, truth, 0, 1)) {
           row.label = short_number(place.offset, 1);
           row.knob = place.scale;
@@ -207,17 +209,23 @@ std::vector<Row> study_extremes(const Setting& setting) {
         row.knob = place.scale;
         rows.push_back(row);
       }
-      run("sphere overlap", {method("ours", all.spheres, targets, our_depth), method("plain double", all.spheres, targets, plain_depth_answer<double>),
-                             method("plain float", all.spheres, targets, plain_depth_answer<float>)},
+      run("sphere overlap",
+          {method("ours", all.spheres, targets, our_depth),
+           method("plain double", all.spheres, targets, plain_depth_answer<double>),
+           method("plain float", all.spheres, targets, plain_depth_answer<float>)},
           truths(all.spheres, targets, depth_truth));
       const auto our_near = [](const Sphere& s, const Triangle& t) { return certified_distance(s.center, t); };
-      run("nearest", {method("ours", all.spheres, targets, our_near), method("plain double", all.spheres, targets, plain_near_answer<double>),
-                      method("plain float", all.spheres, targets, plain_near_answer<float>)},
+      run("nearest",
+          {method("ours", all.spheres, targets, our_near),
+           method("plain double", all.spheres, targets, plain_near_answer<double>),
+           method("plain float", all.spheres, targets, plain_near_answer<float>)},
           truths(all.spheres, targets, near_truth));
       const std::size_t fewer = std::max<std::size_t>(3, all.movers.size() / 10);
       const std::vector<MovingSphere> movers(all.movers.begin(), all.movers.begin() + fewer);
-      run("time of contact", {method("ours", movers, targets, our_time), method("plain double", movers, targets, plain_time_answer<double>),
-                              method("plain float", movers, targets, plain_time_answer<float>)},
+      run("time of contact",
+          {method("ours", movers, targets, our_time),
+           method("plain double", movers, targets, plain_time_answer<double>),
+           method("plain float", movers, targets, plain_time_answer<float>)},
           truths(movers, targets, time_truth));
     }
   }

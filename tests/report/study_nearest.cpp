@@ -109,18 +109,20 @@ std::vector<Row> study_nearest(const Setting& setting) {
   const auto method = [&](const std::string& series, const std::string& label, DistanceTo distance, bool bounded,
                           const Precision& precision = {}, double knob = kUnknown) {
     return Method{series, label, knob, each(points, [&, distance, bounded, precision](const Vec3& point) {
-      const PrecisionScope scope(precision);
-      const Answer found = nearest_in(tree, scene.mesh, point, distance);
-      return bounded ? found : without_bound(found);
-    })};
+                    const PrecisionScope scope(precision);
+                    const Answer found = nearest_in(tree, scene.mesh, point, distance);
+                    return bounded ? found : without_bound(found);
+                  })};
   };
-  std::vector<Method> methods{method("ours: uncertified", "float", plain_answer<float>, false),
-                              method("ours: uncertified", "double", plain_answer<double>, false),
-                              method("ours: certified", "bounded double", certified_distance, true, {.highest = Level::filter}),
-                              method("ours: certified", "exact on doubt", certified_distance, true),
-                              method("ours: certified", "rationals always", exact_answer, true)};
+  std::vector<Method> methods{
+      method("ours: uncertified", "float", plain_answer<float>, false),
+      method("ours: uncertified", "double", plain_answer<double>, false),
+      method("ours: certified", "bounded double", certified_distance, true, {.highest = Level::filter}),
+      method("ours: certified", "exact on doubt", certified_distance, true),
+      method("ours: certified", "rationals always", exact_answer, true)};
   for (const double asked : asked_errors(setting.quick)) {
-    methods.push_back(method("ours: error asked", short_number(asked, 1), certified_distance, true, {.error_asked_m = asked}, asked));
+    methods.push_back(
+        method("ours: error asked", short_number(asked, 1), certified_distance, true, {.error_asked_m = asked}, asked));
   }
   const auto file = problem_file(setting, "nearest");
   write_problem(file, problem);

@@ -136,22 +136,23 @@ class RayStudy {
   Method method(const std::string& series, const std::string& label, BspTree::RayTriangle decide,
                 const Precision& precision = {}, double knob = kUnknown) const {
     return {series, label, knob, each(rays_, [this, decide, precision](const Ray& ray) {
-      const PrecisionScope scope(precision);
-      Walk walk{ray, ray.direction.norm(), {}};
-      WalkCost cost;
-      tree_.walk_ray(ray, kInfinity, 0, scene_.mesh, decide, &walk, cost);
-      return walk.best;
-    })};
+              const PrecisionScope scope(precision);
+              Walk walk{ray, ray.direction.norm(), {}};
+              WalkCost cost;
+              tree_.walk_ray(ray, kInfinity, 0, scene_.mesh, decide, &walk, cost);
+              return walk.best;
+            })};
   }
 
   std::vector<Row> run(const Setting& setting, const std::string& study) const {
-    std::vector<Method> methods{
-        method("ours: uncertified", "float", keep_plain<float>), method("ours: uncertified", "double", keep_plain<double>),
-        method("ours: certified", "bounded double", keep_decided, {.highest = Level::filter}),
-        method("ours: certified", "exact on doubt", keep_decided),
-        method("ours: certified", "rationals always", keep_exact)};
+    std::vector<Method> methods{method("ours: uncertified", "float", keep_plain<float>),
+                                method("ours: uncertified", "double", keep_plain<double>),
+                                method("ours: certified", "bounded double", keep_decided, {.highest = Level::filter}),
+                                method("ours: certified", "exact on doubt", keep_decided),
+                                method("ours: certified", "rationals always", keep_exact)};
     for (const double asked : asked_errors(setting.quick)) {
-      methods.push_back(method("ours: error asked", short_number(asked, 1), keep_decided, {.error_asked_m = asked}, asked));
+      methods.push_back(
+          method("ours: error asked", short_number(asked, 1), keep_decided, {.error_asked_m = asked}, asked));
     }
     add_peers(methods, setting, study);
     return measure(study, scene_.name, methods, truth_, extent(scene_.mesh), setting.repeats());
@@ -161,8 +162,8 @@ class RayStudy {
   void add_peers(std::vector<Method>& methods, const Setting& setting, const std::string& study) const {
     PeerProblem problem{"ray", scene_.mesh, 6, {}};
     for (const Ray& r : rays_) {
-      problem.numbers.insert(problem.numbers.end(), {r.origin[0], r.origin[1], r.origin[2], r.direction[0],
-                                                     r.direction[1], r.direction[2]});
+      problem.numbers.insert(problem.numbers.end(),
+                             {r.origin[0], r.origin[1], r.origin[2], r.direction[0], r.direction[1], r.direction[2]});
     }
     const auto file = problem_file(setting, study);
     write_problem(file, problem);

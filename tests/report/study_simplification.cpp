@@ -43,12 +43,13 @@ std::vector<Row> study_simplification(const Setting& setting) {
   std::vector<Row> rows;
   std::size_t last_count = 0;
   for (int divisor = 1; divisor <= (setting.quick ? 8 : 1024); divisor *= 2) {
-    const TriangleMesh level = divisor == 1 ? scene.mesh : simplified(scene.mesh, scene.mesh.triangles.size() / divisor);
+    const TriangleMesh level =
+        divisor == 1 ? scene.mesh : simplified(scene.mesh, scene.mesh.triangles.size() / divisor);
     if (level.triangles.size() == last_count || level.triangles.empty()) break;
     last_count = level.triangles.size();
     const double bound_m = divisor == 1 ? 0 : two_sided_hausdorff(scene.mesh, level, setting.quick ? 1000 : 200000);
-    rows.push_back(level_row("simplification", scene.name, divisor == 1 ? "full" : "1/" + std::to_string(divisor), level,
-                             points, truth_m, bound_m, setting.repeats()));
+    rows.push_back(level_row("simplification", scene.name, divisor == 1 ? "full" : "1/" + std::to_string(divisor),
+                             level, points, truth_m, bound_m, setting.repeats()));
   }
   return rows;
 }

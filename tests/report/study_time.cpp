@@ -54,7 +54,8 @@ std::vector<Row> study_time(const Setting& setting) {
   PeerProblem problem{"time", {}, 16, {}};
   for (const Motion& m : questions) {
     truth.push_back(time_truth(m.mover, m.triangle));
-    for (const Vec3& v : {m.mover.start, m.mover.end}) problem.numbers.insert(problem.numbers.end(), {v[0], v[1], v[2]});
+    for (const Vec3& v : {m.mover.start, m.mover.end})
+      problem.numbers.insert(problem.numbers.end(), {v[0], v[1], v[2]});
     problem.numbers.push_back(m.mover.radius_m);
     for (const Vec3& v : {m.triangle.a, m.triangle.b, m.triangle.c}) {
       problem.numbers.insert(problem.numbers.end(), {v[0], v[1], v[2]});

@@ -47,7 +47,8 @@ int main(int argc, char** argv) try {
     std::fputs(readme_part(argv[2], argv[3]).c_str(), stdout);
     return 0;
   }
-  std::fputs("usage: report_tables pairs FILE | check FILE | prices ROWS FILE | readme PAIRS PRICES | page DIR\n", stderr);
+  std::fputs("usage: report_tables pairs FILE | check FILE | prices ROWS FILE | readme PAIRS PRICES | page DIR\n",
+             stderr);
   return 2;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "error: %s\n", error.what());
