@@ -96,8 +96,13 @@ Verdict bracket_first_contact(const MovingSphere& mover, const Shape& other, dou
     bracket.high = 0;
     return {Decision::yes, level};
   }
+  // False where the thread's precision leaves a time open: the bracket stays as wide as it is known.
   const auto narrow = [&](double t) {
-    if (t > bracket.low && t < bracket.high) (touched_by(t) == Decision::yes ? bracket.high : bracket.low) = t;
+    if (!(t > bracket.low && t < bracket.high)) return true;
+    const Decision touched_then = touched_by(t);
+    if (touched_then == Decision::undecided) return false;
+    (touched_then == Decision::yes ? bracket.high : bracket.low) = t;
+    return true;
   };
   // Close in around the guess from both sides, in steps that grow until they hold it.
   const double guess = guessed_time(mover, other);
@@ -109,8 +114,7 @@ Verdict bracket_first_contact(const MovingSphere& mover, const Shape& other, dou
   // 64 halvings of the exponent and 53 of the mantissa end at neighbours.
   for (int step = 0; step < 128 && bracket.high - bracket.low > width; ++step) {
     const double t = time_between(bracket.low, bracket.high);
-    if (!(t > bracket.low && t < bracket.high)) break;
-    narrow(t);
+    if (!(t > bracket.low && t < bracket.high) || !narrow(t)) break;
   }
   return {Decision::yes, level};
 }

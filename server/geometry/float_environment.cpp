@@ -12,13 +12,24 @@ namespace collided {
 
 #if defined(__SSE2__)
 
+namespace {
+constexpr unsigned kFlags = 0x003f;    // what has happened so far: not a setting
+constexpr unsigned kDefault = 0x1f80;  // all traps masked, round to nearest, denormals kept
+}  // namespace
+
 bool restore_float_environment() {
-  constexpr unsigned kFlags = 0x003f;   // what has happened so far: not a setting
-  constexpr unsigned kDefault = 0x1f80;  // all traps masked, round to nearest, denormals kept
   const unsigned word = _mm_getcsr();
   if ((word & ~kFlags) == kDefault) return false;
   _mm_setcsr(kDefault | (word & kFlags));
   return true;
+}
+
+OwnFloatEnvironment::OwnFloatEnvironment() : host_{_mm_getcsr(), 0} {
+  _mm_setcsr(kDefault);
+}
+
+OwnFloatEnvironment::~OwnFloatEnvironment() {
+  _mm_setcsr(static_cast<unsigned>(host_[0]));
 }
 
 #else
@@ -29,6 +40,17 @@ bool restore_float_environment() {
   if (word == 0) return false;
   asm volatile("msr fpcr, %0" : : "r"(std::uint64_t{0}));
   return true;
+}
+
+OwnFloatEnvironment::OwnFloatEnvironment() {
+  asm volatile("mrs %0, fpcr" : "=r"(host_[0]));
+  asm volatile("mrs %0, fpsr" : "=r"(host_[1]));
+  asm volatile("msr fpcr, %0" : : "r"(std::uint64_t{0}));
+}
+
+OwnFloatEnvironment::~OwnFloatEnvironment() {
+  asm volatile("msr fpcr, %0" : : "r"(host_[0]));
+  asm volatile("msr fpsr, %0" : : "r"(host_[1]));
 }
 
 #endif

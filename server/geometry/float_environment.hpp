@@ -10,4 +10,18 @@ namespace collided {
 /// cost     a few nanoseconds
 bool restore_float_environment();
 
+/// The engine's own floating-point settings for as long as it lives, and then the host's again, flags included: a host
+/// that rounds upward, flushes denormals or traps gets the same answers, and no trap. An intermediate that overflows or
+/// is no number is no accident here: it says "not sure" to the next rung of the ladder.
+class OwnFloatEnvironment {
+ public:
+  OwnFloatEnvironment();
+  ~OwnFloatEnvironment();
+  OwnFloatEnvironment(const OwnFloatEnvironment&) = delete;
+  OwnFloatEnvironment& operator=(const OwnFloatEnvironment&) = delete;
+
+ private:
+  unsigned long long host_[2];
+};
+
 }  // namespace collided

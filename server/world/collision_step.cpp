@@ -2,6 +2,7 @@
 #include <cassert>
 #include <chrono>
 
+#include "server/geometry/float_environment.hpp"
 #include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
 
@@ -316,6 +317,7 @@ void Step::end_parted() {
 }  // namespace
 
 bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWishes& wishes) {
+  const OwnFloatEnvironment own_floats;
   State& s = *state_;
   Snapshot* next = s.ring.writable();
   if (next == nullptr) return false;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "server/exact_phase/precision.hpp"
+#include "server/geometry/float_environment.hpp"
 #include "server/world/question.hpp"
 
 namespace collided {
@@ -219,6 +220,7 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   answers.clear();
   const std::uint32_t stride = numbers_of(questions.kind);
   if (stride == 0) return;
+  const OwnFloatEnvironment own_floats;
   fill_allowed(snapshot, questions, scratch);
   const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
   const std::size_t count = questions.numbers.size() / stride;

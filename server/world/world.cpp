@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "server/geometry/float_environment.hpp"
 #include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
 
@@ -75,6 +76,7 @@ World::World(const WorldOptions& options) : state_(std::make_unique<State>()) {
 World::~World() = default;
 
 std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BspOptions& options) {
+  const OwnFloatEnvironment own_floats;
   auto indexed = std::make_shared<StaticScene>();
   indexed->name = scene.name;
   indexed->mesh = std::move(scene.mesh);
@@ -146,6 +148,7 @@ std::uint32_t World::remove_scene(std::string_view name) {
 }
 
 std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition) {
+  const OwnFloatEnvironment own_floats;
   State& s = *state_;
   if (const auto taken = s.names.find(definition.name); taken != s.names.end()) {
     return name_taken(definition.name, s.info(taken->second));
@@ -208,6 +211,7 @@ bool World::remove(ObjectId id, wire_contract::EndReason reason) {
 }
 
 bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport) {
+  const OwnFloatEnvironment own_floats;
   State& s = *state_;
   const ObjectInfo* info = s.info(id);
   if (info == nullptr || info->scene_part != 0xffffffff) return false;

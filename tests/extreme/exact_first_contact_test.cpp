@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "server/exact_phase/precision.hpp"
 #include "server/exact_phase/time_of_contact.hpp"
 #include "tests/extreme/transformed.hpp"
 
@@ -28,6 +31,19 @@ TEST(ExtremeFirstContact, ADoubleRootIsAHitAndOneStepBeyondIsNot) {
   expect_never(mover, Sphere{{0, up(2.0), 0}, 1});
   expect_time(mover, Capsule{{0, 2, -1}, {0, 2, 1}, 1}, 0.5);
   expect_never(mover, Capsule{{0, up(2.0), -1}, {0, up(2.0), 1}, 1});
+}
+
+// Where the ladder ends at double, a time that stays open may not move the bracket: it was taken for "not yet".
+TEST(ExtremeFirstContact, ABracketThatMayNotClimbStillHoldsTheTruth) {
+  const PrecisionScope doubles_only({.highest = Level::filter, .error_asked_m = 0});
+  const MovingSphere mover{{-1, 0.1, 0.2}, {0.7, 0.1, 0.2}, 0.3};
+  const double reach = 0.3 + 0.4;
+  const double truth = (1 - std::sqrt(reach * reach - 0.1 * 0.1 - 0.2 * 0.2)) / 1.7;
+  TimeBracket bracket{-1, -1};
+  ASSERT_TRUE(first_contact(mover, Sphere{{0, 0, 0}, 0.4}, 0, bracket).yes());
+  EXPECT_LE(bracket.low, truth + 1e-15);
+  EXPECT_GE(bracket.high, truth - 1e-15);
+  EXPECT_LT(bracket.high - bracket.low, 1e-9);
 }
 
 TEST(ExtremeFirstContact, BulletsDoNotTunnel) {

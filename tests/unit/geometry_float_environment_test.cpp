@@ -23,5 +23,19 @@ TEST(FloatEnvironment, FlagsOfPastOperationsAreNoSetting) {
   EXPECT_FALSE(restore_float_environment());
 }
 
+TEST(FloatEnvironment, TheHostGetsItsOwnBack) {
+  std::fesetround(FE_UPWARD);
+  std::feclearexcept(FE_ALL_EXCEPT);
+  {
+    const OwnFloatEnvironment own;
+    volatile double one = 1;
+    EXPECT_EQ(one + std::numeric_limits<double>::min(), 1);
+    std::feraiseexcept(FE_INVALID);
+  }
+  EXPECT_EQ(std::fegetround(), FE_UPWARD);
+  EXPECT_EQ(std::fetestexcept(FE_INVALID), 0);
+  std::fesetround(FE_TONEAREST);
+}
+
 }  // namespace
 }  // namespace collided
