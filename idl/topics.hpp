@@ -38,7 +38,7 @@ inline constexpr std::uint32_t kBoxNumbers = 10;
 inline constexpr std::uint32_t kNearNumbers = 4;
 inline constexpr std::uint32_t kPoseNumbers = 7;
 inline constexpr std::uint32_t kVelocityNumbers = 6;
-inline constexpr std::uint32_t kHitNumbers = 12;
+inline constexpr std::uint32_t kHitNumbers = 13;
 inline constexpr std::uint32_t kEventNumbers = 10;
 inline constexpr std::uint32_t kContactNumbers = 8;
 

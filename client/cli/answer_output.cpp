@@ -52,6 +52,7 @@ void fill_record(Record& record, const AnswerView& view, const RawJson& id, cons
   record.push_back({"inside", hit && hit->inside ? Value(true) : none});
   record.push_back({"stale", hit && hit->stale ? Value(true) : none});
   record.push_back({"reason", reason_value(answer)});
+  if (!measures_depth(view.kind)) record.push_back({"point_error", hit ? Value(hit->point_error_m) : none});
 }
 
 /// Beside its bound a value keeps every digit.

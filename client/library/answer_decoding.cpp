@@ -30,6 +30,7 @@ void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names,
   hit.point = vector_at(numbers + 3);
   hit.normal = vector_at(numbers + 6);
   hit.weights = vector_at(numbers + 9);
+  hit.point_error_m = numbers[12];
   hit.inside = (flags & wire_contract::kInside) != 0;
   hit.stale = (flags & wire_contract::kStale) != 0;
 }

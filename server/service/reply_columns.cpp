@@ -81,6 +81,7 @@ void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
   for (const Vec3* vector : {&hit.point, &hit.normal, &hit.weights}) {
     columns.numbers.insert(columns.numbers.end(), vector->begin(), vector->end());
   }
+  columns.numbers.push_back(hit.point_error_m);
 }
 
 /// False: no room left for this question beside the ones before it.

@@ -45,6 +45,7 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
         .distance_m = found.distance_m,
         .error_m = found.distance_error_m,
         .point = found.point,
+        .point_error_m = found.point_error_m,
         .normal = found.normal});
 }
 
@@ -118,7 +119,9 @@ void NearWalk::walk_movers(const Grid& grid) {
 void widen_bounds(Question& question) {
   if (question.found.size() < question.asked.max_hits) return;
   for (AnswerHit& hit : question.found) {
-    if (!hit.is_at_start()) hit.error_m += question.slack_m();
+    if (hit.is_at_start() || question.slack_m() == 0) continue;
+    hit.error_m += question.slack_m();
+    hit.point_error_m = std::numeric_limits<double>::infinity();  // what is nearer may be on another side
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,6 +39,8 @@ struct AnswerHit {
   double error_m = 0;
   double exit_m = 0;
   Vec3 point = Vec3::Zero();
+  /// Of rays and near: how far the point may be from the true one. A contact's point is one of many: infinite.
+  double point_error_m = std::numeric_limits<double>::infinity();
   Vec3 normal = Vec3::Zero();
   Vec3 weights = Vec3::Zero();
 

@@ -70,6 +70,7 @@ void RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, c
                        .error_m = hit.distance_error_m,
                        .exit_m = hit.exit_m,
                        .point = hit.point,
+                       .point_error_m = point_error_m(hit),
                        .normal = hit.normal,
                        .weights = hit.weights};
   if (!closest()) {
@@ -179,6 +180,7 @@ void RayWalk::finish() {
   if (question.asked.mode == RayMode::all) finish_all(question);
   if (closest() && !question.found.empty() && !question.found.front().is_at_start()) {
     question.found.front().error_m += question.slack_m();
+    question.found.front().point_error_m += question.slack_m();
   }
 }
 

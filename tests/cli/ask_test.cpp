@@ -47,14 +47,14 @@ TEST_F(Ask, ARayOnATerminalReadsAsASentence) {
 TEST_F(Ask, OffATerminalARecordIsALineWithTabs) {
   answer_rays(shelf());
   const Ran ran = collide("ray 0 0 5 0 0 -1");
-  EXPECT_EQ(ran.out, "hit\tshelf_3/top\t3.8\t4.4e-16\t0 0 1.2\t0 0 1\t118\t\t\t\t\t\n");
+  EXPECT_EQ(ran.out, "hit\tshelf_3/top\t3.8\t4.4e-16\t0 0 1.2\t0 0 1\t118\t\t\t\t\t\t4.5e-16\n");
   EXPECT_EQ(ran.err, "");
 }
 
 TEST_F(Ask, JsonHoldsWhatIsKnown) {
   answer_rays(shelf());
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --json").out,
-            R"({"answer":"hit","object":"shelf_3/top","distance":3.8,"error":4.4e-16,"point":[0,0,1.2],"normal":[0,0,1],"triangle":118})"
+            R"({"answer":"hit","object":"shelf_3/top","distance":3.8,"error":4.4e-16,"point":[0,0,1.2],"normal":[0,0,1],"triangle":118,"point_error":4.5e-16})"
             "\n");
   answer_rays(answer(Verdict::miss));
   EXPECT_EQ(collide("ray 0 0 5 0 0 1 --json").out, "{\"answer\":\"miss\"}\n");

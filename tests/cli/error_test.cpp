@@ -93,7 +93,7 @@ TEST_F(Errors, AFieldThatDoesNotExistNamesThoseThatDo) {
   EXPECT_EQ(ran.code, 2);
   EXPECT_EQ(ran.err,
             "error: ray: no field 'distanze'; did you mean 'distance'?\n"
-            "       fields: answer,object,distance,error,point,normal,triangle,order,exit,inside,stale,reason\n");
+            "       fields: answer,object,distance,error,point,normal,triangle,order,exit,inside,stale,reason,point_error\n");
 }
 
 TEST_F(Errors, QuietLeavesOutTheHint) {

@@ -25,6 +25,7 @@ Hit hit(const std::string& object, double distance_m, const Vec3& point) {
   hit.object = object;
   hit.distance_m = distance_m;
   hit.error_m = 4.4e-16;
+  hit.point_error_m = 4.5e-16;
   hit.point = point;
   hit.normal = {0, 0, 1};
   return hit;

@@ -95,6 +95,7 @@ TEST_F(ClientAsk, SingleRayComesBackWhole) {
   EXPECT_EQ(hit.point, Vec3(1, 2, 3));
   EXPECT_EQ(hit.normal, Vec3(0, 0, 1));
   EXPECT_EQ(hit.weights, Vec3(0.25, 0.25, 0.5));
+  EXPECT_EQ(hit.point_error_m, 8.8e-16);
   EXPECT_TRUE(hit.inside);
   EXPECT_FALSE(hit.stale);
   const Result<Answer> miss = client_->ask(ray_from(-1));

@@ -401,7 +401,7 @@ class FakeServer {
         objects.push_back(kWall);
         triangles.push_back(118);
         hit_flags.push_back(wire_contract::kInside);
-        for (const double number : {x, 4.4e-16, 2 * x, 1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.25, 0.25, 0.5}) {
+        for (const double number : {x, 4.4e-16, 2 * x, 1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.25, 0.25, 0.5, 8.8e-16}) {
           numbers.push_back(number);
         }
       }

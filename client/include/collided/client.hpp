@@ -109,6 +109,7 @@ struct Hit {
   double error_m = 0;
   double exit_m = 0;
   Vec3 point = Vec3::Zero();
+  double point_error_m = 0;  // |true point - point| at most; infinite for contacts, which have many points
   Vec3 normal = Vec3::Zero();
   Vec3 weights = Vec3::Zero();
   bool inside = false;

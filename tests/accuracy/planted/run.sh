@@ -18,7 +18,7 @@ case $bug in
   none) ;;
   triple_product) plant server/geometry/tolerance.hpp 's/kTripleProductError = 11 \*/kTripleProductError = 0.1 */' ;;
   separation) plant server/geometry/tolerance.hpp 's/kSeparationError = 96 \*/kSeparationError = 0.1 */' ;;
-  bounded) plant server/geometry/bounded.hpp 's/(a.error + b.error) + kRoundoff \* std::abs(value)/(a.error + b.error)/' ;;
+  bounded) plant server/geometry/bounded.hpp 's/kRoundoff \* std::abs(value)/0x1p-58 * std::abs(value)/' ;;
   traced) plant server/geometry/bounded.hpp 's/(a.error + b.error) + std::abs(lost)/(a.error + b.error)/' ;;
   box_ulp) plant server/exact_phase/box_kernel.hpp 's/height\[i\] = half\[i\] \* abs(determinant)/height[i] = half[i] * abs(determinant) * N(1 - 0x1p-52)/' ;;
   contraction)
