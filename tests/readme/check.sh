@@ -6,7 +6,7 @@ set -euo pipefail
 readme=${1:?README}
 PATH=$(dirname "${2:?collided}"):$(dirname "${3:?collide}"):$PATH
 scratch=$(mktemp -d)
-export COLLIDED_DOMAIN=$((1 + $$ % 200)) COLLIDED_STATE_DIR=$scratch NO_COLOR=1
+export COLLIDED_DOMAIN=$((201 + $$ % 15)) COLLIDED_STATE_DIR=$scratch NO_COLOR=1
 collided >"$scratch/server.out" 2>&1 &
 server=$!
 trap 'kill -TERM $server 2>/dev/null; wait $server 2>/dev/null; rm -rf "$scratch"' EXIT

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -97,6 +98,23 @@ std::string ScratchFolder::write(const std::string& name, const std::string& tex
   return path_ + "/" + name;
 }
 
-int own_domain() { return 1 + static_cast<int>(getpid() % 230); }
+int own_domain() {
+  // 1 to 100 are those of tests/service/wire_network.hpp, above 200 the scripts'.
+  constexpr int kFirst = 101;
+  constexpr int kCount = 100;
+  static const int domain = [] {
+    for (int i = 0; i < kCount; ++i) {
+      const int candidate = kFirst + static_cast<int>((getpid() + i) % kCount);
+      const std::string path =
+          (std::filesystem::temp_directory_path() / ("collided_test_domain_" + std::to_string(candidate))).string();
+      const int lock = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
+      // Held until this process ends.
+      if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0) return candidate;
+      if (lock >= 0) close(lock);
+    }
+    return kFirst;
+  }();
+  return domain;
+}
 
 }  // namespace collided::testing_support
