@@ -141,4 +141,71 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
   return gaps.together();
 }
 
+namespace {
+
+/// Signs that are sure; zero: not sure.
+int sure_sign(double value, double error) { return value > error ? 1 : value < -error ? -1 : 0; }
+
+/// Of three points about a plane.
+struct About {
+  int side[3];
+
+  bool all_sure() const { return side[0] != 0 && side[1] != 0 && side[2] != 0; }
+  bool one_sided() const { return all_sure() && side[0] == side[1] && side[1] == side[2]; }
+  /// The corner that is alone on its side, where the sides are sure and differ.
+  int lone() const { return side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0; }
+};
+
+About sides_about(const Triples& points, const Triples& plane) {
+  const Triple e = plane[1] - plane[0];
+  const Triple f = plane[2] - plane[0];
+  const Triple normal = cross(e, f);
+  const Triples way{points[0] - plane[0], points[1] - plane[0], points[2] - plane[0]};
+  const double first = e.largest();
+  const double second = f.largest();
+  const double distance = std::max({way[0].largest(), way[1].largest(), way[2].largest()});
+  if (!in_range(first) || !in_range(second) || !in_range(distance)) return {};
+  const double error = kOrientationError * first * second * distance;
+  return {{sure_sign(dot(normal, way[0]), error), sure_sign(dot(normal, way[1]), error),
+           sure_sign(dot(normal, way[2]), error)}};
+}
+
+/// Of a . (b x c), the three being differences of corners.
+int turn_of(const Triple& a, const Triple& b, const Triple& c) {
+  const double first = a.largest();
+  const double second = b.largest();
+  const double third = c.largest();
+  if (!in_range(first) || !in_range(second) || !in_range(third)) return 0;
+  return sure_sign(dot(a, cross(b, c)), kOrientationError * first * second * third);
+}
+
+}  // namespace
+
+Decision quickly_overlaps(const Triangle& a, const Triangle& b) {
+  const Triples s{triple(a.a), triple(a.b), triple(a.c)};
+  const Triples t{triple(b.a), triple(b.b), triple(b.c)};
+  const About s_about = sides_about(s, t);
+  if (s_about.one_sided()) return Decision::no;
+  const About t_about = sides_about(t, s);
+  if (t_about.one_sided()) return Decision::no;
+  if (!s_about.all_sure() || !t_about.all_sure()) return Decision::undecided;
+
+  // The lone corner of each looks down on the other's plane: where it does not, that plane is turned over.
+  const int i = s_about.lone();
+  const int j = t_about.lone();
+  const bool turn_t = s_about.side[i] < 0;
+  const bool turn_s = t_about.side[j] < 0;
+  const Triple& p = s[i];
+  const Triple& p1 = s[(i + (turn_s ? 2 : 1)) % 3];
+  const Triple& p2 = s[(i + (turn_s ? 1 : 2)) % 3];
+  const Triple& q = t[j];
+  const Triple& q1 = t[(j + (turn_t ? 2 : 1)) % 3];
+  const Triple& q2 = t[(j + (turn_t ? 1 : 2)) % 3];
+  const int one = turn_of(q1 - p1, q - p1, p - p1);
+  if (one > 0) return Decision::no;
+  const int other = turn_of(q2 - p, q - p, p2 - p);
+  if (other > 0) return Decision::no;
+  return one < 0 && other < 0 ? Decision::yes : Decision::undecided;
+}
+
 }  // namespace collided::kernel
