@@ -41,23 +41,53 @@ struct SixBoxes {
   }
 };
 
-/// The corners of eight triangles along a's axes.
-struct Corners {
-  HWY_ALIGN float at[3][3][kWidth];  // corner, axis
-  HWY_ALIGN float margin[kWidth];    // by which they and the other tree's corners may be off together
+/// A leaf made ready: its triangles' boxes, and their corners and planes along a's axes.
+struct Facets {
+  SixBoxes boxes;
+  HWY_ALIGN float corner[3][3][kWidth];  // corner, axis
+  HWY_ALIGN float normal[3][kWidth];     // of two edges
+  HWY_ALIGN float edge[kWidth];          // the largest component of those
+  HWY_ALIGN float margin[kWidth];        // of a: by which its corners and b's may be off together
 };
 
-HWY_INLINE unsigned meeting(const SixBoxes& boxes, const SixBox& one) {
+/// Every eighth leaf has the same place: neighbours are asked for again and again, each by several of the other tree.
+class FacetCache {
+ public:
+  static constexpr Ref kPlaces = 8;
+
+  FacetCache() { std::fill(std::begin(held_), std::end(held_), kNothing); }
+
+  Facets& at(Ref leaf) { return facets_[leaf % kPlaces]; }
+  /// Whether it is there; if not, the caller fills it in.
+  bool holds(Ref leaf) {
+    Ref& held = held_[leaf % kPlaces];
+    if (held == leaf) return true;
+    held = leaf;
+    return false;
+  }
+
+ private:
+  Ref held_[kPlaces];
+  Facets facets_[kPlaces];
+};
+
+HWY_INLINE unsigned meeting(const SixBoxes& boxes, const float* low, const float* high, std::size_t stride) {
   unsigned mask = 0;
   for (int first = 0; first < kWidth; first += kLanes) {
-    auto all = hn::Le(hn::Load(kFloats, boxes.low[0] + first), hn::Set(kFloats, one.high[0]));
-    for (int axis = 0; axis < 6; ++axis) {
-      all = hn::And(all, hn::Le(hn::Load(kFloats, boxes.low[axis] + first), hn::Set(kFloats, one.high[axis])));
-      all = hn::And(all, hn::Ge(hn::Load(kFloats, boxes.high[axis] + first), hn::Set(kFloats, one.low[axis])));
+    auto all = hn::Le(hn::Load(kFloats, boxes.low[0] + first), hn::Set(kFloats, high[0]));
+    for (std::size_t axis = 0; axis < 6; ++axis) {
+      all = hn::And(all, hn::Le(hn::Load(kFloats, boxes.low[axis] + first), hn::Set(kFloats, high[axis * stride])));
+      all = hn::And(all, hn::Ge(hn::Load(kFloats, boxes.high[axis] + first), hn::Set(kFloats, low[axis * stride])));
     }
     mask |= bits_of(all) << first;
   }
   return mask & boxes.present;
+}
+
+HWY_INLINE unsigned meeting(const SixBoxes& boxes, const SixBox& one) { return meeting(boxes, one.low, one.high, 1); }
+
+HWY_INLINE unsigned meeting(const SixBoxes& boxes, const SixBoxes& others, int lane) {
+  return meeting(boxes, others.low[0] + lane, others.high[0] + lane, kWidth);
 }
 
 HWY_INLINE void store(SixBoxes& out, int axis, int first, Lanes low, Lanes high) {
@@ -149,9 +179,25 @@ HWY_INLINE void store_span(const Lanes (&p)[3][3], int axis, int to, Lanes slack
         hn::Add(most(p[0][axis], p[1][axis], p[2][axis]), slack));
 }
 
-HWY_INLINE void triangles_of_a(const Leaf& leaf, int count, bool has_corners, const PairFrame& frame, SixBoxes& boxes,
-                               Corners& corners) {
-  boxes.present = (2u << (count - 1)) - 1;
+HWY_INLINE void store_planes(const Lanes (&p)[3][3], int first, Facets& out) {
+  Lanes e[3], f[3];
+  Lanes edge = hn::Zero(kFloats);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int corner = 0; corner < 3; ++corner) hn::Store(p[corner][axis], kFloats, out.corner[corner][axis] + first);
+    e[axis] = hn::Sub(p[1][axis], p[0][axis]);
+    f[axis] = hn::Sub(p[2][axis], p[0][axis]);
+    edge = hn::Max(edge, hn::Max(hn::Abs(e[axis]), hn::Abs(f[axis])));
+  }
+  hn::Store(edge, kFloats, out.edge + first);
+  for (int axis = 0; axis < 3; ++axis) {
+    const int next = (axis + 1) % 3;
+    const int last = (axis + 2) % 3;
+    hn::Store(hn::MulSub(e[next], f[last], hn::Mul(e[last], f[next])), kFloats, out.normal[axis] + first);
+  }
+}
+
+HWY_INLINE void triangles_of_a(const Leaf& leaf, int count, bool has_corners, const PairFrame& frame, Facets& out) {
+  out.boxes.present = (2u << (count - 1)) - 1;
   for (int first = 0; first < kWidth; first += kLanes) {
     Lanes p[3][3], along_b[3][3];
     load_corners(leaf, has_corners, first, p);
@@ -160,68 +206,73 @@ HWY_INLINE void triangles_of_a(const Leaf& leaf, int count, bool has_corners, co
       for (int axis = 0; axis < 3; ++axis) {
         p[corner][axis] = from_center(p[corner][axis], frame, axis);
         far = hn::Max(far, hn::Abs(p[corner][axis]));
-        hn::Store(p[corner][axis], kFloats, corners.at[corner][axis] + first);
       }
       for (int axis = 0; axis < 3; ++axis) along_b[corner][axis] = turned(frame.to_b[axis], p[corner]);
     }
     const Lanes slack_a = hn::MulAdd(far, hn::Set(kFloats, frame.grow_a), hn::Set(kFloats, frame.slack_a));
     const Lanes slack_b = hn::MulAdd(far, hn::Set(kFloats, frame.grow_b), hn::Set(kFloats, frame.slack_b));
-    hn::Store(slack_a, kFloats, corners.margin + first);
+    hn::Store(slack_a, kFloats, out.margin + first);
+    store_planes(p, first, out);
     for (int axis = 0; axis < 3; ++axis) {
-      store_span(p, axis, axis, slack_a, first, boxes);
-      store_span(along_b, axis, 3 + axis, slack_b, first, boxes);
+      store_span(p, axis, axis, slack_a, first, out.boxes);
+      store_span(along_b, axis, 3 + axis, slack_b, first, out.boxes);
     }
   }
 }
 
-HWY_INLINE void triangles_of_b(const Leaf& leaf, int count, bool has_corners, const PairFrame& frame, SixBoxes& boxes,
-                               Corners& corners) {
-  boxes.present = (2u << (count - 1)) - 1;
+HWY_INLINE void triangles_of_b(const Leaf& leaf, int count, bool has_corners, const PairFrame& frame, Facets& out) {
+  out.boxes.present = (2u << (count - 1)) - 1;
   const Lanes none = hn::Zero(kFloats);
   for (int first = 0; first < kWidth; first += kLanes) {
     Lanes p[3][3], along_a[3][3];
     load_corners(leaf, has_corners, first, p);
     for (int corner = 0; corner < 3; ++corner) {
-      for (int axis = 0; axis < 3; ++axis) {
-        along_a[corner][axis] = turned(frame.to_a[axis], p[corner]);
-        hn::Store(along_a[corner][axis], kFloats, corners.at[corner][axis] + first);
-      }
+      for (int axis = 0; axis < 3; ++axis) along_a[corner][axis] = turned(frame.to_a[axis], p[corner]);
     }
+    store_planes(along_a, first, out);
     for (int axis = 0; axis < 3; ++axis) {
-      store_span(p, axis, 3 + axis, none, first, boxes);
-      store_span(along_a, axis, axis, none, first, boxes);
+      store_span(p, axis, 3 + axis, none, first, out.boxes);
+      store_span(along_a, axis, axis, none, first, out.boxes);
     }
   }
 }
 
-/// On which side of a plane three points are: true where surely all on one.
+/// Lanes of a leaf from `first` on, or one of its triangles in every lane.
+struct SomeFacets {
+  const Facets& facets;
+  int place;
+  bool one;
+
+  HWY_INLINE Lanes get(const float* values) const {
+    return one ? hn::Set(kFloats, values[place]) : hn::Load(kFloats, values + place);
+  }
+};
+
+/// Where all three corners of the points' triangle are surely on one side of the planes' triangle.
 ///
 /// The sign of n . d with n a cross product of two edges (components at most L) and d a way from the plane (at most D).
 /// Floats: a difference, product, difference, product and two sums round each of six products of at most L^2 D, in all
 /// below 2^-18 L^2 D. Places that are off by m together change edges by 2 m and ways by m: with L and D grown by that,
 /// by less than 6 (4 m L D + m L^2).
-HWY_INLINE unsigned one_sided(const Lanes (&plane)[3][3], const Lanes (&points)[3][3], Lanes margin) {
-  Lanes e[3], f[3];
-  Lanes edge = hn::Zero(kFloats);
+HWY_INLINE unsigned one_sided(const SomeFacets& planes, const SomeFacets& points, Lanes margin) {
+  const Facets& plane = planes.facets;
+  const Facets& point = points.facets;
+  Lanes base[3], normal[3];
   for (int axis = 0; axis < 3; ++axis) {
-    e[axis] = hn::Sub(plane[1][axis], plane[0][axis]);
-    f[axis] = hn::Sub(plane[2][axis], plane[0][axis]);
-    edge = hn::Max(edge, hn::Max(hn::Abs(e[axis]), hn::Abs(f[axis])));
+    base[axis] = planes.get(plane.corner[0][axis]);
+    normal[axis] = planes.get(plane.normal[axis]);
   }
-  const Lanes nx = hn::MulSub(e[1], f[2], hn::Mul(e[2], f[1]));
-  const Lanes ny = hn::MulSub(e[2], f[0], hn::Mul(e[0], f[2]));
-  const Lanes nz = hn::MulSub(e[0], f[1], hn::Mul(e[1], f[0]));
   Lanes side[3];
   Lanes way = hn::Zero(kFloats);
   for (int corner = 0; corner < 3; ++corner) {
-    const Lanes dx = hn::Sub(points[corner][0], plane[0][0]);
-    const Lanes dy = hn::Sub(points[corner][1], plane[0][1]);
-    const Lanes dz = hn::Sub(points[corner][2], plane[0][2]);
+    const Lanes dx = hn::Sub(points.get(point.corner[corner][0]), base[0]);
+    const Lanes dy = hn::Sub(points.get(point.corner[corner][1]), base[1]);
+    const Lanes dz = hn::Sub(points.get(point.corner[corner][2]), base[2]);
     way = hn::Max(way, largest_component(dx, dy, dz));
-    side[corner] = hn::MulAdd(nx, dx, hn::MulAdd(ny, dy, hn::Mul(nz, dz)));
+    side[corner] = hn::MulAdd(normal[0], dx, hn::MulAdd(normal[1], dy, hn::Mul(normal[2], dz)));
   }
   // A hundredth more for the roundings of the bound itself; the last term where products underflow.
-  const Lanes length = hn::MulAdd(margin, hn::Set(kFloats, 2.0f), edge);
+  const Lanes length = hn::MulAdd(margin, hn::Set(kFloats, 2.0f), planes.get(plane.edge));
   const Lanes distance = hn::Add(margin, way);
   const Lanes of_margin = hn::Mul(margin, hn::MulAdd(hn::Set(kFloats, 24.3f), distance,
                                                      hn::Mul(hn::Set(kFloats, 6.1f), length)));
@@ -233,15 +284,10 @@ HWY_INLINE unsigned one_sided(const Lanes (&plane)[3][3], const Lanes (&points)[
 }
 
 /// Triangles of a, out of mask, that no plane of the two parts from triangle `lane` of b.
-HWY_INLINE unsigned not_parted(const Corners& a, const Corners& b, int lane, unsigned mask) {
+HWY_INLINE unsigned not_parted(const Facets& a, const Facets& b, int lane, unsigned mask) {
+  const SomeFacets one{b, lane, true};
   for (int first = 0; first < kWidth; first += kLanes) {
-    Lanes many[3][3], one[3][3];
-    for (int corner = 0; corner < 3; ++corner) {
-      for (int axis = 0; axis < 3; ++axis) {
-        many[corner][axis] = hn::Load(kFloats, a.at[corner][axis] + first);
-        one[corner][axis] = hn::Set(kFloats, b.at[corner][axis][lane]);
-      }
-    }
+    const SomeFacets many{a, first, false};
     const Lanes margin = hn::Load(kFloats, a.margin + first);
     mask &= ~(one_sided(one, many, margin) << first);
     if (mask == 0) return 0;
@@ -256,7 +302,7 @@ class PairWalk {
            void* context, WalkCost& cost)
       : a_(a), b_(b), frame_(frame), swapped_(swapped), candidate_(candidate), context_(context), cost_(cost) {}
 
-  void run() const {
+  void run() {
     SixBoxes boxes_a, boxes_b;
     root(a_, boxes_a, true);
     root(b_, boxes_b, false);
@@ -294,7 +340,7 @@ class PairWalk {
   }
 
   /// False: the walk is over. The boxes of a and b are known to meet.
-  bool visit(Ref a, Ref b, const SixBox& box_a, const SixBox& box_b) const {
+  bool visit(Ref a, Ref b, const SixBox& box_a, const SixBox& box_b) {
     ++cost_.nodes;
     if (is_leaf(a) && is_leaf(b)) return leaves(a, b, box_a, box_b);
     if (is_leaf(b)) return open_a(a, b, box_b);
@@ -306,7 +352,7 @@ class PairWalk {
     return open_both(a, b, box_a, box_b);
   }
 
-  bool open_a(Ref a, Ref b, const SixBox& box_b) const {
+  bool open_a(Ref a, Ref b, const SixBox& box_b) {
     const Node& node = a_.nodes[a];
     SixBoxes boxes;
     children(node, boxes, true);
@@ -317,7 +363,7 @@ class PairWalk {
     return true;
   }
 
-  bool open_b(Ref a, Ref b, const SixBox& box_a) const {
+  bool open_b(Ref a, Ref b, const SixBox& box_a) {
     const Node& node = b_.nodes[b];
     SixBoxes boxes;
     children(node, boxes, false);
@@ -328,7 +374,7 @@ class PairWalk {
     return true;
   }
 
-  bool open_both(Ref a, Ref b, const SixBox& box_a, const SixBox& box_b) const {
+  bool open_both(Ref a, Ref b, const SixBox& box_a, const SixBox& box_b) {
     const Node& node_a = a_.nodes[a];
     const Node& node_b = b_.nodes[b];
     SixBoxes boxes_a, boxes_b;
@@ -338,8 +384,10 @@ class PairWalk {
     children(node_b, boxes_b, false);
     for (unsigned rest = meeting(boxes_b, box_a); rest != 0; rest &= rest - 1) {
       const int lane_b = __builtin_ctz(rest);
+      unsigned mask = meeting(boxes_a, boxes_b, lane_b);
+      if (mask == 0) continue;
       const SixBox one = boxes_b.at(lane_b);
-      for (unsigned mask = meeting(boxes_a, one); mask != 0; mask &= mask - 1) {
+      for (; mask != 0; mask &= mask - 1) {
         const int lane_a = __builtin_ctz(mask);
         if (!visit(node_a.child[lane_a], node_b.child[lane_b], boxes_a.at(lane_a), one)) return false;
       }
@@ -347,19 +395,19 @@ class PairWalk {
     return true;
   }
 
-  bool leaves(Ref a, Ref b, const SixBox& box_a, const SixBox& box_b) const {
+  bool leaves(Ref a, Ref b, const SixBox& box_a, const SixBox& box_b) {
     const Leaf& leaf_a = a_.leaves[a & kIndexMask];
     const Leaf& leaf_b = b_.leaves[b & kIndexMask];
-    SixBoxes boxes_a, boxes_b;
-    Corners corners_a, corners_b;
-    triangles_of_a(leaf_a, leaf_count(a), a_.has_corners, frame_, boxes_a, corners_a);
-    boxes_a.present = meeting(boxes_a, box_b);
-    if (boxes_a.present == 0) return true;
-    triangles_of_b(leaf_b, leaf_count(b), b_.has_corners, frame_, boxes_b, corners_b);
-    for (unsigned rest = meeting(boxes_b, box_a); rest != 0; rest &= rest - 1) {
+    Facets& facets_a = cache_a_.at(a);
+    Facets& facets_b = cache_b_.at(b);
+    if (!cache_a_.holds(a)) triangles_of_a(leaf_a, leaf_count(a), a_.has_corners, frame_, facets_a);
+    const unsigned near_b = meeting(facets_a.boxes, box_b);
+    if (near_b == 0) return true;
+    if (!cache_b_.holds(b)) triangles_of_b(leaf_b, leaf_count(b), b_.has_corners, frame_, facets_b);
+    for (unsigned rest = meeting(facets_b.boxes, box_a); rest != 0; rest &= rest - 1) {
       const int lane_b = __builtin_ctz(rest);
-      unsigned mask = meeting(boxes_a, boxes_b.at(lane_b));
-      if (mask != 0) mask = not_parted(corners_a, corners_b, lane_b, mask);
+      unsigned mask = near_b & meeting(facets_a.boxes, facets_b.boxes, lane_b);
+      if (mask != 0) mask = not_parted(facets_a, facets_b, lane_b, mask);
       for (; mask != 0; mask &= mask - 1) {
         ++cost_.candidates;
         const std::uint32_t triangle_a = leaf_a.triangle[__builtin_ctz(mask)];
@@ -379,6 +427,8 @@ class PairWalk {
   BspTree::PairCandidate candidate_;
   void* context_;
   WalkCost& cost_;
+  FacetCache cache_a_;
+  FacetCache cache_b_;
 };
 
 void WalkPairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped,

@@ -146,12 +146,13 @@ namespace {
 /// Signs that are sure; zero: not sure.
 int sure_sign(double value, double error) { return value > error ? 1 : value < -error ? -1 : 0; }
 
-/// Of three points about a plane.
+/// Three points about the plane of a facet.
 struct About {
-  int side[3];
+  int side[3] = {0, 0, 0};
+  double reach = 0;  // largest coordinate of any difference between the points and the facet's corners, or more
 
-  bool all_sure() const { return side[0] != 0 && side[1] != 0 && side[2] != 0; }
-  bool one_sided() const { return all_sure() && side[0] == side[1] && side[1] == side[2]; }
+  bool all_sure() const { return side[0] * side[1] * side[2] != 0; }
+  bool one_sided() const { return side[0] == side[1] && side[1] == side[2] && side[0] != 0; }
   /// The corner that is alone on its side, where the sides are sure and differ.
   int lone() const { return side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0; }
 };
@@ -167,16 +168,8 @@ About sides_about(const Triples& points, const Triples& plane) {
   if (!in_range(first) || !in_range(second) || !in_range(distance)) return {};
   const double error = kOrientationError * first * second * distance;
   return {{sure_sign(dot(normal, way[0]), error), sure_sign(dot(normal, way[1]), error),
-           sure_sign(dot(normal, way[2]), error)}};
-}
-
-/// Of a . (b x c), the three being differences of corners.
-int turn_of(const Triple& a, const Triple& b, const Triple& c) {
-  const double first = a.largest();
-  const double second = b.largest();
-  const double third = c.largest();
-  if (!in_range(first) || !in_range(second) || !in_range(third)) return 0;
-  return sure_sign(dot(a, cross(b, c)), kOrientationError * first * second * third);
+           sure_sign(dot(normal, way[2]), error)},
+          (distance + std::max(first, second)) * (1 + 0x1p-50)};
 }
 
 }  // namespace
@@ -201,11 +194,13 @@ Decision quickly_overlaps(const Triangle& a, const Triangle& b) {
   const Triple& q = t[j];
   const Triple& q1 = t[(j + (turn_t ? 2 : 1)) % 3];
   const Triple& q2 = t[(j + (turn_t ? 1 : 2)) % 3];
-  const int one = turn_of(q1 - p1, q - p1, p - p1);
-  if (one > 0) return Decision::no;
-  const int other = turn_of(q2 - p, q - p, p2 - p);
-  if (other > 0) return Decision::no;
-  return one < 0 && other < 0 ? Decision::yes : Decision::undecided;
+  // Two of each three factors run between the triangles; the third is an edge of s, no longer than two that leave its
+  // first corner.
+  const double error = 2 * kOrientationError * s_about.reach * s_about.reach * t_about.reach;
+  const double one = dot(q1 - p1, cross(q - p1, p - p1));
+  const double other = dot(q2 - p, cross(q - p, p2 - p));
+  if (one > error || other > error) return Decision::no;
+  return one < -error && other < -error ? Decision::yes : Decision::undecided;
 }
 
 }  // namespace collided::kernel

@@ -1,6 +1,9 @@
 // All intersecting triangle pairs of two tessellated spheres, and whether a placed bunny touches a terrain, one thread:
 // ours, exact, beside peers in turn in one run. A ratio is the peer's time over ours, median and range of the repeats;
 // above 1 we are faster. "pairs equal" is against the exact test of every pair.
+//
+// mesh_pair_bench [LARGEST]          spheres of 16 to LARGEST (256) meridians, bunny
+// mesh_pair_bench AROUND APART       ours alone, for a profiler
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +52,9 @@ TriangleMesh globe(std::uint32_t around) {
   return mesh;
 }
 
-class Ours final : public MeshPairPeer {
+Aabb bounds_of(const Triangle& t) { return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)}; }
+
+class Ours : public MeshPairPeer {
  public:
   Ours(const TriangleMesh& a, const TriangleMesh& b)
       : a_(a), b_(b), tree_a_(BspTree::build(a)), tree_b_(BspTree::build(b)) {
@@ -69,8 +74,8 @@ class Ours final : public MeshPairPeer {
   std::size_t above_filter() const { return above_filter_; }
   const WalkCost& cost() const { return cost_; }
 
- private:
-  void walk() {
+ protected:
+  virtual void walk() {
     const double slack_m = 32 * 0x1p-53 * (frame_.position.lpNorm<1>() + 2 * reach_m_);
     yes_ = false;
     cost_ = {};
@@ -107,7 +112,34 @@ class Ours final : public MeshPairPeer {
   WalkCost cost_;
 };
 
-Aabb bounds_of(const Triangle& t) { return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)}; }
+/// What a pair walk saves: each triangle of the placed mesh asks the other one's tree.
+class OneByOne final : public Ours {
+ public:
+  using Ours::Ours;
+  std::string name() const override { return "1by1"; }
+
+ protected:
+  void walk() override {
+    yes_ = false;
+    cost_ = {};
+    const auto candidate = [](void* raw, std::uint32_t i) {
+      OneByOne& self = *static_cast<OneByOne*>(raw);
+      self.go_on_ = self.test(i, self.asking_);
+      return self.go_on_;
+    };
+    go_on_ = true;
+    for (asking_ = 0; asking_ < b_.triangles.size() && go_on_; ++asking_) {
+      placed_ = place(frame_, b_.triangle(asking_));
+      placed_number_ = asking_;
+      tree_a_.walk_box(bounds_of(placed_), candidate, this, cost_);
+    }
+  }
+
+ private:
+  std::uint32_t asking_ = 0;
+  bool go_on_ = true;
+};
+
 
 /// Every pair whose bounds overlap along x is put to the exact test.
 TrianglePairs by_force(const TriangleMesh& a, const TriangleMesh& b, const Frame& frame) {
@@ -160,6 +192,7 @@ using Peers = std::vector<std::unique_ptr<MeshPairPeer>>;
 Peers all_peers(const TriangleMesh& a, const TriangleMesh& b) {
   Peers peers;
   peers.push_back(std::make_unique<Ours>(a, b));
+  peers.push_back(std::make_unique<OneByOne>(a, b));
 #ifdef COLLIDED_PAIRS_FCL
   peers.push_back(fcl_pair_peer(a, b));
 #endif
@@ -270,6 +303,21 @@ void bunny_over_terrain(const char* name, const TriangleMesh& bunny, const Trian
   }
 }
 
+void ours_alone(std::uint32_t around, double apart) {
+  const TriangleMesh mesh = globe(around);
+  Ours ours(mesh, mesh);
+  ours.move(frame_of(Pose{.position = apart * Vec3(0.48, 0.64, 0.6), .rotation = Quat(0.8, 0.1, 0.5, 0.3).normalized()}));
+  TrianglePairs pairs;
+  const double start = thread_seconds();
+  int rounds = 0;
+  for (; thread_seconds() - start < 2; ++rounds) {
+    pairs.clear();
+    ours.all_pairs(pairs);
+  }
+  std::printf("%.1f us, %zu pairs, %u nodes, %u candidates\n", 2e6 / rounds, pairs.size(), ours.cost().nodes,
+              ours.cost().candidates);
+}
+
 /// The exact test alone, on the pairs that the walk offers and on those whose bounds merely overlap.
 void exact_test_alone(std::mt19937_64& random) {
   std::uniform_real_distribution<double> at(-1, 1);
@@ -306,6 +354,7 @@ int main(int argc, char** argv) {
   using namespace collided;
   std::mt19937_64 random = oracle::seeded(20260120);
   const unsigned long largest = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 256;
+  if (argc > 2) return bench::ours_alone(static_cast<std::uint32_t>(largest), std::strtod(argv[2], nullptr)), 0;
   bench::exact_test_alone(random);
   for (std::uint32_t around = 16; around <= largest; around *= 2) {
     for (const double apart : {0.5, 1.9}) bench::two_spheres(around, apart, random);
