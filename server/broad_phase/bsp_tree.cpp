@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "server/broad_phase/bsp_build.hpp"
 #include "server/broad_phase/bsp_layout.hpp"
+#include "server/broad_phase/bsp_pairs.hpp"
 #include "server/broad_phase/bsp_walk.hpp"
 
 namespace collided {
@@ -88,6 +90,69 @@ void BspTree::walk_near(const Vec3& point, double limit_m2, double slack_m, Near
     ends.high[axis] = bsp::round_up(center + around);
   }
   bsp::walk_near(layout, ends, limit_m2, candidate, context, cost);
+}
+
+void BspTree::walk_pairs(const BspTree& other, const Mat3& rotation, const Vec3& position, double slack_m,
+                         PairCandidate candidate, void* context, WalkCost& cost) const {
+  const bsp::Layout& own = storage_->layout;
+  const bsp::Layout& others = other.storage_->layout;
+  if (own.root == bsp::kNothing || others.root == bsp::kNothing) return;
+  // Scales are inverse to sizes: the smaller one is placed in the larger.
+  const bool swapped = own.frame.scale_exponent > others.frame.scale_exponent;
+  bsp::PairFrame frame;
+  bsp::PairCase found;
+  if (swapped) {
+    // A turn by rounded numbers, and the slack seen along other axes.
+    const double turned_slack_m = 2 * slack_m + 0x1p-48 * position.lpNorm<1>();
+    const Mat3 back = rotation.transpose();
+    found = bsp::prepare_pairs(others, own, back, -(back * position), turned_slack_m, frame);
+  } else {
+    found = bsp::prepare_pairs(own, others, rotation, position, slack_m, frame);
+  }
+  if (found == bsp::PairCase::odd) return pair_all(other, rotation, position, slack_m, candidate, context, cost);
+  if (found == bsp::PairCase::apart) return;
+  if (swapped) {
+    bsp::walk_pairs(others, own, frame, true, candidate, context, cost);
+  } else {
+    bsp::walk_pairs(own, others, frame, false, candidate, context, cost);
+  }
+}
+
+/// Every triangle near the other's bounds with all of the other's.
+void BspTree::pair_all(const BspTree& other, const Mat3& rotation, const Vec3& position, double slack_m,
+                       PairCandidate candidate, void* context, WalkCost& cost) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Aabb everything{.low = Vec3::Constant(-kInfinity), .high = Vec3::Constant(kInfinity)};
+  const Aabb& placed = other.bounds();
+  const Vec3 middle = placed.low / 2 + placed.high / 2;
+  const Vec3 half = (placed.high - middle).cwiseMax(middle - placed.low);
+  const Vec3 center = rotation * middle + position;
+  const double rounding = 0x1p-48 * (2 * (middle.lpNorm<1>() + half.lpNorm<1>()) + position.lpNorm<1>()) +
+                          std::numeric_limits<double>::min();
+  const Vec3 reach = rotation.cwiseAbs() * half + Vec3::Constant(slack_m + rounding);
+  Aabb near{.low = center - reach, .high = center + reach};
+  if (!near.low.allFinite() || !near.high.allFinite()) near = everything;
+  struct Context {
+    const BspTree& other;
+    const Aabb& everything;
+    PairCandidate candidate;
+    void* context;
+    WalkCost& cost;
+    std::uint32_t triangle = 0;
+    bool go_on = true;
+  } all{other, everything, candidate, context, cost};
+  const auto outer = [](void* raw, std::uint32_t triangle) {
+    Context& c = *static_cast<Context*>(raw);
+    c.triangle = triangle;
+    const auto inner = [](void* raw_too, std::uint32_t other_triangle) {
+      Context& all_of_it = *static_cast<Context*>(raw_too);
+      all_of_it.go_on = all_of_it.candidate(all_of_it.context, all_of_it.triangle, other_triangle);
+      return all_of_it.go_on;
+    };
+    c.other.walk_box(c.everything, inner, raw, c.cost);
+    return c.go_on;
+  };
+  walk_box(near, outer, &all, cost);
 }
 
 }  // namespace collided

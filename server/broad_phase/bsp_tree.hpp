@@ -84,7 +84,18 @@ class BspTree {
   void walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate, void* context,
                  WalkCost& cost) const;
 
+  /// Called with a candidate pair; false ends the walk.
+  using PairCandidate = bool (*)(void* context, std::uint32_t triangle, std::uint32_t other_triangle);
+  /// Pairs of this tree's triangles and the other's that may meet, where the other's point p lies at
+  /// rotation * p + position here, off by at most slack_m on each axis. Both trees are descended at once. rotation is
+  /// orthonormal to within rounding; any other keeps the promise but not the speed.
+  void walk_pairs(const BspTree& other, const Mat3& rotation, const Vec3& position, double slack_m,
+                  PairCandidate candidate, void* context, WalkCost& cost) const;
+
  private:
+  void pair_all(const BspTree& other, const Mat3& rotation, const Vec3& position, double slack_m,
+                PairCandidate candidate, void* context, WalkCost& cost) const;
+
   struct Storage;
   std::unique_ptr<Storage> storage_;
 };

@@ -51,6 +51,8 @@ Verdict overlaps(const Capsule& a, const Triangle& b) {
 }
 
 Verdict overlaps(const Triangle& a, const Triangle& b) {
+  const Decision quick = quickly_overlaps(a, b);
+  if (quick != Decision::undecided) return {quick, Level::filter};
   return climb([&]<class N>() { return sets_meet<N>(a, b); });
 }
 

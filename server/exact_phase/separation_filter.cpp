@@ -141,4 +141,66 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
   return gaps.together();
 }
 
+namespace {
+
+/// Signs that are sure; zero: not sure.
+int sure_sign(double value, double error) { return value > error ? 1 : value < -error ? -1 : 0; }
+
+/// Three points about the plane of a facet.
+struct About {
+  int side[3] = {0, 0, 0};
+  double reach = 0;  // largest coordinate of any difference between the points and the facet's corners, or more
+
+  bool all_sure() const { return side[0] * side[1] * side[2] != 0; }
+  bool one_sided() const { return side[0] == side[1] && side[1] == side[2] && side[0] != 0; }
+  /// The corner that is alone on its side, where the sides are sure and differ.
+  int lone() const { return side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0; }
+};
+
+About sides_about(const Triples& points, const Triples& plane) {
+  const Triple e = plane[1] - plane[0];
+  const Triple f = plane[2] - plane[0];
+  const Triple normal = cross(e, f);
+  const Triples way{points[0] - plane[0], points[1] - plane[0], points[2] - plane[0]};
+  const double first = e.largest();
+  const double second = f.largest();
+  const double distance = std::max({way[0].largest(), way[1].largest(), way[2].largest()});
+  if (!in_range(first) || !in_range(second) || !in_range(distance)) return {};
+  const double error = kOrientationError * first * second * distance;
+  return {{sure_sign(dot(normal, way[0]), error), sure_sign(dot(normal, way[1]), error),
+           sure_sign(dot(normal, way[2]), error)},
+          (distance + std::max(first, second)) * (1 + 0x1p-50)};
+}
+
+}  // namespace
+
+Decision quickly_overlaps(const Triangle& a, const Triangle& b) {
+  const Triples s{triple(a.a), triple(a.b), triple(a.c)};
+  const Triples t{triple(b.a), triple(b.b), triple(b.c)};
+  const About s_about = sides_about(s, t);
+  if (s_about.one_sided()) return Decision::no;
+  const About t_about = sides_about(t, s);
+  if (t_about.one_sided()) return Decision::no;
+  if (!s_about.all_sure() || !t_about.all_sure()) return Decision::undecided;
+
+  // The lone corner of each looks down on the other's plane: where it does not, that plane is turned over.
+  const int i = s_about.lone();
+  const int j = t_about.lone();
+  const bool turn_t = s_about.side[i] < 0;
+  const bool turn_s = t_about.side[j] < 0;
+  const Triple& p = s[i];
+  const Triple& p1 = s[(i + (turn_s ? 2 : 1)) % 3];
+  const Triple& p2 = s[(i + (turn_s ? 1 : 2)) % 3];
+  const Triple& q = t[j];
+  const Triple& q1 = t[(j + (turn_t ? 2 : 1)) % 3];
+  const Triple& q2 = t[(j + (turn_t ? 1 : 2)) % 3];
+  // Two of each three factors run between the triangles; the third is an edge of s, no longer than two that leave its
+  // first corner.
+  const double error = 2 * kOrientationError * s_about.reach * s_about.reach * t_about.reach;
+  const double one = dot(q1 - p1, cross(q - p1, p - p1));
+  const double other = dot(q2 - p, cross(q - p, p2 - p));
+  if (one > error || other > error) return Decision::no;
+  return one < -error && other < -error ? Decision::yes : Decision::undecided;
+}
+
 }  // namespace collided::kernel

@@ -75,6 +75,13 @@ inline constexpr double kClipSlack = 0x1p-46;
 /// At a half, ExtremeSeparationFilter.AgreesWithRationalsAtTheFilterBoundary fails.
 inline constexpr double kSeparationError = 96 * kRoundoff;
 
+/// Error of the triple product a . (b x c) of three differences, relative to the product of their largest coordinates:
+/// each of six products passes eight roundings (three differences, two products, the cross product's difference, two
+/// sums), 48 u together; 52 covers the roundings of the bound. Proved in tests/proofs. No unit.
+/// At a sixty-fourth, where random triangles come near it,
+/// ExtremeTriangleFilter.AgreesWithRationalsAtTheFilterBoundary fails.
+inline constexpr double kOrientationError = 52 * kRoundoff;
+
 /// Bound on the rounding of the plain 2-D orientation determinant, relative to the sum of its two products: Shewchuk's
 /// ccwerrboundA, (3 + 16 u) u. No unit. At zero, IntakePlanar.NearlyStraightTurnsAreExact fails.
 inline constexpr double kTurnError = (3 + 16 * kRoundoff) * kRoundoff;

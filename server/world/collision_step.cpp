@@ -54,6 +54,7 @@ struct Step {
   std::optional<Sweep> sweep_between(std::uint32_t mover, std::uint32_t other);
   void test_pair(std::uint32_t first, std::uint32_t second);
   void test_scene(std::uint32_t mover, const StaticScene& scene);
+  void test_mesh_against(const Placed& a, const StaticScene& scene);
   void report(ObjectId a, ObjectId b, const Touch& touch, const Sweep* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const Sweep* sweep, std::uint32_t mover) const;
 };
@@ -147,9 +148,7 @@ void Step::test_scene(std::uint32_t mover, const StaticScene& scene) {
     std::visit([&](const auto& own) { test(place(*a.frame, own), kNoTriangle); }, primitive);
   }
   if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) {
-    for (std::uint32_t t = 0; t < a.info->mesh->mesh->triangles.size(); ++t) {
-      test(place(*a.frame, a.info->mesh->mesh->triangle(t)), t);
-    }
+    test_mesh_against(a, scene);
   }
   const std::optional<MovingSphere> way = way_of(mover);
   if (way) {
@@ -174,6 +173,22 @@ void Step::test_scene(std::uint32_t mover, const StaticScene& scene) {
     }
     report(a.info->id, part_id, found.touch, sweep ? &*sweep : nullptr, mover);
   }
+}
+
+void Step::test_mesh_against(const Placed& a, const StaticScene& scene) {
+  std::size_t open_parts = 0;
+  for (const Part& part : scene.parts) open_parts += may_meet(a.info->filter, part.filter) ? 1 : 0;
+  const auto visit = [&](std::uint32_t triangle, const Triangle& b, std::uint32_t a_triangle, const Triangle& own) {
+    const std::uint32_t number = scene.part_of(triangle);
+    const Part& part = scene.parts[number];
+    if (!may_meet(a.info->filter, part.filter)) return true;
+    Touch& touch = s.part_touches.of(number);
+    if (touch.done()) return true;
+    touch_parts(own, a_triangle, b, triangle - part.first_triangle, touch);
+    if (touch.done()) --open_parts;
+    return open_parts > 0;
+  };
+  visit_scene_pairs(scene, *a.info->mesh, *a.frame, walk, visit);
 }
 
 void Step::moving_against_moving() {

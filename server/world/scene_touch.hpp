@@ -56,4 +56,22 @@ void visit_scene(const StaticScene& scene, const Aabb& near, WalkCost& cost, All
   scene.tree.walk_box(near, candidate, &context, cost);
 }
 
+/// Calls visit(triangle, corners, mover_triangle, mover_corners) for each static triangle and each of the mesh at the
+/// frame that may meet; visit -> bool, false ends the walk.
+template <class Visit>
+void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const Frame& frame, WalkCost& cost,
+                       Visit&& visit) {
+  struct Context {
+    const StaticScene& scene;
+    PlacedTriangles placed;
+    Visit& visit;
+  } context{scene, {*mesh.mesh, frame}, visit};
+  const auto candidate = [](void* raw, std::uint32_t triangle, std::uint32_t mover_triangle) {
+    Context& c = *static_cast<Context*>(raw);
+    return c.visit(triangle, c.scene.mesh.triangle(triangle), mover_triangle, c.placed.at(mover_triangle));
+  };
+  const double slack_m = placement_slack(frame, 0, mesh.radius_m);
+  scene.tree.walk_pairs(mesh.tree, frame.rotation, frame.position, slack_m, candidate, &context, cost);
+}
+
 }  // namespace collided

@@ -35,17 +35,25 @@ void touch_mesh(const Primitive& a, const IndexedMesh& mesh, const Frame& frame,
   });
 }
 
+/// Both trees are descended at once, b's seen from a's frame: twice the placing of one.
 void touch_meshes(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
   const IndexedMesh& mesh_a = *a.info->mesh;
   const IndexedMesh& mesh_b = *b.info->mesh;
-  near_triangles(mesh_a, *a.frame, b.bounds, cost, [&](std::uint32_t triangle_a) {
-    const Triangle placed_a = place(*a.frame, mesh_a.mesh->triangle(triangle_a));
-    near_triangles(mesh_b, *b.frame, bounds(placed_a), cost, [&](std::uint32_t triangle_b) {
-      touch_parts(placed_a, triangle_a, place(*b.frame, mesh_b.mesh->triangle(triangle_b)), triangle_b, touch);
-      return !touch.done();
-    });
-    return !touch.done();
-  });
+  struct Context {
+    PlacedTriangles of_a;
+    PlacedTriangles of_b;
+    Touch& touch;
+  } context{{*mesh_a.mesh, *a.frame}, {*mesh_b.mesh, *b.frame}, touch};
+  const auto candidate = [](void* raw, std::uint32_t triangle_a, std::uint32_t triangle_b) {
+    Context& c = *static_cast<Context*>(raw);
+    touch_parts(c.of_a.at(triangle_a), triangle_a, c.of_b.at(triangle_b), triangle_b, c.touch);
+    return !c.touch.done();
+  };
+  const Mat3 back = a.frame->rotation.transpose();
+  const Vec3 between = b.frame->position - a.frame->position;
+  const double slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
+                                             mesh_a.radius_m + mesh_b.radius_m);
+  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m, candidate, &context, cost);
 }
 
 /// a's mesh against b's primitives: the exact phase has the primitive first, so the contact is turned round.

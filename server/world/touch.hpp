@@ -56,6 +56,26 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m);
 /// lost (derivation at kPlacementRoundoffs).
 double placement_slack(const Frame& frame, double distance_m, double reach_m);
 
+/// A mesh's triangles at a frame; the last one is kept, since walks over pairs ask for it again and again.
+class PlacedTriangles {
+ public:
+  PlacedTriangles(const TriangleMesh& mesh, const Frame& frame) : mesh_(mesh), frame_(frame) {}
+
+  const Triangle& at(std::uint32_t triangle) {
+    if (triangle != last_) {
+      placed_ = place(frame_, mesh_.triangle(triangle));
+      last_ = triangle;
+    }
+    return placed_;
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  const Frame& frame_;
+  std::uint32_t last_ = wire_contract::kNoTriangle;
+  Triangle placed_;
+};
+
 /// Whether this contact names the pair of parts better than the one that `best` holds.
 inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32_t b_triangle, const Touch& best) {
   if (!best.yes || contact.depth_m != best.contact.depth_m) return !best.yes || contact.depth_m > best.contact.depth_m;

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   print("TRIPLE", kTripleProductError);
   print("TURN", kTurnError);
   print("SEPARATION", kSeparationError);
+  print("ORIENTATION", kOrientationError);
   print("SLACK", kBoundSlack);
   print("POINT_ON_RAY", kPointOnRay);
   print("POINT_SUM", kPointSum);
