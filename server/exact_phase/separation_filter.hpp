@@ -17,7 +17,7 @@ Decision quickly_overlaps(const Box& a, const Triangle& b);
 /// Two triangles by the signs of their corners about each other's plane and of two edges about each other, in plain
 /// double; undecided when a sign is nearer to zero than its bound, as where an edge meets a corner or a plane is shared.
 ///
-/// cost    about 30 ns against 700; no allocation
+/// cost    about 45 ns parted, 65 crossing, against 700; no allocation
 /// source  Guigue, Devillers, "Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates", 2003
 Decision quickly_overlaps(const Triangle& a, const Triangle& b);
 
