@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/exact_phase/exactly.hpp"
+#include "server/geometry/float_environment.hpp"
 #include "server/world/parts.hpp"
 
 namespace collided {
@@ -212,6 +213,7 @@ void Auditor::check_near() {
 }  // namespace
 
 std::string audit(const Snapshot& snapshot, const Questions& question, const Answers& given) {
+  const OwnFloatEnvironment own_floats;
   const bool claims = given.answers[0] == Answer::hit || given.answers[0] == Answer::miss ||
                       given.reasons[0] == UndecidedReason::truncated;
   return claims ? Auditor(snapshot, question, given).run() : std::string();

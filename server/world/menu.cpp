@@ -10,6 +10,7 @@
 #include <set>
 
 #include "server/exact_phase/exactly.hpp"
+#include "server/geometry/float_environment.hpp"
 #include "server/world/boxes_only.hpp"
 #include "server/world/parts.hpp"
 
@@ -219,6 +220,7 @@ void Course::finish(std::vector<MenuRow>& menu) {
 }  // namespace
 
 std::vector<MenuRow> menu_of(const Snapshot& snapshot, const MenuOptions& options) {
+  const OwnFloatEnvironment own_floats;
   Aabb world;
   visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape) { world.extend(bounds(shape)); });
   if (world.empty()) return {};
