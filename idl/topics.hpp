@@ -36,6 +36,16 @@ inline constexpr std::uint32_t kRayNumbers = 7;
 inline constexpr std::uint32_t kSphereNumbers = 4;
 inline constexpr std::uint32_t kBoxNumbers = 10;
 inline constexpr std::uint32_t kNearNumbers = 4;
+/// 0 for what is no question about the world.
+inline constexpr std::uint32_t numbers_of(QueryKind kind) {
+  switch (kind) {
+    case QueryKind::ray: return kRayNumbers;
+    case QueryKind::sphere: return kSphereNumbers;
+    case QueryKind::box: return kBoxNumbers;
+    case QueryKind::near: return kNearNumbers;
+    default: return 0;
+  }
+}
 inline constexpr std::uint32_t kPoseNumbers = 7;
 inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;

@@ -35,7 +35,21 @@ ShapePart make_shape(std::string_view kind, const std::vector<double>& numbers) 
     need_count(kind, numbers, 2, "radius and length between the centres");
     return CapsuleShape{.a = {0, 0, -numbers[1] / 2}, .b = {0, 0, numbers[1] / 2}, .radius_m = numbers[0]};
   }
-  throw bad_use(fmt::format("no shape '{}'{}", kind, did_you_mean(kind, {"sphere", "box", "capsule"})), "shapes: sphere R, box X Y Z, capsule R L");
+  if (kind == "cylinder") {
+    need_count(kind, numbers, 2, "radius and length");
+    return CylinderShape{.a = {0, 0, -numbers[1] / 2}, .b = {0, 0, numbers[1] / 2}, .radius_m = numbers[0]};
+  }
+  if (kind == "cone") {
+    need_count(kind, numbers, 2, "radius of the base and height");
+    return ConeShape{.apex = {0, 0, numbers[1] / 2}, .base = {0, 0, -numbers[1] / 2}, .radius_m = numbers[0]};
+  }
+  if (kind == "ellipsoid") {
+    need_count(kind, numbers, 3, "full lengths along x, y, z");
+    return EllipsoidShape{.half_m = Vec3(numbers[0], numbers[1], numbers[2]) / 2};
+  }
+  throw bad_use(fmt::format("no shape '{}'{}", kind,
+                            did_you_mean(kind, {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid"})),
+                "shapes: sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z");
 }
 
 ShapePart parse_shape(std::string_view text) {

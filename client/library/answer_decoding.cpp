@@ -18,11 +18,24 @@ Error nonsense(const std::string& what) {
 
 Vec3 vector_at(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
 
-void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names, Hit& hit) {
+// Hits that follow each other are mostly on one object, whose name is looked up once.
+struct LastName {
+  std::uint64_t id = 0;
+  std::string name = {};
+  const std::string& of(std::uint64_t object, const Names& names) {
+    if (object != id || name.empty()) {
+      name = names.name(object);
+      id = object;
+    }
+    return name;
+  }
+};
+
+void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names, LastName& last, Hit& hit) {
   const double* const numbers = dds::view(reply.numbers).data() + index * kHitNumbers;
   const std::uint8_t flags = dds::view(reply.hit_flags)[index];
   hit.object_id = dds::view(reply.objects)[index];
-  hit.object = names.name(hit.object_id);
+  hit.object = last.of(hit.object_id, names);
   hit.triangle = dds::view(reply.triangles)[index];
   hit.distance_m = numbers[0];
   hit.error_m = numbers[1];
@@ -51,11 +64,13 @@ Error refusal(const std::string& text) {
   return {ErrorCode::refused, "server refused: " + field("error", text), field("hint", "")};
 }
 
-AnswerCollector::AnswerCollector(std::size_t question_count, std::size_t questions_per_chunk, Names& names)
+AnswerCollector::AnswerCollector(std::size_t question_count, std::size_t questions_per_chunk, Names& names,
+                                 Answers&& earlier)
     : names_(names),
       questions_per_chunk_(questions_per_chunk),
-      seen_(question_count, false),
+      seen_(question_count, 0),
       open_in_chunk_((question_count + questions_per_chunk - 1) / questions_per_chunk) {
+  result_.answers = std::move(earlier.answers);
   result_.answers.resize(question_count);
   for (std::size_t chunk = 0; chunk < open_in_chunk_.size(); ++chunk) {
     const std::size_t left = question_count - chunk * questions_per_chunk;
@@ -104,11 +119,18 @@ void AnswerCollector::note_state(const wire::Reply& reply) {
   }
 }
 
-void AnswerCollector::note_answered(std::size_t question) {
-  seen_[question] = true;
-  ++answered_;
-  if (--open_in_chunk_[question / questions_per_chunk_] == 0) {
-    ++chunks_answered_;
+void AnswerCollector::note_answered(std::size_t first, std::size_t count) {
+  for (std::size_t question = first; question < first + count;) {
+    const std::size_t chunk = question / questions_per_chunk_;
+    const std::size_t end = std::min(first + count, (chunk + 1) * questions_per_chunk_);
+    std::uint32_t answered = 0;
+    for (; question < end; ++question) {
+      answered += seen_[question] == 0 ? 1U : 0U;
+      seen_[question] = 1;
+    }
+    answered_ += answered;
+    open_in_chunk_[chunk] -= answered;
+    chunks_answered_ += answered > 0 && open_in_chunk_[chunk] == 0 ? 1 : 0;
   }
 }
 
@@ -121,23 +143,29 @@ std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
   }
   names_.learn(dds::view(reply.named_ids), dds::view(reply.names));
   note_state(reply);
+  const auto verdicts = dds::view(reply.answers);
+  const auto reasons = dds::view(reply.reasons);
+  const auto hit_counts = dds::view(reply.hit_counts);
+  const auto nodes = dds::view(reply.nodes);
+  const auto exact_tests = dds::view(reply.exact_tests);
+  const auto levels = dds::view(reply.levels);
+  LastName last_name;
   std::size_t next_hit = 0;
-  for (std::size_t i = 0; i < reply.answers._length; ++i) {
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
     const std::size_t question = reply.first_question + i;
-    const std::size_t hit_count = dds::view(reply.hit_counts)[i];
-    if (!seen_[question]) {
+    if (seen_[question] == 0) {
       Answer& answer = result_.answers[question];
-      answer.verdict = static_cast<Verdict>(dds::view(reply.answers)[i]);
-      answer.reason = static_cast<Undecided>(dds::view(reply.reasons)[i]);
-      answer.cost = {dds::view(reply.nodes)[i], dds::view(reply.exact_tests)[i], dds::view(reply.levels)[i]};
-      answer.hits.reserve(hit_count);
-      for (std::size_t hit = 0; hit < hit_count; ++hit) {
-        decode_hit(reply, next_hit + hit, names_, answer.hits.emplace_back());
+      answer.verdict = static_cast<Verdict>(verdicts[i]);
+      answer.reason = static_cast<Undecided>(reasons[i]);
+      answer.cost = {nodes[i], exact_tests[i], levels[i]};
+      answer.hits.resize(hit_counts[i]);
+      for (std::size_t hit = 0; hit < answer.hits.size(); ++hit) {
+        decode_hit(reply, next_hit + hit, names_, last_name, answer.hits[hit]);
       }
-      note_answered(question);
     }
-    next_hit += hit_count;
+    next_hit += hit_counts[i];
   }
+  note_answered(reply.first_question, verdicts.size());
   return std::nullopt;
 }
 

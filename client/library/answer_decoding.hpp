@@ -15,7 +15,7 @@ namespace collided::client {
 class AnswerCollector {
  public:
   /// questions_per_chunk: of the request's chunks but the last.
-  AnswerCollector(std::size_t question_count, std::size_t questions_per_chunk, Names& names);
+  AnswerCollector(std::size_t question_count, std::size_t questions_per_chunk, Names& names, Answers&& earlier = {});
 
   /// The error when the reply is a refusal or makes no sense.
   std::optional<Error> add(const wire::Reply& reply);
@@ -26,12 +26,12 @@ class AnswerCollector {
  private:
   std::optional<Error> check(const wire::Reply& reply) const;
   void note_state(const wire::Reply& reply);
-  void note_answered(std::size_t question);
+  void note_answered(std::size_t first, std::size_t count);
 
   Names& names_;
   Answers result_;
   std::size_t questions_per_chunk_;
-  std::vector<bool> seen_;
+  std::vector<std::uint8_t> seen_;
   std::vector<std::uint32_t> open_in_chunk_;
   std::size_t chunks_answered_ = 0;
   std::size_t answered_ = 0;

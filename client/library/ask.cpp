@@ -12,13 +12,26 @@ using wire_contract::kChunksInFlight;
 using wire_contract::kMaxQuestionsPerChunk;
 using wire_contract::kMaxQuestionsPerRequest;
 
+// Of more questions the answers take longer than waking up, and the processor is of more use to who works them out.
+constexpr std::size_t kMostAtOnce = 16;
+
 struct Request {
   wire_contract::QueryKind kind;
   const char* noun;
-  std::uint32_t number_count;       // per question
-  std::span<const double> numbers;  // of all questions
-  std::size_t question_count() const { return numbers.size() / number_count; }
+  std::uint32_t number_count;  // per question
+  std::size_t question_count;
+  const void* questions;
+  void (*encode)(const void* questions, std::size_t first, std::size_t count, double* numbers);
 };
+
+template <class Question>
+void encode_some(const void* questions, std::size_t first, std::size_t count, double* numbers) {
+  const std::span<const Question> some(static_cast<const Question*>(questions) + first, count);
+  for (const Question& question : some) {
+    encode(question, numbers);
+    numbers += QuestionWire<Question>::number_count;
+  }
+}
 
 std::optional<Error> options_fault(const Request& request, const AskOptions& options) {
   const std::string noun = request.noun;
@@ -37,7 +50,7 @@ std::optional<Error> options_fault(const Request& request, const AskOptions& opt
 // Everything but the questions; the slot's sample may hold what another request left.
 void fill_header(wire::Query& query, const Request& request, const AskOptions& options, const Fence& fence) {
   query.chunk_count =
-      static_cast<std::uint32_t>((request.question_count() + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
+      static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
   query.kind = static_cast<std::uint8_t>(request.kind);
   query.mode = static_cast<std::uint8_t>(options.pick);
   query.mask = options.mask;
@@ -52,17 +65,22 @@ void fill_header(wire::Query& query, const Request& request, const AskOptions& o
   dds::borrow(query.blob, std::span<const std::uint8_t>());
 }
 
-std::optional<Error> send_chunk(Connection& connection, wire::Query& query, const Request& request,
+// Each chunk is put together just before it leaves: the server is at the first while the next are made.
+std::optional<Error> send_chunk(Connection& connection, Requests::Running& running, const Request& request,
                                 std::uint32_t chunk) {
   const std::size_t first = std::size_t{chunk} * kMaxQuestionsPerChunk;
-  const std::size_t count = std::min<std::size_t>(kMaxQuestionsPerChunk, request.question_count() - first);
+  const std::size_t count = std::min<std::size_t>(kMaxQuestionsPerChunk, request.question_count - first);
+  std::vector<double>& numbers = running.numbers();
+  numbers.resize(count * request.number_count);
+  request.encode(request.questions, first, count, numbers.data());
+  wire::Query& query = running.query();
   query.chunk_index = chunk;
   query.first_question = static_cast<std::uint32_t>(first);
-  dds::borrow(query.numbers, request.numbers.subspan(first * request.number_count, count * request.number_count));
+  dds::borrow(query.numbers, numbers);
   return connection.send(query);
 }
 
-Result<Answers> run(Connection& connection, const Request& request, const AskOptions& options) {
+Result<Answers> run(Connection& connection, const Request& request, const AskOptions& options, Answers&& earlier) {
   if (auto error = options_fault(request, options)) {
     return *error;
   }
@@ -76,17 +94,28 @@ Result<Answers> run(Connection& connection, const Request& request, const AskOpt
     return Error{ErrorCode::refused, std::to_string(Requests::kMost) + " requests of this client wait for answers",
                  kNothingSent};
   }
+  if (request.question_count > kMostAtOnce) {
+    running->sleep_while_waiting();
+  }
   wire::Query& query = running->query();
   query.request = running->number();
   fill_header(query, request, options, options.fresh ? connection.last_write() : Fence{});
 
-  AnswerCollector collector(request.question_count(), kMaxQuestionsPerChunk, connection.names());
   std::uint32_t sent = 0;
+  const auto send_to = [&](std::size_t end) {
+    std::optional<Error> error;
+    for (; !error && sent < query.chunk_count && sent < end; ++sent) {
+      error = send_chunk(connection, *running, request, sent);
+    }
+    return error;
+  };
+  if (auto error = send_to(kChunksInFlight)) {
+    return *error;
+  }
+  AnswerCollector collector(request.question_count, kMaxQuestionsPerChunk, connection.names(), std::move(earlier));
   while (!collector.complete()) {
-    for (; sent < query.chunk_count && sent < collector.chunks_answered() + kChunksInFlight; ++sent) {
-      if (auto error = send_chunk(connection, query, request, sent)) {
-        return *error;
-      }
+    if (auto error = send_to(collector.chunks_answered() + kChunksInFlight)) {
+      return *error;
     }
     const Connection::Waited waited = connection.wait(*running, deadline, server, request.noun);
     if (waited.error) {
@@ -113,28 +142,27 @@ Error question_fault(const std::string& reason, std::size_t index, std::size_t c
 }  // namespace
 
 template <class Question>
-Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options) {
+Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options,
+                    Answers&& earlier) {
   using Wire = QuestionWire<Question>;
   if (questions.empty() || questions.size() > kMaxQuestionsPerRequest) {
     return bad_input(std::string(Wire::noun) + ": " + std::to_string(questions.size()) +
                      " questions; a request holds 1 to " + std::to_string(kMaxQuestionsPerRequest));
   }
-  double single[Wire::number_count];
-  std::vector<double> many(questions.size() > 1 ? questions.size() * Wire::number_count : 0);
-  double* const numbers = many.empty() ? single : many.data();
+  // All of them before the first is sent: a request is answered as a whole or not at all.
   for (std::size_t i = 0; i < questions.size(); ++i) {
-    if (const auto reason = fault(questions[i])) {
-      return question_fault<Question>(*reason, i, questions.size());
+    if (!can_be_asked(questions[i])) {
+      return question_fault<Question>(fault(questions[i]).value_or(""), i, questions.size());
     }
-    encode(questions[i], numbers + i * Wire::number_count);
   }
-  const Request request{Wire::kind, Wire::noun, Wire::number_count, {numbers, questions.size() * Wire::number_count}};
-  return run(connection, request, options);
+  return run(connection,
+             {Wire::kind, Wire::noun, Wire::number_count, questions.size(), questions.data(), &encode_some<Question>},
+             options, std::move(earlier));
 }
 
-template Result<Answers> ask(Connection&, std::span<const RayQuestion>, const AskOptions&);
-template Result<Answers> ask(Connection&, std::span<const SphereQuestion>, const AskOptions&);
-template Result<Answers> ask(Connection&, std::span<const BoxQuestion>, const AskOptions&);
-template Result<Answers> ask(Connection&, std::span<const NearQuestion>, const AskOptions&);
+template Result<Answers> ask(Connection&, std::span<const RayQuestion>, const AskOptions&, Answers&&);
+template Result<Answers> ask(Connection&, std::span<const SphereQuestion>, const AskOptions&, Answers&&);
+template Result<Answers> ask(Connection&, std::span<const BoxQuestion>, const AskOptions&, Answers&&);
+template Result<Answers> ask(Connection&, std::span<const NearQuestion>, const AskOptions&, Answers&&);
 
 }  // namespace collided::client

@@ -9,7 +9,9 @@ namespace collided::client {
 
 /// Checks every question, sends them in chunks with a few in flight, and waits for all the answers.
 /// Instantiated for the four kinds of question.
+/// earlier  answers whose memory serves again
 template <class Question>
-Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options);
+Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options,
+                    Answers&& earlier = {});
 
 }  // namespace collided::client

@@ -79,6 +79,19 @@ Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOp
   return client::ask(*state_->connection, questions, options);
 }
 
+Result<Answers> Client::ask(std::span<const RayQuestion> questions, const AskOptions& options, Answers&& earlier) {
+  return client::ask(*state_->connection, questions, options, std::move(earlier));
+}
+Result<Answers> Client::ask(std::span<const SphereQuestion> questions, const AskOptions& options, Answers&& earlier) {
+  return client::ask(*state_->connection, questions, options, std::move(earlier));
+}
+Result<Answers> Client::ask(std::span<const BoxQuestion> questions, const AskOptions& options, Answers&& earlier) {
+  return client::ask(*state_->connection, questions, options, std::move(earlier));
+}
+Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOptions& options, Answers&& earlier) {
+  return client::ask(*state_->connection, questions, options, std::move(earlier));
+}
+
 std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion> questions, AskOptions options) {
   return state_->ask_later(std::move(questions), std::move(options));
 }

@@ -45,6 +45,17 @@ std::optional<std::string> fault(const SphereQuestion& question);
 std::optional<std::string> fault(const BoxQuestion& question);
 std::optional<std::string> fault(const NearQuestion& question);
 
+/// Whether it can be asked; written so that NaN cannot.
+inline bool can_be_asked(const RayQuestion& question) {
+  const Vec3& d = question.direction;
+  return question.origin.allFinite() && d.allFinite() && (d[0] != 0 || d[1] != 0 || d[2] != 0) && question.length_m >= 0;
+}
+template <class Question>
+bool can_be_asked(const Question& question) {
+  return !fault(question);
+}
+
+/// Writes QuestionWire::number_count numbers.
 void encode(const RayQuestion& question, double* numbers);
 void encode(const SphereQuestion& question, double* numbers);
 void encode(const BoxQuestion& question, double* numbers);

@@ -49,7 +49,9 @@ void Requests::recycle(std::vector<SamplePool<wire::Reply>::Pointer>& replies) {
 
 const std::vector<SamplePool<wire::Reply>::Pointer>& Requests::Running::wait(Clock::time_point deadline) {
   requests_.recycle(taken_);
-  requests_.spin_.wait(deadline, [this] { return slot_.has_replies.load(std::memory_order_acquire); });
+  if (spins_) {
+    requests_.spin_.wait(deadline, [this] { return slot_.has_replies.load(std::memory_order_acquire); });
+  }
   std::unique_lock lock(slot_.mutex);
   slot_.came.wait_until(lock, deadline, [this] { return !slot_.replies.empty(); });
   std::swap(taken_, slot_.replies);

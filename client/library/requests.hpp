@@ -24,6 +24,7 @@ class Requests {
     std::atomic<bool> has_replies{false};
     std::vector<SamplePool<wire::Reply>::Pointer> replies;
     dds::Sample<wire::Query> query;  // its memory stays with the slot
+    std::vector<double> numbers;     // the same
   };
 
  public:
@@ -41,6 +42,10 @@ class Requests {
     std::uint64_t number() const { return number_; }
     /// Fields keep what an earlier request left: set them all.
     wire::Query& query() { return *slot_.query; }
+    /// Of a chunk.
+    std::vector<double>& numbers() { return slot_.numbers; }
+    /// The replies will take their time.
+    void sleep_while_waiting() { spins_ = false; }
     /// Replies that came since the last call; waits for one until `deadline`, then none.
     const std::vector<SamplePool<wire::Reply>::Pointer>& wait(Clock::time_point deadline);
 
@@ -49,6 +54,7 @@ class Requests {
     Requests& requests_;
     Slot& slot_;
     std::uint64_t number_;
+    bool spins_ = true;
     std::vector<SamplePool<wire::Reply>::Pointer> taken_;
   };
 

@@ -18,6 +18,10 @@ constexpr std::size_t kMaxShapeBytes = wire_contract::kMaxMessageBytes - kHeader
 format::Vec3 packed(const Vec3& value) { return {value.x(), value.y(), value.z()}; }
 format::Quat packed(const Quat& value) { return {value.w(), value.x(), value.y(), value.z()}; }
 
+format::Mat3 packed(const Eigen::Matrix3d& value) {
+  return {packed(Vec3(value.col(0))), packed(Vec3(value.col(1))), packed(Vec3(value.col(2)))};
+}
+
 std::optional<std::string> part_fault(const SphereShape& sphere) {
   auto found = finite_fault(sphere.center, "center");
   return found ? found : size_fault(sphere.radius_m, "radius");
@@ -33,6 +37,44 @@ std::optional<std::string> part_fault(const CapsuleShape& capsule) {
   }
   auto found = finite_fault(capsule.b, "end b");
   return found ? found : size_fault(capsule.radius_m, "radius");
+}
+
+std::optional<std::string> axis_fault(const Vec3& a, const Vec3& b, double radius_m) {
+  if (auto found = finite_fault(a, "one end")) {
+    return found;
+  }
+  if (auto found = finite_fault(b, "the other end")) {
+    return found;
+  }
+  if (a == b) {
+    return "both ends of its axis are the same point";
+  }
+  return size_fault(radius_m, "radius");
+}
+
+std::optional<std::string> part_fault(const CylinderShape& cylinder) {
+  return axis_fault(cylinder.a, cylinder.b, cylinder.radius_m);
+}
+
+std::optional<std::string> part_fault(const ConeShape& cone) { return axis_fault(cone.apex, cone.base, cone.radius_m); }
+
+std::optional<std::string> part_fault(const EllipsoidShape& ellipsoid) {
+  if (!(ellipsoid.half_m.array() > 0).all()) {
+    return "half sizes must be above 0";
+  }
+  return fault(BoxQuestion{ellipsoid.center, ellipsoid.half_m, ellipsoid.rotation});
+}
+
+std::optional<std::string> part_fault(const HullShape& hull) {
+  if (hull.points.size() < 4) {
+    return "a hull of " + std::to_string(hull.points.size()) + " points; at least 4 are needed";
+  }
+  for (const Vec3& point : hull.points) {
+    if (auto found = finite_fault(point, "point")) {
+      return found;
+    }
+  }
+  return std::nullopt;
 }
 
 std::optional<std::string> part_fault(const MeshShape& mesh) {
@@ -58,20 +100,35 @@ struct Parts {
   std::vector<format::Sphere> spheres;
   std::vector<format::Box> boxes;
   std::vector<format::Capsule> capsules;
+  std::vector<format::Cylinder> cylinders;
+  std::vector<format::Cone> cones;
+  std::vector<format::Ellipsoid> ellipsoids;
+  std::vector<const HullShape*> hulls;
   const MeshShape* mesh = nullptr;
 
   void add(const SphereShape& sphere) { spheres.emplace_back(packed(sphere.center), sphere.radius_m); }
   void add(const BoxShape& box) { boxes.emplace_back(packed(box.center), packed(box.rotation), packed(box.half_m)); }
   void add(const CapsuleShape& capsule) { capsules.emplace_back(packed(capsule.a), packed(capsule.b), capsule.radius_m); }
+  void add(const CylinderShape& c) { cylinders.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
+  void add(const ConeShape& c) { cones.emplace_back(packed(c.apex), packed(c.base), c.radius_m); }
+  void add(const EllipsoidShape& e) {
+    ellipsoids.emplace_back(packed(e.center), packed(e.rotation.toRotationMatrix()), packed(e.half_m));
+  }
+  void add(const HullShape& hull) { hulls.push_back(&hull); }
   void add(const MeshShape& one) { mesh = &one; }
 };
 
-flatbuffers::Offset<format::Mesh> build_mesh(flatbuffers::FlatBufferBuilder& builder, const MeshShape& mesh) {
+std::vector<double> coordinates_of(const std::vector<Vec3>& points) {
   std::vector<double> coordinates;
-  coordinates.reserve(mesh.vertices.size() * 3);
-  for (const Vec3& vertex : mesh.vertices) {
-    coordinates.insert(coordinates.end(), vertex.data(), vertex.data() + 3);
+  coordinates.reserve(points.size() * 3);
+  for (const Vec3& point : points) {
+    coordinates.insert(coordinates.end(), point.data(), point.data() + 3);
   }
+  return coordinates;
+}
+
+flatbuffers::Offset<format::Mesh> build_mesh(flatbuffers::FlatBufferBuilder& builder, const MeshShape& mesh) {
+  const std::vector<double> coordinates = coordinates_of(mesh.vertices);
   std::vector<std::uint32_t> corners;
   corners.reserve(mesh.triangles.size() * 3);
   for (const auto& triangle : mesh.triangles) {
@@ -86,7 +143,17 @@ std::vector<std::uint8_t> build(const Parts& parts) {
   const auto boxes = parts.boxes.empty() ? 0 : builder.CreateVectorOfStructs(parts.boxes);
   const auto capsules = parts.capsules.empty() ? 0 : builder.CreateVectorOfStructs(parts.capsules);
   const auto mesh = parts.mesh == nullptr ? 0 : build_mesh(builder, *parts.mesh);
-  builder.Finish(format::CreateShape(builder, spheres, boxes, capsules, mesh));
+  const auto cylinders = parts.cylinders.empty() ? 0 : builder.CreateVectorOfStructs(parts.cylinders);
+  const auto cones = parts.cones.empty() ? 0 : builder.CreateVectorOfStructs(parts.cones);
+  const auto ellipsoids = parts.ellipsoids.empty() ? 0 : builder.CreateVectorOfStructs(parts.ellipsoids);
+  std::vector<flatbuffers::Offset<format::Mesh>> hull_tables;
+  for (const HullShape* hull : parts.hulls) {
+    const std::vector<double> coordinates = coordinates_of(hull->points);
+    const std::vector<std::uint32_t> no_corners;
+    hull_tables.push_back(format::CreateMeshDirect(builder, &coordinates, &no_corners));
+  }
+  const auto hulls = hull_tables.empty() ? 0 : builder.CreateVector(hull_tables);
+  builder.Finish(format::CreateShape(builder, spheres, boxes, capsules, mesh, 0, cylinders, cones, ellipsoids, hulls));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 

@@ -2,40 +2,21 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstring>
-#include <exception>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
+#include "server/broad_phase/bsp_pieces.hpp"
+#include "server/broad_phase/bsp_primitive.hpp"
 #include "server/broad_phase/bsp_split.hpp"
+#include "server/broad_phase/bsp_threads.hpp"
 
 namespace collided::bsp {
 namespace {
 
 /// A subtree smaller than this is not worth handing to another thread.
 constexpr std::uint32_t kLeastJob = 4096;
-
-/// Calls work(i) for i in [0, count) from several threads, the caller's among them; the first exception is rethrown.
-template <typename Work>
-void in_parallel(unsigned threads, std::size_t count, const Work& work) {
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::atomic<bool> failed{false};
-  const auto run = [&](bool callers_thread) {
-    try {
-      for (std::size_t i = next++; i < count && !failed; i = next++) work(i, callers_thread);
-    } catch (...) {
-      if (!failed.exchange(true)) failure = std::current_exception();
-    }
-  };
-  {
-    std::vector<std::jthread> helpers;
-    for (unsigned i = 1; i < threads && i < count; ++i) helpers.emplace_back(run, false);
-    run(true);
-  }
-  if (failure) std::rethrow_exception(failure);
-}
+/// Triangles that a thread takes at once where it goes through all.
+constexpr std::size_t kRun = 65536;
 
 /// Tells how far the build is and hears whether to go on; both from the caller's thread only.
 class Watch {
@@ -67,6 +48,9 @@ struct Piece {
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
   std::uint32_t depth = 0;
+  std::uint64_t references = 0;
+
+  std::uint64_t bytes() const { return nodes.capacity() * sizeof(Node) + leaves.capacity() * sizeof(Leaf); }
 };
 
 /// A subtree left to another thread, and where its parent waits for it.
@@ -190,22 +174,16 @@ class Builder {
 
   Ref add_leaf(const Range& range, Piece& piece) const {
     Leaf leaf{};
-    for (std::uint32_t lane = 0; lane < range.size(); ++lane) {
-      const std::uint32_t number = primitives_[range.begin + lane].triangle();
-      const Triangle world = mesh_.triangle(number);
-      const Vec3 first = layout_.frame.to_local(world.a);
-      const Vec3 base = layout_.has_corners ? Vec3::Zero() : first;
-      const Vec3 second = layout_.frame.to_local(world.b) - base;
-      const Vec3 third = layout_.frame.to_local(world.c) - base;
-      for (int axis = 0; axis < 3; ++axis) {
-        leaf.a[axis][lane] = static_cast<float>(first[axis]);
-        leaf.b[axis][lane] = static_cast<float>(second[axis]);
-        leaf.c[axis][lane] = static_cast<float>(third[axis]);
-      }
-      leaf.triangle[lane] = number;
+    int count = 0;
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      const std::uint32_t number = primitives_[i].triangle();
+      // Two pieces of one triangle are one here.
+      if (std::find(leaf.triangle, leaf.triangle + count, number) != leaf.triangle + count) continue;
+      set_lane(mesh_, layout_.frame, layout_.has_corners, number, count++, leaf);
     }
+    piece.references += static_cast<std::uint64_t>(count);
     piece.leaves.push_back(leaf);
-    return leaf_ref(static_cast<std::uint32_t>(piece.leaves.size() - 1), static_cast<int>(range.size()));
+    return leaf_ref(static_cast<std::uint32_t>(piece.leaves.size() - 1), count);
   }
 
   const TriangleMesh& mesh_;
@@ -214,45 +192,43 @@ class Builder {
   Watch& watch_;
 };
 
-Primitive local_primitive(const TriangleMesh& mesh, const LocalFrame& frame, std::uint32_t number) {
-  const Triangle world = mesh.triangle(number);
-  const Vec3 low = frame.to_local(world.a.cwiseMin(world.b).cwiseMin(world.c));
-  const Vec3 high = frame.to_local(world.a.cwiseMax(world.b).cwiseMax(world.c));
-  Primitive primitive;
-  for (int axis = 0; axis < 3; ++axis) {
-    primitive.low[axis] = round_down(low[axis]);
-    primitive.high[axis] = round_up(high[axis]);
-  }
-  primitive.low[3] = std::bit_cast<float>(number);
-  primitive.high[3] = 0;
-  return primitive;
+/// One box a triangle.
+PlainArray<Primitive> whole_triangles(const TriangleMesh& mesh, const LocalFrame& frame, unsigned threads) {
+  PlainArray<Primitive> boxes(mesh.triangles.size());
+  in_runs(threads, boxes.size(), kRun, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) boxes[i] = local_primitive(mesh, frame, static_cast<std::uint32_t>(i));
+  });
+  return boxes;
 }
 
-Aabb triangle_bounds(const TriangleMesh& mesh) {
-  Aabb bounds;
-  for (const TriangleCorners& corners : mesh.triangles) {
-    for (const std::uint32_t corner : corners) bounds.extend(mesh.vertices[corner]);
+/// The boxes with those of split triangles replaced by their pieces.
+PlainArray<Primitive> with_pieces(const TriangleMesh& mesh, const LocalFrame& frame, PlainArray<Primitive> whole,
+                                  const std::vector<Split>& splits) {
+  if (splits.empty()) return whole;
+  std::size_t count = whole.size();
+  for (const Split& split : splits) count += split.piece_count - 1;
+  PlainArray<Primitive> boxes(count);
+  std::copy_n(whole.data(), whole.size(), boxes.data());
+  std::size_t end = whole.size();
+  for (const Split& split : splits) {
+    Primitive pieces[kMaxPieces];
+    const std::uint32_t written = cover(mesh, frame, split.triangle, split.piece_count, pieces);
+    boxes[split.triangle] = pieces[0];
+    // What was not needed repeats the first.
+    for (std::uint32_t i = 1; i < split.piece_count; ++i) boxes[end++] = pieces[i < written ? i : 0];
   }
-  return bounds;
+  return boxes;
 }
 
-/// Primitives of all triangles and the range over them.
-Range make_primitives(const TriangleMesh& mesh, const LocalFrame& frame, unsigned threads,
-                      std::span<Primitive> primitives) {
-  constexpr std::size_t kChunk = 65536;
-  const std::size_t chunk_count = (primitives.size() + kChunk - 1) / kChunk;
-  std::vector<Range> chunks(chunk_count);
-  in_parallel(threads, chunk_count, [&](std::size_t chunk, bool) {
-    const std::size_t end = std::min((chunk + 1) * kChunk, primitives.size());
-    for (std::size_t i = chunk * kChunk; i < end; ++i) {
-      primitives[i] = local_primitive(mesh, frame, static_cast<std::uint32_t>(i));
-      chunks[chunk].add(primitives[i]);
-    }
+Range range_over(std::span<const Primitive> primitives, unsigned threads) {
+  std::vector<Range> runs((primitives.size() + kRun - 1) / kRun);
+  in_runs(threads, primitives.size(), kRun, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) runs[begin / kRun].add(primitives[i]);
   });
   Range all{0, static_cast<std::uint32_t>(primitives.size()), {}, {}};
-  for (const Range& chunk : chunks) {
-    all.bounds.extend(chunk.bounds);
-    all.centers.extend(chunk.centers);
+  for (const Range& run : runs) {
+    all.bounds.extend(run.bounds);
+    all.centers.extend(run.centers);
   }
   return all;
 }
@@ -262,83 +238,112 @@ Ref moved(Ref ref, std::size_t node_offset, std::size_t leaf_offset) {
   return static_cast<Ref>(ref + (is_leaf(ref) ? leaf_offset : node_offset));
 }
 
-/// Puts the pieces one after the other, the top first, and joins each job's root to its parent.
-void join(const std::vector<Piece>& pieces, const std::vector<Job>& jobs, const std::vector<Ref>& roots,
-          Layout& layout, BspReport& report) {
-  std::size_t node_count = 0;
-  std::size_t leaf_count = 0;
-  for (const Piece& piece : pieces) {
-    node_count += piece.nodes.size();
-    leaf_count += piece.leaves.size();
-    report.depth = std::max(report.depth, piece.depth);
-  }
-  if (node_count > kIndexMask || leaf_count > kIndexMask) {
-    throw std::length_error("BSP tree of " + std::to_string(leaf_count) + " leaves; at most " +
-                            std::to_string(kIndexMask) + " are addressable. Nothing was built.");
-  }
-  layout.nodes = PlainArray<Node>(node_count);
-  layout.leaves = PlainArray<Leaf>(leaf_count);
-  std::size_t node_offset = 0;
-  std::size_t leaf_offset = 0;
-  for (std::size_t p = 0; p < pieces.size(); ++p) {
-    const Piece& piece = pieces[p];
-    std::copy(piece.leaves.begin(), piece.leaves.end(), layout.leaves.data() + leaf_offset);
-    for (std::size_t i = 0; i < piece.nodes.size(); ++i) {
-      Node& node = layout.nodes[node_offset + i];
-      node = piece.nodes[i];
-      for (Ref& ref : node.child) ref = moved(ref, node_offset, leaf_offset);
+/// Where each piece comes to lie, the top first.
+struct Places {
+  std::vector<std::size_t> first_node{0};
+  std::vector<std::size_t> first_leaf{0};
+
+  Places(const std::vector<Piece>& pieces) {
+    for (const Piece& piece : pieces) {
+      first_node.push_back(first_node.back() + piece.nodes.size());
+      first_leaf.push_back(first_leaf.back() + piece.leaves.size());
     }
-    // Piece 0 is the top, which starts at offset 0, so a parent's number is its place.
-    if (p > 0) layout.nodes[jobs[p - 1].parent].child[jobs[p - 1].slot] = moved(roots[p], node_offset, leaf_offset);
-    node_offset += piece.nodes.size();
-    leaf_offset += piece.leaves.size();
+    if (first_node.back() > kIndexMask || first_leaf.back() > kIndexMask) {
+      throw std::length_error("BSP tree of " + std::to_string(first_leaf.back()) + " leaves; at most " +
+                              std::to_string(kIndexMask) + " are addressable. Nothing was built.");
+    }
+  }
+};
+
+/// Puts the pieces one after the other, freeing each, and joins each job's root to its parent.
+void join(std::vector<Piece>& pieces, const std::vector<Job>& jobs, const std::vector<Ref>& roots, unsigned threads,
+          Layout& layout) {
+  const Places places(pieces);
+  layout.nodes = PlainArray<Node>(places.first_node.back());
+  layout.leaves = PlainArray<Leaf>(places.first_leaf.back());
+  in_parallel(threads, pieces.size(), [&](std::size_t p, bool) {
+    const Piece piece = std::move(pieces[p]);
+    std::copy(piece.leaves.begin(), piece.leaves.end(), layout.leaves.data() + places.first_leaf[p]);
+    Node* nodes = layout.nodes.data() + places.first_node[p];
+    for (std::size_t i = 0; i < piece.nodes.size(); ++i) {
+      nodes[i] = piece.nodes[i];
+      for (Ref& ref : nodes[i].child) ref = moved(ref, places.first_node[p], places.first_leaf[p]);
+    }
+  });
+  // Piece 0 is the top, which starts at 0, so a parent's number is its place.
+  for (std::size_t p = 1; p < pieces.size(); ++p) {
+    const Job& job = jobs[p - 1];
+    layout.nodes[job.parent].child[job.slot] = moved(roots[p], places.first_node[p], places.first_leaf[p]);
   }
   layout.root = roots[0];
-  report.nodes = static_cast<std::uint32_t>(node_count);
-  report.leaves = static_cast<std::uint32_t>(leaf_count);
-  report.bytes = layout.nodes.bytes() + layout.leaves.bytes();
 }
 
-}  // namespace
+void set_root_box(const Range& all, Layout& layout) {
+  for (int axis = 0; axis < 3; ++axis) {
+    layout.root_low[axis] = all.bounds.low[axis];
+    layout.root_high[axis] = all.bounds.high[axis];
+  }
+}
 
-Layout build_layout(const TriangleMesh& mesh, const BspOptions& options, BspReport& report) {
-  Layout layout;
-  const std::size_t count = mesh.triangles.size();
-  Watch watch(options, count);
-  watch.ask();
-  if (count == 0 || watch.cancelled()) return layout;
-  const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+/// Of a build whose pieces wait to be joined.
+void count_up(const std::vector<Piece>& pieces, std::uint64_t primitive_bytes, BspReport& report) {
+  std::uint64_t nodes = 0;
+  std::uint64_t leaves = 0;
+  report.peak_bytes = primitive_bytes;
+  for (const Piece& piece : pieces) {
+    nodes += piece.nodes.size();
+    leaves += piece.leaves.size();
+    report.depth = std::max(report.depth, piece.depth);
+    report.references += piece.references;
+    report.peak_bytes += piece.bytes();
+  }
+  report.nodes = static_cast<std::uint32_t>(nodes);
+  report.leaves = static_cast<std::uint32_t>(leaves);
+  report.bytes = nodes * sizeof(Node) + leaves * sizeof(Leaf);
+}
 
-  layout.frame = local_frame(triangle_bounds(mesh));
-  PlainArray<Primitive> storage(count);
-  const std::span<Primitive> primitives(storage.data(), count);
-  const Range all = make_primitives(mesh, layout.frame, threads, primitives);
-  layout.has_corners = std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const TriangleCorners& corners) {
-    return layout.frame.is_float(mesh.vertices[corners[0]]) && layout.frame.is_float(mesh.vertices[corners[1]]) &&
-           layout.frame.is_float(mesh.vertices[corners[2]]);
-  });
-  const Builder builder(mesh, layout, primitives, watch);
-
+/// Pieces are built by one thread each, so that none waits for another.
+void build_pieces(const Builder& builder, const Range& all, unsigned threads, std::vector<Piece>& pieces,
+                  std::vector<Job>& jobs, std::vector<Ref>& roots) {
   const std::uint32_t job_size = threads == 1 ? 0 : std::max(kLeastJob, all.size() / (threads * 8));
-  std::vector<Job> jobs;
-  std::vector<Piece> pieces(1);
-  std::vector<Ref> roots(1);
+  pieces.resize(1);
+  roots.resize(1);
   roots[0] = builder.build(all, 0, true, pieces[0], job_size, &jobs);
   pieces.resize(jobs.size() + 1);
   roots.resize(jobs.size() + 1);
   in_parallel(threads, jobs.size(), [&](std::size_t i, bool callers_thread) {
     roots[i + 1] = builder.build(jobs[i].range, jobs[i].depth, callers_thread, pieces[i + 1], 0, nullptr);
   });
-  if (watch.cancelled()) {
-    report = {};
-    return {};
+}
+
+}  // namespace
+
+Layout build_layout(const TriangleMesh& mesh, const BspOptions& options, BspReport& report) {
+  Layout layout;
+  const unsigned threads = thread_count(options.threads);
+  if (mesh.triangles.empty() || (options.cancelled && options.cancelled())) return layout;
+  const MeshFrame found = mesh_frame(mesh, threads);
+  layout.frame = found.frame;
+  layout.has_corners = found.has_corners;
+  PlainArray<Primitive> primitives = whole_triangles(mesh, layout.frame, threads);
+  if (options.form == BspForm::best) {
+    layout.splits = worth_splitting(mesh, layout.frame, {primitives.data(), primitives.size()}, threads);
+    primitives = with_pieces(mesh, layout.frame, std::move(primitives), layout.splits);
   }
-  join(pieces, jobs, roots, layout, report);
-  for (int axis = 0; axis < 3; ++axis) {
-    layout.root_low[axis] = all.bounds.low[axis];
-    layout.root_high[axis] = all.bounds.high[axis];
-  }
-  report.references = count;
+  const std::span<Primitive> all_primitives(primitives.data(), primitives.size());
+  const Range all = range_over(all_primitives, threads);
+  Watch watch(options, primitives.size());
+  watch.ask();
+  std::vector<Piece> pieces;
+  std::vector<Job> jobs;
+  std::vector<Ref> roots;
+  build_pieces(Builder(mesh, layout, all_primitives, watch), all, threads, pieces, jobs, roots);
+  if (watch.cancelled()) return {};
+  count_up(pieces, primitives.bytes(), report);
+  report.split_triangles = static_cast<std::uint32_t>(layout.splits.size());
+  primitives = {};
+  join(pieces, jobs, roots, threads, layout);
+  set_root_box(all, layout);
   if (options.progress) options.progress(1);
   return layout;
 }

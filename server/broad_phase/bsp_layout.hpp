@@ -4,8 +4,11 @@
 #include <cstdint>
 #include <memory>
 #include <new>
+#include <span>
 #include <type_traits>
+#include <vector>
 
+#include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/aabb.hpp"
 
 namespace collided::bsp {
@@ -52,6 +55,7 @@ struct alignas(64) Leaf {
   std::uint32_t triangle[kWidth];
 };
 static_assert(sizeof(Leaf) == 320);
+static_assert(kWidth == BspReport::kChildren && kWidth == BspReport::kLeafTriangles);
 
 /// Local coordinates: (world - origin) * scale, within [-1, 1] for every vertex. The origin is a dyadic number
 /// short enough for the subtraction to be exact, the scale a power of two.
@@ -89,7 +93,13 @@ class PlainArray {
  public:
   PlainArray() = default;
   explicit PlainArray(std::size_t size)
-      : data_(static_cast<T*>(allocate_pages(size * sizeof(T))), Free{size * sizeof(T)}) {}
+      : data_(static_cast<T*>(allocate_pages(size * sizeof(T))), Free{size * sizeof(T), true}) {}
+  /// Records that lie elsewhere and stay there longer than this; only to be read.
+  static PlainArray borrowed(std::span<const T> records) {
+    PlainArray array;
+    array.data_ = {const_cast<T*>(records.data()), Free{records.size_bytes(), false}};
+    return array;
+  }
   T* data() { return data_.get(); }
   const T* data() const { return data_.get(); }
   T& operator[](std::size_t i) { return data_.get()[i]; }
@@ -100,9 +110,18 @@ class PlainArray {
  private:
   struct Free {
     std::size_t bytes = 0;
-    void operator()(T* memory) const { free_pages(memory, bytes); }
+    bool is_own = false;
+    void operator()(T* memory) const {
+      if (is_own) free_pages(memory, bytes);
+    }
   };
   std::unique_ptr<T[], Free> data_;
+};
+
+/// A triangle that entered the tree as several boxes, at most so many.
+struct Split {
+  std::uint32_t triangle;
+  std::uint32_t piece_count;
 };
 
 /// The finished tree. An empty one has root kNothing.
@@ -114,6 +133,8 @@ struct Layout {
   Ref root = kNothing;
   PlainArray<Node> nodes;
   PlainArray<Leaf> leaves;
+  std::vector<Split> splits;           // ascending by triangle
+  std::shared_ptr<const void> keeper;  // of the memory that nodes and leaves were borrowed from
 };
 
 }  // namespace collided::bsp

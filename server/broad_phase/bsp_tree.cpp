@@ -8,6 +8,8 @@
 #include "server/broad_phase/bsp_build.hpp"
 #include "server/broad_phase/bsp_layout.hpp"
 #include "server/broad_phase/bsp_pairs.hpp"
+#include "server/broad_phase/bsp_saved.hpp"
+#include "server/broad_phase/bsp_threads.hpp"
 #include "server/broad_phase/bsp_walk.hpp"
 
 namespace collided {
@@ -23,15 +25,45 @@ BspTree::~BspTree() = default;
 BspTree::BspTree(BspTree&&) noexcept = default;
 BspTree& BspTree::operator=(BspTree&&) noexcept = default;
 
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+Aabb vertex_bounds(const TriangleMesh& mesh) {
+  Aabb bounds;
+  for (const Vec3& vertex : mesh.vertices) bounds.extend(vertex);
+  return bounds;
+}
+
+}  // namespace
+
 BspTree BspTree::build(const TriangleMesh& mesh, const BspOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   BspTree tree;
   Storage& storage = *tree.storage_;
   storage.layout = bsp::build_layout(mesh, options, storage.report);
-  if (storage.layout.root != bsp::kNothing) {
-    for (const Vec3& vertex : mesh.vertices) storage.bounds.extend(vertex);
-  }
-  storage.report.build_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (storage.layout.root != bsp::kNothing) storage.bounds = vertex_bounds(mesh);
+  storage.report.build_s = seconds_since(start);
+  return tree;
+}
+
+std::vector<std::byte> BspTree::saved(const TriangleMesh& mesh) const {
+  return storage_->layout.root == bsp::kNothing ? std::vector<std::byte>{} : bsp::save(storage_->layout, mesh);
+}
+
+std::variant<BspTree, BspRefusal> BspTree::load(const TriangleMesh& mesh, std::span<const std::byte> bytes,
+                                                std::shared_ptr<const void> keeper, unsigned threads) {
+  const auto start = Clock::now();
+  BspTree tree;
+  Storage& storage = *tree.storage_;
+  std::string flaw =
+      bsp::load(mesh, bytes, std::move(keeper), bsp::thread_count(threads), storage.layout, storage.report);
+  if (!flaw.empty()) return BspRefusal{std::move(flaw)};
+  storage.bounds = vertex_bounds(mesh);
+  storage.report.is_loaded = true;
+  storage.report.build_s = seconds_since(start);
   return tree;
 }
 
@@ -52,9 +84,24 @@ void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, const Trian
   bsp::walk_ray(layout, ray, limit, slack_m, mesh, candidate, context, cost);
 }
 
-void BspTree::walk_rays(std::span<const RayTask> tasks, const TriangleMesh& mesh, RayTriangle candidate) const {
+void BspTree::walk_ray_nearest(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
+                               void* context, WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
-  if (layout.root != bsp::kNothing) bsp::walk_rays(layout, tasks, mesh, candidate);
+  if (layout.root == bsp::kNothing || !(limit >= 0)) return;
+  bsp::walk_ray_nearest(layout, ray, limit, mesh, candidate, context, cost);
+}
+
+std::uint32_t BspTree::meet_ray(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
+                                void* context, WalkCost& cost) const {
+  const bsp::Layout& layout = storage_->layout;
+  if (layout.root == bsp::kNothing || !(limit >= 0)) return kNoTriangle;
+  return bsp::meet_ray(layout, ray, limit, mesh, candidate, context, cost);
+}
+
+void BspTree::walk_rays(std::span<RayTask> tasks, const TriangleMesh& mesh, RayGoal goal,
+                        RayTriangle candidate) const {
+  const bsp::Layout& layout = storage_->layout;
+  if (layout.root != bsp::kNothing) bsp::walk_rays(layout, tasks, mesh, goal, candidate);
 }
 
 void BspTree::walk_box(const Aabb& asked, BoxCandidate candidate, void* context, WalkCost& cost) const {

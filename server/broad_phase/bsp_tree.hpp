@@ -1,9 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/mesh.hpp"
@@ -17,19 +21,35 @@ struct WalkCost {
   std::uint32_t candidates = 0;
 };
 
+/// How much care a build takes. best: large slanted triangles enter as several boxes where that pays, for at most 1.25
+/// references a triangle.
+enum class BspForm { fast, best };
+
 struct BspReport {
+  static constexpr int kChildren = 8;       // of a node, at most
+  static constexpr int kLeafTriangles = 8;  // at most
+
   std::uint32_t depth = 0;
   std::uint32_t nodes = 0;
   std::uint32_t leaves = 0;
   std::uint64_t references = 0;  // triangle references in leaves; more than triangles where splits clipped
   std::uint64_t bytes = 0;
-  double build_s = 0;
+  std::uint64_t peak_bytes = 0;  // that the build had in use at once, the tree included
+  double build_s = 0;            // or, for a loaded tree, of its check
+  bool is_loaded = false;
+  std::uint32_t split_triangles = 0;  // that clipped splits hold in several leaves
 };
 
 struct BspOptions {
   unsigned threads = 0;                          // 0: one a core
   std::function<void(double)> progress;          // fraction done in [0, 1], from a building thread
   std::function<bool()> cancelled;               // asked now and then; true ends the build with an empty tree
+  BspForm form = BspForm::fast;
+};
+
+/// Why bytes are not the tree of a mesh, as the end of a sentence.
+struct BspRefusal {
+  std::string reason;
 };
 
 /// Axis-aligned space partition of static triangles: says which triangles a question may meet. Generous, never
@@ -44,6 +64,14 @@ class BspTree {
   BspTree& operator=(BspTree&&) noexcept;
 
   static BspTree build(const TriangleMesh& mesh, const BspOptions& options = {});
+
+  /// The tree as bytes for load, on this kind of machine; bound to the mesh. Empty for an empty tree.
+  std::vector<std::byte> saved(const TriangleMesh& mesh) const;
+  /// A saved tree, used where its bytes lie when they are aligned to 64 and keeper keeps them, else copied. The bytes
+  /// may come from anybody: what is returned answers as a built tree does, and what does not is refused.
+  /// cost      a pass over the mesh and the bytes on that many threads (0: one a core); a quarter of a build
+  static std::variant<BspTree, BspRefusal> load(const TriangleMesh& mesh, std::span<const std::byte> bytes,
+                                                std::shared_ptr<const void> keeper, unsigned threads = 0);
 
   const BspReport& report() const;
   /// Contains every vertex exactly.
@@ -62,16 +90,32 @@ class BspTree {
   void walk_ray(const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh, RayTriangle candidate,
                 void* context, WalkCost& cost) const;
 
+  /// The same for who takes every triangle that the ray meets and wants the nearest: told are those that no surely met
+  /// nearer one rules out, seldom more than one.
+  void walk_ray_nearest(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate, void* context,
+                        WalkCost& cost) const;
+
+  static constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+  /// A triangle that the ray meets with s in [0, limit], or kNoTriangle. Candidates are told only where floats leave
+  /// doubt; a negative returned limit says that the ray meets it. The limit must be that of the ray to 2^-40, infinite
+  /// for an endless ray only.
+  std::uint32_t meet_ray(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate, void* context,
+                         WalkCost& cost) const;
+
+  /// What a batch of rays wants: every candidate as walk_ray tells them, or as walk_ray_nearest, or as meet_ray.
+  enum class RayGoal { every, nearest, any };
+
   /// One ray of a batch: as the arguments of walk_ray. The ray must live as long as the walk.
   struct RayTask {
     const Ray* ray = nullptr;
     double limit = 0;
     void* context = nullptr;
     WalkCost* cost = nullptr;
+    std::uint32_t met = kNoTriangle;  // written for RayGoal::any
   };
   /// Many rays, some of them walked in turn, so that one works while the others wait for memory: for rays of no common
   /// direction through large scenes. Each ray hears of the same candidates in the same order as alone.
-  void walk_rays(std::span<const RayTask> tasks, const TriangleMesh& mesh, RayTriangle candidate) const;
+  void walk_rays(std::span<RayTask> tasks, const TriangleMesh& mesh, RayGoal goal, RayTriangle candidate) const;
 
   /// Called with a candidate; false ends the walk.
   using BoxCandidate = bool (*)(void* context, std::uint32_t triangle);

@@ -14,8 +14,20 @@ void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
               BspTree::RayTriangle candidate, void* context, WalkCost& cost);
 
-void walk_rays(const Layout& layout, std::span<const BspTree::RayTask> tasks, const TriangleMesh& mesh,
-               BspTree::RayTriangle candidate);
+void walk_ray_nearest(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
+                      BspTree::RayTriangle candidate, void* context, WalkCost& cost);
+
+std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
+                       BspTree::RayTriangle candidate, void* context, WalkCost& cost);
+
+/// By one of the two below, whichever suits the first rays; only the costs differ.
+void walk_rays(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
+               BspTree::RayGoal goal, BspTree::RayTriangle candidate);
+void walk_rays_in_turn(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
+                       BspTree::RayGoal goal, BspTree::RayTriangle candidate);
+/// Eight at a time through each node; for goals nearest and any.
+void walk_ray_packets(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
+                      BspTree::RayGoal goal, BspTree::RayTriangle candidate);
 
 /// A box in local coordinates, already grown by every rounding.
 struct LocalBox {

@@ -13,21 +13,25 @@ namespace collided::bsp::HWY_NAMESPACE {
 /// that their stacks stay in the nearest cache.
 constexpr std::size_t kAtOnce = 16;
 
+using Goal = BspTree::RayGoal;
+
 /// A ray between two turns.
 struct Traveller {
   RayFrame ray;
-  double limit = 0;
-  float local_limit = 0;
+  Reach reach = {};
+  float sure_limit = 0;
   Ref ref = kNothing;
-  unsigned met = 0;  // triangles of the leaf `ref` that wait for their corners
-  bool has_indices = false;
-  const BspTree::RayTask* task = nullptr;
+  unsigned met = 0;       // triangles of the leaf `ref` that wait for their corners
+  int fetched = 0;        // how far the way to the corners has been sent for: nothing, indices, corners
+  bool is_ending = false;  // nothing but sure hits is left to tell
+  BspTree::RayTask* task = nullptr;
   Frame* top = nullptr;
+  SureHits sure_hits;
   HWY_ALIGN float estimate[kWidth];
   Frame stack[kMaxDepth + 1];
 };
 
-template <bool kCorners>
+template <Goal kGoal, bool kCorners>
 class Journey {
  public:
   Journey(const Layout& layout, const TriangleMesh& mesh, BspTree::RayTriangle candidate)
@@ -38,92 +42,115 @@ class Journey {
         leaves_(layout.leaves.data()) {}
 
   /// False: the ray meets nothing here.
-  HWY_INLINE bool start(const BspTree::RayTask& task, Traveller& t) const {
+  HWY_INLINE bool start(BspTree::RayTask& task, Traveller& t) const {
     if (!(task.limit >= 0) || !prepare_ray(layout_, *task.ray, 0, t.ray)) return false;
     t.task = &task;
-    t.limit = task.limit;
-    t.local_limit = t.ray.local_limit(task.limit);
+    t.reach = {task.limit, t.ray.local_limit(task.limit)};
+    if constexpr (kGoal == Goal::any) t.sure_limit = t.ray.sure_limit(task.limit);
     t.ref = layout_.root;
     t.met = 0;
+    t.is_ending = false;
+    t.sure_hits.clear();
     t.top = t.stack;
-    return t.local_limit >= 0;
+    return t.reach.local >= 0;
   }
 
   /// One node or leaf; false once the ray's walk is over. What the next turn reads has been sent for.
   HWY_INLINE bool turn(Traveller& t) const {
-    if (t.met != 0) {
-      if (!tell(t)) return false;
-      return t.met != 0 || climb(t);
+    if constexpr (kGoal == Goal::nearest) {
+      if (t.is_ending) return end(t);
+    }
+    if constexpr (kGoal == Goal::every && !kCorners) {
+      if (t.met != 0) return tell_waiting(t);
     }
     ++t.task->cost->nodes;
     return is_leaf(t.ref) ? visit_leaf(t) : visit_node(t);
   }
 
  private:
+  HWY_INLINE TriangleCall call_of(const Traveller& t) const {
+    return {candidate_, t.task->context, mesh_, layout_.frame};
+  }
+
   HWY_INLINE bool visit_node(Traveller& t) const {
-    const Node& node = nodes_[t.ref];
-    const std::uint32_t order = node.order[t.ray.octant];
-    const unsigned mask = met_children(node, t.ray, t.local_limit, order, t.top->entry);
-    if (mask == 0) return climb(t);
-    t.ref = node.child[child_at(order, static_cast<unsigned>(__builtin_ctz(mask)))];
+    constexpr Way kWay = kGoal == Goal::any ? Way::leaves_first : Way::near_first;
+    const unsigned waiting = met_children<kWay>(nodes_[t.ref], Slabs(t.ray), t.reach.local, *t.top);
+    if (waiting == 0) return next(t);
+    t.ref = t.top->child[place_of(waiting)];
     fetch(nodes_, leaves_, t.ref);
-    t.top->node = &node;
-    t.top->order = order;
-    t.top->mask = mask & (mask - 1);
-    t.top += t.top->mask != 0 ? 1 : 0;
+    t.top->waiting = waiting & (waiting - 1);
+    t.top += t.top->waiting != 0 ? 1 : 0;
     return true;
   }
 
   HWY_INLINE bool visit_leaf(Traveller& t) const {
     const Leaf& leaf = leaves_[t.ref & kIndexMask];
     const unsigned present = (2u << (leaf_count(t.ref) - 1)) - 1;
-    const float cap = t.local_limit < t.ray.parameter_cap ? t.local_limit : t.ray.parameter_cap;
-    t.met = met_triangles<kCorners>(leaf, t.ray, cap, t.estimate) & present;
-    if (t.met == 0) return climb(t);
-    if constexpr (kCorners) {
-      if (!tell(t)) return false;
-      return climb(t);
+    const TriangleTest<kCorners> test(leaf, t.ray);
+    const float cap = t.reach.local < t.ray.parameter_cap ? t.reach.local : t.ray.parameter_cap;
+    const unsigned met = test.met(cap) & present;
+    if (met == 0) return next(t);
+    WalkCost& cost = *t.task->cost;
+    if constexpr (kGoal == Goal::any) {
+      const unsigned sure = test.sure_within(t.sure_limit);
+      t.task->met = first_met<kCorners>(call_of(t), t.ray, leaf, met, sure, t.reach, cost);
+      return t.task->met == BspTree::kNoTriangle && next(t);
+    } else if constexpr (kGoal == Goal::nearest) {
+      return t.sure_hits.template visit<kCorners>(call_of(t), t.ray, leaf, test, met, t.reach, cost) && next(t);
+    } else {
+      test.estimate(t.estimate);
+      if constexpr (kCorners) {
+        return tell_every<kCorners>(call_of(t), t.ray, leaf, met, t.estimate, t.reach, cost) && next(t);
+      }
+      t.met = met;
+      t.fetched = 0;
+      return tell_waiting(t);
     }
-    // The way to the corners leads over the mesh's index: two turns of waiting.
-    for (unsigned rest = t.met; rest != 0; rest &= rest - 1) {
-      __builtin_prefetch(&mesh_.triangles[leaf.triangle[__builtin_ctz(rest)]]);
-    }
-    t.has_indices = false;
-    return true;
   }
 
-  /// False: the limit says that nothing more matters.
-  HWY_INLINE bool tell(Traveller& t) const {
+  /// The way to the corners leads over the mesh's index: two turns of waiting.
+  HWY_INLINE bool tell_waiting(Traveller& t) const {
     const Leaf& leaf = leaves_[t.ref & kIndexMask];
-    if (!kCorners && !t.has_indices) {
-      for (unsigned rest = t.met; rest != 0; rest &= rest - 1) {
-        const TriangleCorners& corners = mesh_.triangles[leaf.triangle[__builtin_ctz(rest)]];
-        for (const std::uint32_t corner : corners) __builtin_prefetch(&mesh_.vertices[corner]);
-      }
-      t.has_indices = true;
+    if (t.fetched < 2) {
+      for (unsigned rest = t.met; rest != 0; rest &= rest - 1) fetch_corners(leaf, __builtin_ctz(rest), t.fetched);
+      ++t.fetched;
       return true;
     }
-    const TriangleCall call{candidate_, t.task->context, mesh_, layout_.frame};
-    t.limit = tell_triangles<kCorners>(call, leaf, t.met, t.estimate, t.limit, *t.task->cost);
+    const unsigned met = t.met;
     t.met = 0;
-    t.local_limit = t.ray.local_limit(t.limit);
-    return t.local_limit >= 0;
+    return tell_every<kCorners>(call_of(t), t.ray, leaf, met, t.estimate, t.reach, *t.task->cost) && next(t);
   }
 
-  /// To the nearest child that still waits and is not beyond the limit.
-  HWY_INLINE bool climb(Traveller& t) const {
-    float entry;
-    do {
-      if (t.top == t.stack) return false;
-      Frame& waiting = t.top[-1];
-      const auto place = static_cast<unsigned>(__builtin_ctz(waiting.mask));
-      waiting.mask &= waiting.mask - 1;
-      t.top -= waiting.mask == 0 ? 1 : 0;
-      entry = waiting.entry[place];
-      t.ref = waiting.node->child[child_at(waiting.order, place)];
-    } while (entry > t.local_limit);
-    fetch(nodes_, leaves_, t.ref);
-    return true;
+  /// Sure hits are told when nothing nearer can come; where their corners are far away, two turns later.
+  HWY_INLINE bool end(Traveller& t) const {
+    if (!kCorners && t.fetched < 2) {
+      for (int i = 0; i < t.sure_hits.count(); ++i) fetch_corners(t.sure_hits.leaf(i), t.sure_hits.lane(i), t.fetched);
+      ++t.fetched;
+      return true;
+    }
+    t.sure_hits.template settle<kCorners>(call_of(t), t.ray, t.reach, *t.task->cost);
+    return false;
+  }
+
+  HWY_INLINE void fetch_corners(const Leaf& leaf, int lane, int stage) const {
+    const TriangleCorners& corners = mesh_.triangles[leaf.triangle[lane]];
+    if (stage == 0) {
+      __builtin_prefetch(&corners);
+    } else {
+      for (const std::uint32_t corner : corners) __builtin_prefetch(&mesh_.vertices[corner]);
+    }
+  }
+
+  /// To the next child that still waits and is not beyond the limit.
+  HWY_INLINE bool next(Traveller& t) const {
+    if (climb(t.stack, t.reach.local, t.top, t.ref)) {
+      fetch(nodes_, leaves_, t.ref);
+      return true;
+    }
+    if (kGoal != Goal::nearest || t.sure_hits.empty()) return false;
+    t.is_ending = true;
+    t.fetched = 0;
+    return end(t);
   }
 
   const Layout& layout_;
@@ -133,8 +160,8 @@ class Journey {
   const Leaf* leaves_;
 };
 
-template <bool kCorners>
-void walk_in_turn(const Journey<kCorners>& journey, std::span<const BspTree::RayTask> tasks) {
+template <Goal kGoal, bool kCorners>
+void walk_in_turn(const Journey<kGoal, kCorners>& journey, std::span<BspTree::RayTask> tasks) {
   Traveller travellers[kAtOnce];
   std::size_t next = 0;
   const auto start_another = [&](Traveller& t) {
@@ -158,13 +185,21 @@ void walk_in_turn(const Journey<kCorners>& journey, std::span<const BspTree::Ray
   }
 }
 
-void WalkRays(const Layout& layout, std::span<const BspTree::RayTask> tasks, const TriangleMesh& mesh,
-              BspTree::RayTriangle candidate) {
+template <Goal kGoal>
+void walk_rays_for(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
+                   BspTree::RayTriangle candidate) {
   if (layout.has_corners) {
-    walk_in_turn(Journey<true>(layout, mesh, candidate), tasks);
+    walk_in_turn(Journey<kGoal, true>(layout, mesh, candidate), tasks);
   } else {
-    walk_in_turn(Journey<false>(layout, mesh, candidate), tasks);
+    walk_in_turn(Journey<kGoal, false>(layout, mesh, candidate), tasks);
   }
+}
+
+void WalkRays(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh, Goal goal,
+              BspTree::RayTriangle candidate) {
+  if (goal == Goal::nearest) return walk_rays_for<Goal::nearest>(layout, tasks, mesh, candidate);
+  if (goal == Goal::any) return walk_rays_for<Goal::any>(layout, tasks, mesh, candidate);
+  walk_rays_for<Goal::every>(layout, tasks, mesh, candidate);
 }
 
 }  // namespace collided::bsp::HWY_NAMESPACE
@@ -175,9 +210,9 @@ namespace collided::bsp {
 
 HWY_EXPORT(WalkRays);
 
-void walk_rays(const Layout& layout, std::span<const BspTree::RayTask> tasks, const TriangleMesh& mesh,
-               BspTree::RayTriangle candidate) {
-  HWY_DYNAMIC_DISPATCH(WalkRays)(layout, tasks, mesh, candidate);
+void walk_rays_in_turn(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
+                       BspTree::RayGoal goal, BspTree::RayTriangle candidate) {
+  HWY_DYNAMIC_DISPATCH(WalkRays)(layout, tasks, mesh, goal, candidate);
 }
 
 }  // namespace collided::bsp

@@ -26,8 +26,9 @@ class Grid {
   std::size_t size() const;
   std::size_t bytes() const;
 
-  /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order.
-  using PairFound = void (*)(void* context, std::uint32_t first, std::uint32_t second);
+  /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order. False ends
+  /// the walk.
+  using PairFound = bool (*)(void* context, std::uint32_t first, std::uint32_t second);
   void pairs(PairFound found, void* context, WalkCost& cost) const;
 
   /// False ends the walk.

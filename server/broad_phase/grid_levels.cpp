@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <compare>
 #include <limits>
 #include <utility>
 
@@ -20,20 +19,31 @@ constexpr double kLeastCellOfReach = 0x1p-40;
 /// So few boxes of a size are cheaper to ask each time than to look up.
 constexpr std::uint32_t kFewBoxes = 16;
 
+/// Cells are at least this part as wide as long: narrower ones are many rows for a question to look up.
+constexpr double kLeastCellAspect = 0x1p-6;
+
 struct SizeClass {
   std::uint32_t count = 0;
   double largest = 0;
+  Vec3 extent = Vec3::Zero();  // the largest on each axis
 };
 
 /// Boxes by the exponent of their size.
 using Histogram = std::array<SizeClass, kMostExponent - kLeastExponent + 1>;
 
-/// The size that decides about the level, in metres; infinite for a box that no cell can hold.
-double effective_size(const Aabb& box) {
-  const double size = (box.high - box.low).maxCoeff();
-  const double reach = std::max(box.high.cwiseAbs().maxCoeff(), box.low.cwiseAbs().maxCoeff());
-  return std::max({size, reach * kLeastCellOfReach, 0x1p-1000});
+/// No coordinate is farther from zero.
+double reach_of(const Aabb& box) {
+  return std::max(box.high.cwiseAbs().maxCoeff(), box.low.cwiseAbs().maxCoeff());
 }
+
+/// The size that decides about the level, in metres; infinite for a box that no cell can hold. reach: of all boxes.
+double effective_size(const Aabb& box, double reach) {
+  const double size = std::max((box.high - box.low).maxCoeff(), 0x1p-1000);
+  return size >= reach * kLeastCellOfReach ? size : std::max(size, reach_of(box) * kLeastCellOfReach);
+}
+
+/// Of a normal number.
+int exponent_of(double value) { return static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52) - 1023; }
 
 /// Sizes up to a factor of four share a level, unless the smaller ones are so many that larger cells would crowd
 /// them; far smaller ones join when they are few.
@@ -47,6 +57,7 @@ struct Group {
   int most = 0;
   std::uint32_t count = 0;
   double largest = 0;
+  Vec3 extent = Vec3::Zero();
 };
 
 std::vector<Group> group_sizes(const Histogram& histogram) {
@@ -57,106 +68,31 @@ std::vector<Group> group_sizes(const Histogram& histogram) {
     if (!groups.empty() && joins(size.count, groups.back().count, groups.back().most - exponent)) {
       groups.back().least = exponent;
       groups.back().count += size.count;
+      groups.back().extent = groups.back().extent.cwiseMax(size.extent);
     } else {
-      groups.push_back({exponent, exponent, size.count, size.largest});
+      groups.push_back({exponent, exponent, size.count, size.largest, size.extent});
     }
   }
   std::reverse(groups.begin(), groups.end());
   return groups;
 }
 
-Level make_level(const Group& group) {
-  Level level;
-  level.cell_m = group.largest * (1 + 0x1p-9);
-  level.inverse = 1 / level.cell_m;
-  return level;
-}
-
-CellRange nowhere() {
-  CellRange range;
-  for (int axis = 0; axis < 3; ++axis) {
-    range.low[axis] = std::numeric_limits<Cell>::max();
-    range.high[axis] = std::numeric_limits<Cell>::min();
-  }
-  return range;
-}
-
-void store(const Aabb& box, std::size_t number, Entry& entry) {
-  for (int axis = 0; axis < 3; ++axis) {
-    entry.lane[axis] = box.low[axis];
-    entry.lane[3 + axis] = -box.high[axis];
-  }
-  entry.lane[6] = static_cast<double>(number);
-  entry.lane[7] = 0;
-}
-
-/// Cells of a level as one number in the order z, y, x, where their ranges allow it.
-struct KeyLayout {
-  const Level& level;
-  int x_bits;
-  int xy_bits;
-  int bits;
-
-  explicit KeyLayout(const Level& of_level) : level(of_level) {
-    x_bits = bits_for(0);
-    xy_bits = x_bits + bits_for(1);
-    bits = xy_bits + bits_for(2);
-  }
-  int bits_for(int axis) const {
-    return static_cast<int>(
-        std::bit_width(static_cast<std::uint64_t>(level.occupied.high[axis] - level.occupied.low[axis])));
-  }
-  std::uint64_t key(const Aabb& box) const {
-    const auto x = static_cast<std::uint64_t>(level.cell_of(box.low[0]) - level.occupied.low[0]);
-    const auto y = static_cast<std::uint64_t>(level.cell_of(box.low[1]) - level.occupied.low[1]);
-    const auto z = static_cast<std::uint64_t>(level.cell_of(box.low[2]) - level.occupied.low[2]);
-    return z << xy_bits | y << x_bits | x;
-  }
-};
-
-constexpr int kBoxBits = 32;
-
-/// Sorts numbers by their bits above kBoxBits, which number `bits`; stable, a counting sort for every eleven of them.
-void radix_sort(std::vector<std::uint64_t>& values, std::vector<std::uint64_t>& other, int bits) {
-  constexpr int kDigitBits = 11;
-  constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
-  other.resize(values.size());
-  for (int shift = kBoxBits; shift < kBoxBits + bits; shift += kDigitBits) {
-    std::array<std::uint32_t, kDigits> place{};
-    for (const std::uint64_t value : values) ++place[value >> shift & (kDigits - 1)];
-    std::uint32_t sum = 0;
-    for (std::uint32_t& count : place) sum += std::exchange(count, sum);
-    for (const std::uint64_t value : values) other[place[value >> shift & (kDigits - 1)]++] = value;
-    values.swap(other);
+/// reach: of the level's boxes or more, in which case cells are only wider than they need be.
+void set_cells(Level& level, double reach) {
+  const double largest = level.cell_m.maxCoeff();
+  // In no case more than the largest box, which is a cell that holds its own coordinates.
+  const double least = std::max(largest * kLeastCellAspect, std::min(largest, reach * kLeastCellOfReach));
+  for (int k = 0; k < 3; ++k) {
+    level.cell_m[k] = std::max(level.cell_m[k], least) * (1 + 0x1p-9);
+    level.inverse[k] = 1 / level.cell_m[k];
   }
 }
 
-/// Box numbers of a level by z, y, x of their cells, in the low kBoxBits of `sorted`.
-void sort_by_cell(std::span<const Aabb> boxes, std::span<const std::uint32_t> members, const Level& level,
-                  std::vector<std::uint64_t>& sorted, std::vector<std::uint64_t>& scratch) {
-  const KeyLayout layout(level);
-  sorted.resize(members.size());
-  if (layout.bits <= 64 - kBoxBits) {
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      sorted[i] = layout.key(boxes[members[i]]) << kBoxBits | members[i];
-    }
-    radix_sort(sorted, scratch, layout.bits);
-    return;
-  }
-  // A world of more than 2^32 cells: by comparison, which costs no more where boxes are few for its size.
-  struct Placed {
-    Cell z, y, x;
-    std::uint32_t box;
-    auto operator<=>(const Placed&) const = default;
-  };
-  std::vector<Placed> placed;
-  placed.reserve(members.size());
-  for (const std::uint32_t box : members) {
-    const Vec3& low = boxes[box].low;
-    placed.push_back({level.cell_of(low[2]), level.cell_of(low[1]), level.cell_of(low[0]), box});
-  }
-  std::sort(placed.begin(), placed.end());
-  for (std::size_t i = 0; i < placed.size(); ++i) sorted[i] = placed[i].box;
+std::uint32_t whole_blocks(std::uint32_t places) { return (places + kBlock - 1) / kBlock * kBlock; }
+
+template <class T>
+void make_room(bsp::PlainArray<T>& array, std::size_t size) {
+  if (array.size() < size) array = bsp::PlainArray<T>(size + size / 8);
 }
 
 }  // namespace
@@ -165,18 +101,24 @@ void Levels::choose_levels(std::span<const Aabb> boxes) {
   Histogram histogram{};
   exponent_of_box_.resize(boxes.size());
   entry_count = 0;
+  all_ = Extent{};
+  for (const Aabb& box : boxes) {
+    if (!box.empty()) all_.extend(box);
+  }
+  const double reach = reach_of(all_.bounds);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     exponent_of_box_[i] = kEmpty;
     if (boxes[i].empty()) continue;
     ++entry_count;
-    const double size = effective_size(boxes[i]);
+    const double size = effective_size(boxes[i], reach);
     exponent_of_box_[i] = kUnbounded;
     if (!(size < 0x1p999)) continue;
-    const int exponent = std::ilogb(size);
+    const int exponent = exponent_of(size);
     exponent_of_box_[i] = static_cast<std::int16_t>(exponent);
     SizeClass& same = histogram[exponent - kLeastExponent];
     ++same.count;
     same.largest = std::max(same.largest, size);
+    same.extent = same.extent.cwiseMax(boxes[i].high - boxes[i].low);
   }
   levels.clear();
   level_of_exponent_.assign(histogram.size(), -1);
@@ -185,86 +127,155 @@ void Levels::choose_levels(std::span<const Aabb> boxes) {
     for (int e = group.least; e <= group.most; ++e) {
       level_of_exponent_[e - kLeastExponent] = static_cast<std::int16_t>(levels.size());
     }
-    levels.push_back(make_level(group));
-    // Counts for now; places once all are known.
-    levels.back().end = group.count;
+    levels.emplace_back();
+    levels.back().end = group.count;  // a count until the levels are laid out
+    levels.back().cell_m = group.extent;
+    // What decided about the level may be the reach and not the box.
+    int longest = 0;
+    group.extent.maxCoeff(&longest);
+    levels.back().cell_m[longest] = std::max(group.extent[longest], group.largest);
   }
 }
 
-void Levels::fill_level(std::span<const Aabb> boxes, std::span<const std::uint32_t> members, Level& level) {
-  level.occupied = nowhere();
-  for (const std::uint32_t box : members) {
-    level.bounds.extend(boxes[box]);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Cell cell = level.cell_of(boxes[box].low[axis]);
-      level.occupied.low[axis] = std::min(level.occupied.low[axis], cell);
-      level.occupied.high[axis] = std::max(level.occupied.high[axis], cell);
-    }
-  }
-  sort_by_cell(boxes, members, level, keys_, other_keys_);
-  level.row_begin = static_cast<std::uint32_t>(rows.size());
-  for (std::size_t i = 0; i < keys_.size(); ++i) {
-    constexpr std::size_t kAhead = 12;
-    if (i + kAhead < keys_.size()) __builtin_prefetch(&boxes[keys_[i + kAhead] & 0xffffffffu]);
-    const auto number = static_cast<std::uint32_t>(keys_[i]);
-    const auto place = level.begin + static_cast<std::uint32_t>(i);
-    const Aabb& box = boxes[number];
-    store(box, number, entries[place]);
-    x_of_entry[place] = level.cell_of(box.low[0]);
-    const Cell y = level.cell_of(box.low[1]);
-    const Cell z = level.cell_of(box.low[2]);
-    if (i == 0 || rows.back().y != y || rows.back().z != z) rows.push_back({y, z, place, place});
-    rows.back().end = place + 1;
-  }
-  level.row_end = static_cast<std::uint32_t>(rows.size());
-}
-
-void Levels::index_rows(Level& level) {
-  level.first_slot = static_cast<std::uint32_t>(slots.size());
-  level.slot_mask = std::bit_ceil(2 * (level.row_end - level.row_begin)) - 1;
-  slots.resize(slots.size() + level.slot_mask + 1, kNoRow);
-  for (std::uint32_t row = level.row_begin; row < level.row_end; ++row) {
-    std::uint32_t slot = level.slot_of(rows[row].y, rows[row].z);
-    while (slots[level.first_slot + slot] != kNoRow) slot = (slot + 1) & level.slot_mask;
-    slots[level.first_slot + slot] = row;
-  }
-}
-
-void Levels::rebuild(std::span<const Aabb> boxes) {
-  choose_levels(boxes);
-  if (entries.size() < entry_count) entries = bsp::PlainArray<Entry>(entry_count + entry_count / 8);
+/// Places of levels and loose boxes; returns how many there are, padding included.
+std::uint32_t Levels::lay_out() {
   std::uint32_t place = 0;
-  std::vector<std::uint32_t> cursor;
+  std::uint32_t loose_count = entry_count;
   for (Level& level : levels) {
+    const std::uint32_t count = level.end;
+    loose_count -= count;
     level.begin = place;
-    cursor.push_back(place);
-    place += std::exchange(level.end, level.end + place);
+    level.end = place + count;
+    place = whole_blocks(level.end + 1);
   }
   loose_begin = place;
-  cursor.push_back(place);
+  loose_end = place + loose_count;
+  return whole_blocks(loose_end);
+}
 
-  members_.resize(entry_count);
+/// Numbers of the boxes of each level and the loose ones, in members_ at the level's places.
+void Levels::share_out(std::span<const Aabb> boxes) {
+  std::vector<std::uint32_t> next;
+  for (const Level& level : levels) next.push_back(level.begin);
+  next.push_back(loose_begin);
+  members_.resize(loose_end);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const std::int16_t exponent = exponent_of_box_[i];
     if (exponent == kEmpty) continue;
     const std::int16_t level = exponent == kUnbounded ? std::int16_t{-1} : level_of_exponent_[exponent - kLeastExponent];
-    members_[cursor[level < 0 ? levels.size() : static_cast<std::size_t>(level)]++] = static_cast<std::uint32_t>(i);
+    members_[next[level < 0 ? levels.size() : static_cast<std::size_t>(level)]++] = static_cast<std::uint32_t>(i);
   }
-  x_of_entry.resize(loose_begin);
-  rows.clear();
-  slots.clear();
+}
+
+void Levels::set_axes(std::span<const Aabb> boxes, Level& level, std::span<const std::uint32_t> members) {
+  Extent extent = all_;
+  if (!members.empty()) {
+    extent = Extent{};
+    for (const std::uint32_t member : members) extent.extend(boxes[member]);
+  }
+  level.bounds = extent.bounds;
+  set_cells(level, reach_of(level.bounds));
+  for (int k = 0; k < 3; ++k) {
+    level.occupied.low[k] = level.cell_of(k, extent.bounds.low[k]);
+    level.occupied.high[k] = level.cell_of(k, extent.highest_low[k]);
+    level.axes[k].set(level.occupied.low[k], level.occupied.high[k]);
+  }
+  const auto bits = [&] { return level.axes[0].bits() + level.axes[1].bits() + level.axes[2].bits(); };
+  if (bits() > kMostKeyBits) {
+    for (int k = 0; k < 3; ++k) {
+      std::vector<Cell> cells;
+      cells.reserve(level.count());
+      for (std::uint32_t i = 0; i < level.count(); ++i) {
+        cells.push_back(level.cell_of(k, boxes[members.empty() ? i : members[i]].low[k]));
+      }
+      level.axes[k].set(std::move(cells));
+    }
+    // More than a million boxes: the cells left are nearly all of their own, so sharing crowds none.
+    const int over = bits() - kMostKeyBits;
+    for (Axis& axis : level.axes) axis.coarsen(over > 0 ? (over + 2) / 3 : 0);
+  }
+  level.y_shift = level.axes[0].bits();
+  level.z_shift = level.y_shift + level.axes[1].bits();
+}
+
+/// Marks places as free.
+void Levels::pad(std::uint32_t from, std::uint32_t to) {
+  const Vec3 nowhere = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (std::uint32_t place = from; place < to; ++place) store({nowhere, nowhere}, 0, kNoKey, place);
+}
+
+template <class Element>
+void Levels::fill_level(std::span<const Aabb> boxes, const Level& level, std::span<const std::uint32_t> members,
+                        std::vector<Element>& sorted, std::vector<Element>& scratch) {
+  sorted.resize(level.count());
+  for (std::uint32_t i = 0; i < level.count(); ++i) {
+    const std::uint32_t box = members.empty() ? i : members[i];
+    sorted[i] = Element::of(level.key(boxes[box].low), box);
+  }
+  radix_sort(sorted, scratch, level.z_shift + level.axes[2].bits());
+  for (std::uint32_t i = 0; i < level.count(); ++i) {
+    constexpr std::uint32_t kAhead = 16;
+    if (i + kAhead < level.count()) {
+      const auto* ahead = reinterpret_cast<const char*>(&boxes[sorted[i + kAhead].box()]);
+      __builtin_prefetch(ahead);
+      __builtin_prefetch(ahead + sizeof(Aabb) - 1);
+    }
+    store(boxes[sorted[i].box()], sorted[i].box(), sorted[i].key(), level.begin + i);
+  }
+}
+
+/// The first place of each bucket of keys, a bucket for every two boxes or more.
+void Levels::index_level(Level& level) {
+  level.last_key = keys[level.end - 1];
+  level.bucket_shift = 0;
+  while (level.last_key >> level.bucket_shift > level.count() / 2) ++level.bucket_shift;
+  level.first_bucket = static_cast<std::uint32_t>(directory.size());
+  const auto buckets = static_cast<std::uint32_t>(level.last_key >> level.bucket_shift) + 1;
+  directory.resize(directory.size() + buckets + 1);
+  std::uint32_t* first_of = directory.data() + level.first_bucket;
+  std::uint32_t bucket = 0;
+  for (std::uint32_t place = level.begin; place < level.end; ++place) {
+    const auto own = static_cast<std::uint32_t>(keys[place] >> level.bucket_shift);
+    while (bucket <= own) first_of[bucket++] = place;
+  }
+  first_of[bucket] = level.end;
+}
+
+void Levels::rebuild(std::span<const Aabb> boxes) {
+  choose_levels(boxes);
+  const std::uint32_t place_count = lay_out();
+  make_room(blocks, place_count / kBlock);
+  make_room(keys, place_count);
+  make_room(numbers, place_count);
+  const bool all_in_one = levels.size() == 1 && levels[0].count() == boxes.size();
+  if (!all_in_one) share_out(boxes);
+  directory.clear();
   for (Level& level : levels) {
-    fill_level(boxes, std::span(members_).subspan(level.begin, level.count()), level);
-    index_rows(level);
+    std::span<const std::uint32_t> members;  // none: every box is one
+    if (!all_in_one) members = std::span(members_).subspan(level.begin, level.count());
+    set_axes(boxes, level, members);
+    if (level.z_shift + level.axes[2].bits() <= kPackedKeyBits) {
+      fill_level(boxes, level, members, packed_, other_packed_);
+    } else {
+      fill_level(boxes, level, members, keyed_, other_keyed_);
+    }
+    pad(level.end, whole_blocks(level.end + 1));
+    index_level(level);
   }
-  for (std::uint32_t i = loose_begin; i < entry_count; ++i) store(boxes[members_[i]], members_[i], entries[i]);
+  for (std::uint32_t i = loose_begin; i < loose_end; ++i) store(boxes[members_[i]], members_[i], kNoKey, i);
+  pad(loose_end, place_count);
 }
 
 std::size_t Levels::bytes() const {
-  return entries.bytes() + x_of_entry.capacity() * sizeof(Cell) + rows.capacity() * sizeof(Row) +
-         slots.capacity() * sizeof(slots[0]) + members_.capacity() * sizeof(members_[0]) +
-         exponent_of_box_.capacity() * sizeof(exponent_of_box_[0]) +
-         (keys_.capacity() + other_keys_.capacity()) * sizeof(keys_[0]);
+  std::size_t bytes = blocks.bytes() + keys.bytes() + numbers.bytes() + directory.capacity() * sizeof(directory[0]) +
+                      members_.capacity() * sizeof(members_[0]) +
+                      exponent_of_box_.capacity() * sizeof(exponent_of_box_[0]) +
+                      (packed_.capacity() + other_packed_.capacity()) * sizeof(Packed) +
+                      (keyed_.capacity() + other_keyed_.capacity()) * sizeof(Keyed);
+  for (const Level& level : levels) {
+    for (const Axis& axis : level.axes) bytes += axis.bytes();
+  }
+  return bytes;
 }
 
 }  // namespace collided::grid

@@ -1,97 +1,110 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "server/broad_phase/bsp_layout.hpp"
+#include "server/broad_phase/grid_key.hpp"
+#include "server/broad_phase/grid_sort.hpp"
 #include "server/geometry/aabb.hpp"
 
 namespace collided::grid {
 
-/// A box as eight doubles: low corner, negated high corner, number, 0. Two boxes overlap when the first six lanes
-/// of one are at most the other's mirrored ones: one SIMD comparison.
-struct alignas(64) Entry {
-  double lane[8];
+inline constexpr std::uint32_t kBlock = 8;
 
-  double low(int axis) const { return lane[axis]; }
-  double high(int axis) const { return -lane[3 + axis]; }
-  std::uint32_t box() const { return static_cast<std::uint32_t>(lane[6]); }
+/// Eight boxes axis by axis, so that one is compared with all of them in six SIMD comparisons. Where there is no box
+/// all are NaN, which compares as apart from everything.
+struct alignas(64) Block {
+  double low[3][kBlock];
+  double high[3][kBlock];
 };
 
-using Cell = std::int64_t;
+/// One box where it lies.
+struct Entry {
+  const Block* block;
+  std::uint32_t lane;
+  std::uint32_t number;
 
-inline constexpr std::uint32_t kNoRow = 0xffffffffu;
-
-/// The entries of one (y, z), in ascending x.
-struct Row {
-  Cell y;
-  Cell z;
-  std::uint32_t begin;
-  std::uint32_t end;
+  double low(int axis) const { return block->low[axis][lane]; }
+  double high(int axis) const { return block->high[axis][lane]; }
+  std::uint32_t box() const { return number; }
 };
 
-struct CellRange {
-  Cell low[3];
-  Cell high[3];
-
-  bool empty() const { return low[0] > high[0] || low[1] > high[1] || low[2] > high[2]; }
-  /// How many (y, z) it has; a double, since it may exceed any integer.
-  double row_count() const {
-    return (static_cast<double>(high[1] - low[1]) + 1) * (static_cast<double>(high[2] - low[2]) + 1);
-  }
-};
-
-/// Boxes of similar size, each held by the one cell of its low corner. The cell is larger than every box, so boxes
-/// that overlap have cells at most one apart on each axis.
+/// Boxes of similar size, each held by the one cell of its low corner. The cell is larger than every box on each axis,
+/// so boxes that overlap have cells at most one apart; needles that lie the same way have cells as narrow.
 struct Level {
-  double cell_m = 1;
-  double inverse = 1;
-  std::uint32_t begin = 0;  // entries
+  Vec3 cell_m = Vec3::Ones();
+  Vec3 inverse = Vec3::Ones();
+  std::uint32_t begin = 0;  // places of its boxes, the first of a block
   std::uint32_t end = 0;
-  std::uint32_t row_begin = 0;
-  std::uint32_t row_end = 0;
-  std::uint32_t first_slot = 0;  // of its part of the hash table
-  std::uint32_t slot_mask = 0;
+  std::uint32_t first_bucket = 0;  // of its part of the directory
+  int bucket_shift = 0;
+  Key last_key = 0;
+  int y_shift = 0;
+  int z_shift = 0;
+  Axis axes[3];
   CellRange occupied;
   Aabb bounds;
 
   std::uint32_t count() const { return end - begin; }
   /// Within 2^41 of zero for the level's own boxes. Monotone, and its two roundings stay far below the 2^-9 by which
   /// the cell exceeds the boxes.
-  Cell cell_of(double coordinate) const {
-    const double place = coordinate * inverse;
+  Cell cell_of(int axis, double coordinate) const {
+    const double place = coordinate * inverse[axis];
     const auto toward_zero = static_cast<Cell>(place);
     return toward_zero - (place < static_cast<double>(toward_zero) ? 1 : 0);
   }
-  std::uint32_t slot_of(Cell y, Cell z) const {
-    // Odd constants from the binary expansions of e and pi; then the finaliser of SplitMix64.
-    std::uint64_t hash = static_cast<std::uint64_t>(y) * 0xadf85458a2bb4a9bu +
-                         static_cast<std::uint64_t>(z) * 0xc90fdaa22168c235u;
-    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
-    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<std::uint32_t>(hash >> 32) & slot_mask;
+  Key key(std::uint64_t x, std::uint64_t y, std::uint64_t z) const { return z << z_shift | y << y_shift | x; }
+  Key key(const Vec3& corner) const {
+    return key(axes[0].number(cell_of(0, corner[0])), axes[1].number(cell_of(1, corner[1])),
+               axes[2].number(cell_of(2, corner[2])));
   }
 };
 
-/// Entries sorted by level, z, y, x of their cells, so that a sweep in memory order meets its neighbours in a few
-/// parallel streams. Boxes that no level suits (unbounded, or too few of their size to be worth one) are loose: every
-/// question asks each of them.
+/// Where some boxes lie, and how far their low corners go.
+struct Extent {
+  Aabb bounds;
+  Vec3 highest_low = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+  void extend(const Aabb& box) {
+    bounds.extend(box);
+    highest_low = highest_low.cwiseMax(box.low);
+  }
+};
+
+/// Boxes sorted by level and key, so that a sweep in memory order meets its neighbours in a few parallel streams. Behind
+/// the last box of a level there is at least one place with kNoKey. Boxes that no level suits (unbounded, or too few of
+/// their size to be worth one) are loose: every question asks each of them.
 struct Levels {
   std::vector<Level> levels;  // small boxes first
-  bsp::PlainArray<Entry> entries;
-  std::vector<Cell> x_of_entry;
-  std::vector<Row> rows;
-  std::vector<std::uint32_t> slots;  // row numbers by hash, open addressing
+  bsp::PlainArray<Block> blocks;
+  bsp::PlainArray<Key> keys;               // by place
+  bsp::PlainArray<std::uint32_t> numbers;  // by place
+  std::vector<std::uint32_t> directory;    // by bucket of keys: its first place
   std::uint32_t entry_count = 0;
-  std::uint32_t loose_begin = 0;  // loose entries lie behind those of the levels
+  std::uint32_t loose_begin = 0;  // behind the levels, the first of a block
+  std::uint32_t loose_end = 0;
 
-  /// Row number, or kNoRow.
-  std::uint32_t find_row(const Level& level, Cell y, Cell z) const {
-    for (std::uint32_t slot = level.slot_of(y, z);; slot = (slot + 1) & level.slot_mask) {
-      const std::uint32_t row = slots[level.first_slot + slot];
-      if (row == kNoRow || (rows[row].y == y && rows[row].z == z)) return row;
+  Entry entry(std::uint32_t place) const {
+    return {&blocks[place / kBlock], place % kBlock, numbers[place]};
+  }
+  /// The level's first place whose key is at least this; its end when there is none.
+  std::uint32_t first_place(const Level& level, Key key) const {
+    if (key > level.last_key) return level.end;
+    const std::uint32_t* bucket = directory.data() + level.first_bucket + (key >> level.bucket_shift);
+    std::uint32_t low = bucket[0];
+    std::uint32_t high = bucket[1];
+    while (low < high) {
+      const std::uint32_t middle = low + (high - low) / 2;
+      if (keys[middle] < key) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
     }
+    return low;
   }
 
   void rebuild(std::span<const Aabb> boxes);
@@ -99,15 +112,34 @@ struct Levels {
 
  private:
   void choose_levels(std::span<const Aabb> boxes);
-  void fill_level(std::span<const Aabb> boxes, std::span<const std::uint32_t> members, Level& level);
-  void index_rows(Level& level);
+  std::uint32_t lay_out();
+  void share_out(std::span<const Aabb> boxes);
+  void set_axes(std::span<const Aabb> boxes, Level& level, std::span<const std::uint32_t> members);
+  template <class Element>
+  void fill_level(std::span<const Aabb> boxes, const Level& level, std::span<const std::uint32_t> members,
+                  std::vector<Element>& sorted, std::vector<Element>& scratch);
+  void index_level(Level& level);
+  [[gnu::always_inline]] inline void store(const Aabb& box, std::uint32_t number, Key key, std::uint32_t place) {
+    Block& block = blocks[place / kBlock];
+    for (int axis = 0; axis < 3; ++axis) {
+      block.low[axis][place % kBlock] = box.low[axis];
+      block.high[axis][place % kBlock] = box.high[axis];
+    }
+    keys[place] = key;
+    numbers[place] = number;
+  }
+  void pad(std::uint32_t from, std::uint32_t to);
+
+  Extent all_;  // every box of the last rebuild
 
   // Scratch of rebuild, kept to save allocations.
   std::vector<std::int16_t> exponent_of_box_;
   std::vector<std::int16_t> level_of_exponent_;
   std::vector<std::uint32_t> members_;
-  std::vector<std::uint64_t> keys_;
-  std::vector<std::uint64_t> other_keys_;
+  std::vector<Packed> packed_;
+  std::vector<Packed> other_packed_;
+  std::vector<Keyed> keyed_;
+  std::vector<Keyed> other_keyed_;
 };
 
 }  // namespace collided::grid

@@ -12,135 +12,206 @@ HWY_BEFORE_NAMESPACE();
 namespace collided::grid::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Doubles = hn::CappedTag<double, 8>;
+using Doubles = hn::CappedTag<double, kBlock>;
 constexpr Doubles kDoubles;
-constexpr int kLanes = static_cast<int>(hn::MaxLanes(kDoubles));
+constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(kDoubles));
+constexpr unsigned kAllLanes = (1u << kBlock) - 1;
 
-/// What an entry's lanes are compared with: the asked box mirrored, and infinity where anything passes.
-struct alignas(64) Mirror {
-  double lane[8];
+/// A box that is compared with others, each bound in every lane.
+struct Asked {
+  hn::Vec<Doubles> low[3];
+  hn::Vec<Doubles> high[3];
 
-  explicit Mirror(const Entry& entry) {
-    for (int axis = 0; axis < 3; ++axis) {
-      lane[axis] = entry.high(axis);
-      lane[3 + axis] = -entry.low(axis);
-    }
-    lane[6] = lane[7] = std::numeric_limits<double>::infinity();
-  }
+  HWY_INLINE Asked(const Block& block, std::uint32_t lane)
+      : low{hn::Set(kDoubles, block.low[0][lane]), hn::Set(kDoubles, block.low[1][lane]),
+            hn::Set(kDoubles, block.low[2][lane])},
+        high{hn::Set(kDoubles, block.high[0][lane]), hn::Set(kDoubles, block.high[1][lane]),
+             hn::Set(kDoubles, block.high[2][lane])} {}
 };
 
-HWY_INLINE bool overlaps(const Entry& entry, const Mirror& mirror) {
-  auto all = hn::Le(hn::Load(kDoubles, entry.lane), hn::Load(kDoubles, mirror.lane));
-  for (int first = kLanes; first < 8; first += kLanes) {
-    all = hn::And(all, hn::Le(hn::Load(kDoubles, entry.lane + first), hn::Load(kDoubles, mirror.lane + first)));
+/// A bit for each lane of the block that overlaps.
+HWY_INLINE unsigned overlapping(const Block& block, const Asked& asked) {
+  unsigned found = 0;
+  for (std::uint32_t first = 0; first < kBlock; first += kLanes) {
+    auto all = hn::Le(hn::Load(kDoubles, block.low[0] + first), asked.high[0]);
+    all = hn::And(all, hn::Ge(hn::Load(kDoubles, block.high[0] + first), asked.low[0]));
+    for (int axis = 1; axis < 3; ++axis) {
+      all = hn::And(all, hn::Le(hn::Load(kDoubles, block.low[axis] + first), asked.high[axis]));
+      all = hn::And(all, hn::Ge(hn::Load(kDoubles, block.high[axis] + first), asked.low[axis]));
+    }
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(kDoubles, all, bits);
+    found |= static_cast<unsigned>(bits[0]) << first;
   }
-  return hn::AllTrue(kDoubles, all);
+  return found;
 }
 
-/// A place in a row that moves up with the sweep along x.
-struct Cursor {
+constexpr int kWindows = 5;
+
+/// What a box met in one block of each of its windows, eight bits a window.
+struct Met {
+  std::uint64_t lanes;
   std::uint32_t place;
-  std::uint32_t end;
+  std::uint32_t block[kWindows];
 };
 
-/// The search for all pairs: a sweep over the entries in memory order, with a cursor in each row beside.
+/// Kept until some have come together: to tell each at once would be a branch on its comparisons, which is rarely
+/// foreseen and waits for all of them.
+struct Meetings {
+  static constexpr std::uint32_t kSize = 64;
+  Met met[kSize + 1];
+  std::uint32_t count = 0;
+
+  HWY_INLINE void add(const Met& one) {
+    met[count] = one;
+    count += one.lanes != 0 ? 1 : 0;
+  }
+};
+
+/// The search for all pairs. Every search returns false once the walk is over.
 struct Search {
   const Levels& levels;
   Grid::PairFound found;
   void* context;
   WalkCost& cost;
 
-  HWY_INLINE void report(const Entry& a, const Entry& b) const {
+  Key last_key(std::uint32_t block) const { return levels.keys[block * kBlock + kBlock - 1]; }
+
+  bool report(std::uint32_t number, std::uint32_t place) const {
     ++cost.candidates;
-    found(context, std::min(a.box(), b.box()), std::max(a.box(), b.box()));
+    const std::uint32_t other = levels.numbers[place];
+    return found(context, std::min(number, other), std::max(number, other));
   }
 
-  /// The row's entries with x in [low_x, high_x]; later calls have no lower low_x.
-  HWY_INLINE void compare(const Entry& entry, const Mirror& mirror, Cursor& cursor, Cell low_x, Cell high_x) const {
-    const Cell* x = levels.x_of_entry.data();
-    while (cursor.place < cursor.end && x[cursor.place] < low_x) ++cursor.place;
-    for (std::uint32_t i = cursor.place; i < cursor.end && x[i] <= high_x; ++i) {
-      if (overlaps(levels.entries[i], mirror)) report(entry, levels.entries[i]);
+  /// Keys of a row beside differ by the same amount all over the level: window w holds the keys in
+  /// [key + to_row[w], key + to_row[w] + span(w)]. The box's own row from the box on, and half of the eight rows
+  /// around: the other half finds this one.
+  struct Rows {
+    Key to_row[kWindows];
+
+    explicit Rows(const Level& level) {
+      const Key y_step = Key{1} << level.y_shift;
+      const Key z_step = Key{1} << level.z_shift;
+      const Key all[kWindows] = {0, y_step - 1, z_step - y_step - 1, z_step - 1, z_step + y_step - 1};
+      std::copy(all, all + kWindows, to_row);
     }
-  }
+    static constexpr Key span(int window) { return window == 0 ? 1 : 2; }
+  };
 
-  /// Every entry of a range, whatever its cell.
-  HWY_INLINE void compare_all(const Entry& entry, std::uint32_t begin, std::uint32_t end) const {
-    const Mirror mirror(entry);
-    for (std::uint32_t i = begin; i < end; ++i) {
-      if (overlaps(levels.entries[i], mirror)) report(entry, levels.entries[i]);
-    }
-  }
-
-  HWY_INLINE void add_row(const Level& level, Cell y, Cell z, Cursor* cursors, int& count) const {
-    ++cost.nodes;
-    const std::uint32_t row = levels.find_row(level, y, z);
-    if (row != kNoRow) cursors[count++] = {levels.rows[row].begin, levels.rows[row].end};
-  }
-
-  /// Within the row what follows, and half of the eight rows around: the other half finds this one.
-  HWY_INLINE void own_level(const Level& level, const Row& row) const {
-    const Cell* x = levels.x_of_entry.data();
-    Cursor cursors[4];
-    int count = 0;
-    add_row(level, row.y + 1, row.z, cursors, count);
-    for (Cell dy = -1; dy <= 1; ++dy) add_row(level, row.y + dy, row.z + 1, cursors, count);
-    for (std::uint32_t i = row.begin; i < row.end; ++i) {
-      const Entry& entry = levels.entries[i];
-      const Mirror mirror(entry);
-      for (std::uint32_t j = i + 1; j < row.end && x[j] <= x[i] + 1; ++j) {
-        if (overlaps(levels.entries[j], mirror)) report(entry, levels.entries[j]);
+  /// Lanes of other rows in the same block are left to those rows' windows.
+  HWY_NOINLINE bool tell(const Rows& rows, Meetings& meetings) const {
+    for (std::uint32_t i = 0; i < meetings.count; ++i) {
+      const Met& met = meetings.met[i];
+      const Key key = levels.keys[met.place];
+      for (std::uint64_t lanes = met.lanes; lanes != 0; lanes &= lanes - 1) {
+        const auto bit = static_cast<std::uint32_t>(__builtin_ctzll(lanes));
+        const std::uint32_t place = met.block[bit / kBlock] * kBlock + bit % kBlock;
+        const bool of_row = levels.keys[place] - key - rows.to_row[bit / kBlock] <= Rows::span(static_cast<int>(bit / kBlock));
+        if (of_row && !report(levels.numbers[met.place], place)) return false;
       }
-      for (int c = 0; c < count; ++c) compare(entry, mirror, cursors[c], x[i] - 1, x[i] + 1);
     }
+    meetings.count = 0;
+    return true;
   }
 
-  /// A row of small boxes against a level of larger ones, at most three cells across.
-  HWY_INLINE void larger_level(const Level& larger, const Row& row) const {
-    CellRange rows{{0, 1, 1}, {0, 0, 0}};
-    Cursor cursors[16];
-    int count = 0;
-    for (std::uint32_t i = row.begin; i < row.end; ++i) {
-      const Entry& entry = levels.entries[i];
-      const CellRange range = cells_reaching(larger, Vec3(entry.low(0), entry.low(1), entry.low(2)),
+  /// The blocks behind the first of those windows that have more, a bit each.
+  HWY_NOINLINE bool go_on(const Asked& asked, const Rows& rows, Met met, unsigned more, Meetings& meetings) const {
+    const Key key = levels.keys[met.place];
+    for (; more != 0; more &= more - 1) {
+      const int w = __builtin_ctz(more);
+      const Key last = key + rows.to_row[w] + Rows::span(w);
+      while (last_key(met.block[w]) <= last) {
+        ++met.block[w];
+        met.lanes = static_cast<std::uint64_t>(overlapping(levels.blocks[met.block[w]], asked)) << (w * static_cast<int>(kBlock));
+        meetings.add(met);
+        if (meetings.count == Meetings::kSize && !tell(rows, meetings)) return false;
+      }
+    }
+    return true;
+  }
+
+  /// A sweep along the level; each window moves up with it.
+  HWY_INLINE bool own_level(const Level& level) const {
+    const Key* last = levels.keys.data() + kBlock - 1;
+    const Rows rows(level);
+    Meetings meetings;
+    Met met{0, 0, {}};
+    for (std::uint32_t& block : met.block) block = level.begin / kBlock;
+    for (std::uint32_t place = level.begin; place < level.end; ++place) {
+      const Key key = levels.keys[place];
+      const Block& own = levels.blocks[place / kBlock];
+      const Asked asked(own, place % kBlock);
+      met.place = place;
+      met.block[0] = place / kBlock;
+      met.lanes = overlapping(own, asked) & (kAllLanes << 1 << place % kBlock) & kAllLanes;
+      unsigned more = last[met.block[0] * kBlock] <= key + 1 ? 1 : 0;
+      for (int w = 1; w < kWindows; ++w) {
+        const Key first = key + rows.to_row[w];
+        std::uint32_t block = met.block[w];
+        while (last[block * kBlock] < first) ++block;
+        met.block[w] = block;
+        met.lanes |= static_cast<std::uint64_t>(overlapping(levels.blocks[block], asked)) << (w * static_cast<int>(kBlock));
+        more |= (last[block * kBlock] <= first + 2 ? 1u : 0u) << w;
+      }
+      meetings.add(met);
+      if (HWY_UNLIKELY(meetings.count == Meetings::kSize) && !tell(rows, meetings)) return false;
+      if (HWY_UNLIKELY(more != 0) && !go_on(asked, rows, met, more, meetings)) return false;
+    }
+    return tell(rows, meetings);
+  }
+
+  /// Every box of a range of blocks, whatever its cell.
+  HWY_INLINE bool compare_all(std::uint32_t place, std::uint32_t from_place, std::uint32_t end_place) const {
+    const Asked asked(levels.blocks[place / kBlock], place % kBlock);
+    const std::uint32_t number = levels.numbers[place];
+    for (std::uint32_t block = from_place / kBlock; block * kBlock < end_place; ++block) {
+      unsigned met = overlapping(levels.blocks[block], asked);
+      if (block * kBlock < from_place) met &= kAllLanes << (from_place % kBlock);
+      for (; met != 0; met &= met - 1) {
+        if (!report(number, block * kBlock + static_cast<std::uint32_t>(__builtin_ctz(met)))) return false;
+      }
+    }
+    return true;
+  }
+
+  /// A level of small boxes against one of larger ones.
+  HWY_INLINE bool larger_level(const Level& level, const Level& larger) const {
+    for (std::uint32_t place = level.begin; place < level.end; ++place) {
+      const Entry entry = levels.entry(place);
+      const CellRange cells = cells_reaching(larger, Vec3(entry.low(0), entry.low(1), entry.low(2)),
                                              Vec3(entry.high(0), entry.high(1), entry.high(2)));
+      if (cells.empty()) continue;
+      const NumberRange range(larger, cells);
       if (range.empty()) continue;
-      bool same = true;
-      for (int axis = 1; axis < 3; ++axis) {
-        same = same && range.low[axis] == rows.low[axis] && range.high[axis] == rows.high[axis];
-      }
-      if (!same) {
-        rows = range;
-        count = 0;
-        for (Cell z = range.low[2]; z <= range.high[2]; ++z) {
-          for (Cell y = range.low[1]; y <= range.high[1]; ++y) add_row(larger, y, z, cursors, count);
+      const Asked asked(*entry.block, entry.lane);
+      const auto compare_row = [&](Key first, Key last) {
+        const std::uint32_t from = levels.first_place(larger, first);
+        if (levels.keys[from] > last) return true;
+        for (std::uint32_t block = from / kBlock;; ++block) {
+          for (unsigned lanes = overlapping(levels.blocks[block], asked); lanes != 0; lanes &= lanes - 1) {
+            const std::uint32_t other = block * kBlock + static_cast<std::uint32_t>(__builtin_ctz(lanes));
+            if (levels.keys[other] - first <= last - first && !report(entry.number, other)) return false;
+          }
+          if (last_key(block) > last) return true;
         }
-      }
-      const Mirror mirror(entry);
-      // Boxes of one cell differ in x by less than a cell, so the range's low end may step back by one.
-      for (int c = 0; c < count; ++c) {
-        Cursor from_start = cursors[c];
-        compare(entry, mirror, from_start, range.low[0], range.high[0]);
-        compare(entry, mirror, cursors[c], range.low[0] - 1, std::numeric_limits<Cell>::min());
-      }
+      };
+      if (!for_each_row_in(larger, range, cost, compare_row)) return false;
     }
+    return true;
   }
 };
 
 void FindPairs(const Levels& levels, Grid::PairFound found, void* context, WalkCost& cost) {
   const Search search{levels, found, context, cost};
   for (std::size_t l = 0; l < levels.levels.size(); ++l) {
-    const Level& level = levels.levels[l];
-    for (std::uint32_t row = level.row_begin; row < level.row_end; ++row) {
-      search.own_level(level, levels.rows[row]);
-      for (std::size_t larger = l + 1; larger < levels.levels.size(); ++larger) {
-        search.larger_level(levels.levels[larger], levels.rows[row]);
-      }
+    if (!search.own_level(levels.levels[l])) return;
+    for (std::size_t larger = l + 1; larger < levels.levels.size(); ++larger) {
+      if (!search.larger_level(levels.levels[l], levels.levels[larger])) return;
     }
   }
-  for (std::uint32_t i = levels.loose_begin; i < levels.entry_count; ++i) {
-    search.compare_all(levels.entries[i], 0, levels.loose_begin);
-    search.compare_all(levels.entries[i], i + 1, levels.entry_count);
+  for (std::uint32_t i = levels.loose_begin; i < levels.loose_end; ++i) {
+    if (!search.compare_all(i, 0, levels.loose_begin)) return;
+    if (!search.compare_all(i, i + 1, levels.loose_end)) return;
   }
 }
 

@@ -127,19 +127,20 @@ class SlabWalk {
 
   /// Where the ray may meet boxes whose cells are in the slice: they end less than a cell beyond it.
   bool clip_to(const Slice& slice, Span& span) const {
-    const double low = static_cast<double>(slice.from) * level_.cell_m - margin();
-    const double high = static_cast<double>(slice.from + slice.width + 1) * level_.cell_m + margin();
+    const double cell_m = level_.cell_m[slice.axis];
+    const double low = static_cast<double>(slice.from) * cell_m - margin(slice.axis);
+    const double high = static_cast<double>(slice.from + slice.width + 1) * cell_m + margin(slice.axis);
     clip(ray_, slice.axis, low, high, span);
     return span.entry <= span.exit;
   }
 
-  double margin() const { return 0x1p-8 * level_.cell_m; }
+  double margin(int axis) const { return 0x1p-8 * level_.cell_m[axis]; }
 
   /// Whether points along the way are known to 2^-9 of a cell, half the margin.
   bool is_sharp(const Span& span) const {
     const double largest = std::max({ray_.origin.cwiseAbs().maxCoeff(), level_.bounds.high.cwiseAbs().maxCoeff(),
                                      level_.bounds.low.cwiseAbs().maxCoeff()});
-    return largest * 0x1p-41 < level_.cell_m && std::isfinite(span.entry);
+    return largest * 0x1p-41 < level_.cell_m.minCoeff() && std::isfinite(span.entry);
   }
 
   /// Whether looking up cells along the way beats looking at every row.
@@ -157,8 +158,8 @@ class SlabWalk {
       const double d = ray_.direction[axis];
       const double at_entry = d == 0 ? 0 : d * span.entry;
       const double at_exit = d == 0 ? 0 : d * span.exit;
-      lowest[axis] = ray_.origin[axis] + std::min(at_entry, at_exit) - margin();
-      highest[axis] = ray_.origin[axis] + std::max(at_entry, at_exit) + margin();
+      lowest[axis] = ray_.origin[axis] + std::min(at_entry, at_exit) - margin(axis);
+      highest[axis] = ray_.origin[axis] + std::max(at_entry, at_exit) + margin(axis);
     }
     return cells_reaching(level_, lowest, highest);
   }
@@ -184,7 +185,7 @@ class SlabWalk {
 template <typename Visit>
 double walk_near_level(const Levels& levels, const Level& level, const Vec3& point, double limit_m2, WalkCost& cost,
                        const Visit& visit) {
-  double radius = level.cell_m;
+  double radius = level.cell_m.maxCoeff();
   for (int axis = 0; axis < 3; ++axis) {
     radius = std::max({radius, level.bounds.low[axis] - point[axis], point[axis] - level.bounds.high[axis]});
   }
@@ -196,7 +197,7 @@ double walk_near_level(const Levels& levels, const Level& level, const Vec3& poi
     const CellRange range = cells_reaching(level, point.array() - reached * (1 + kRelative) - kLeast,
                                            point.array() + reached * (1 + kRelative) + kLeast);
     for_each_in(levels, level, range, cost, [&](const Entry& entry) {
-      const Cell cell[3] = {level.cell_of(entry.low(0)), level.cell_of(entry.low(1)), level.cell_of(entry.low(2))};
+      const Cell cell[3] = {level.cell_of(0, entry.low(0)), level.cell_of(1, entry.low(1)), level.cell_of(2, entry.low(2))};
       if (is_within(entry, point, limit_m2) && !holds(before, cell)) limit_m2 = visit(entry, limit_m2);
       return limit_m2 >= 0;
     });
@@ -219,9 +220,9 @@ CellRange cells_reaching(const Level& level, const Vec3& low, const Vec3& high) 
     const Cell first = level.occupied.low[axis];
     const Cell last = level.occupied.high[axis];
     // Clamped while still doubles: questions may be infinite.
-    range.low[axis] = static_cast<Cell>(clamped(std::floor((low[axis] - level.cell_m) * level.inverse), first, last));
+    range.low[axis] = static_cast<Cell>(clamped(std::floor((low[axis] - level.cell_m[axis]) * level.inverse[axis]), first, last));
     range.high[axis] = static_cast<Cell>(
-        std::clamp(std::floor(high[axis] * level.inverse), static_cast<double>(first) - 1, static_cast<double>(last)));
+        std::clamp(std::floor(high[axis] * level.inverse[axis]), static_cast<double>(first) - 1, static_cast<double>(last)));
   }
   return range;
 }
@@ -240,8 +241,8 @@ void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, voi
     ++cost.candidates;
     return found(context, entry.box());
   };
-  for (std::uint32_t i = levels.loose_begin; i < levels.entry_count; ++i) {
-    if (!visit(levels.entries[i])) return;
+  for (std::uint32_t i = levels.loose_begin; i < levels.loose_end; ++i) {
+    if (!visit(levels.entry(i))) return;
   }
   for (const Level& level : levels.levels) {
     if (!for_each_in(levels, level, cells_reaching(level, asked.low, asked.high), cost, visit)) return;
@@ -255,9 +256,9 @@ void walk_ray(const Levels& levels, const Ray& ray, double limit, Grid::RayFound
     ++cost.candidates;
     return found(context, entry.box(), current);
   };
-  for (std::uint32_t i = levels.loose_begin; i < levels.entry_count && limit >= 0; ++i) {
-    const Span span = clip(ray, levels.entries[i], limit);
-    if (span.entry <= span.exit) limit = visit(levels.entries[i], limit);
+  for (std::uint32_t i = levels.loose_begin; i < levels.loose_end && limit >= 0; ++i) {
+    const Span span = clip(ray, levels.entry(i), limit);
+    if (span.entry <= span.exit) limit = visit(levels.entry(i), limit);
   }
   for (const Level& level : levels.levels) {
     if (limit >= 0) limit = SlabWalk(levels, level, ray, cost).walk(limit, visit);
@@ -271,8 +272,8 @@ void walk_near(const Levels& levels, const Vec3& point, double limit_m2, Grid::N
     ++cost.candidates;
     return found(context, entry.box(), current);
   };
-  for (std::uint32_t i = levels.loose_begin; i < levels.entry_count && limit_m2 >= 0; ++i) {
-    if (is_within(levels.entries[i], point, limit_m2)) limit_m2 = visit(levels.entries[i], limit_m2);
+  for (std::uint32_t i = levels.loose_begin; i < levels.loose_end && limit_m2 >= 0; ++i) {
+    if (is_within(levels.entry(i), point, limit_m2)) limit_m2 = visit(levels.entry(i), limit_m2);
   }
   for (const Level& level : levels.levels) {
     if (limit_m2 >= 0) limit_m2 = walk_near_level(levels, level, point, limit_m2, cost, visit);

@@ -26,40 +26,62 @@ inline bool holds(const CellRange& range, const Cell (&cell)[3]) {
   return inside;
 }
 
-/// Calls visit(entry) for entries of the row with x in [low_x, high_x] until it returns false.
-template <typename Visit>
-bool for_each_in_row(const Levels& levels, const Row& row, Cell low_x, Cell high_x, WalkCost& cost,
-                     const Visit& visit) {
-  ++cost.nodes;
-  const auto first = levels.x_of_entry.begin() + row.begin;
-  const auto last = levels.x_of_entry.begin() + row.end;
-  auto place = static_cast<std::uint32_t>(std::lower_bound(first, last, low_x) - levels.x_of_entry.begin());
-  for (; place < row.end && levels.x_of_entry[place] <= high_x; ++place) {
-    if (!visit(levels.entries[place])) return false;
+/// Cells of a level as the numbers of its axes; without those that nothing occupies where the level leaves them out.
+struct NumberRange {
+  std::uint64_t low[3];
+  std::uint64_t high[3];
+
+  NumberRange(const Level& level, const CellRange& cells) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] = level.axes[k].at_least(cells.low[k]);
+      high[k] = level.axes[k].at_most(cells.high[k]);
+    }
+  }
+  bool empty() const { return low[0] > high[0] || low[1] > high[1] || low[2] > high[2]; }
+  /// How many (y, z) it has; a double, since it may exceed any integer.
+  double row_count() const {
+    return static_cast<double>(high[1] - low[1] + 1) * static_cast<double>(high[2] - low[2] + 1);
+  }
+  bool holds(const Level& level, Key key) const {
+    const std::uint64_t number[3] = {key & ((Key{1} << level.y_shift) - 1),
+                                     key >> level.y_shift & ((Key{1} << (level.z_shift - level.y_shift)) - 1),
+                                     key >> level.z_shift};
+    bool inside = true;
+    for (int k = 0; k < 3; ++k) inside = inside && number[k] >= low[k] && number[k] <= high[k];
+    return inside;
+  }
+};
+
+/// Calls visit_row(first, last) with the first and the last key of each row in the range until it returns false.
+template <typename VisitRow>
+bool for_each_row_in(const Level& level, const NumberRange& range, WalkCost& cost, const VisitRow& visit_row) {
+  for (std::uint64_t z = range.low[2]; z <= range.high[2]; ++z) {
+    for (std::uint64_t y = range.low[1]; y <= range.high[1]; ++y) {
+      ++cost.nodes;
+      if (!visit_row(level.key(range.low[0], y, z), level.key(range.high[0], y, z))) return false;
+    }
   }
   return true;
 }
 
 /// Calls visit(entry) for entries of the level whose cell is in the range, each once, until it returns false.
 template <typename Visit>
-bool for_each_in(const Levels& levels, const Level& level, const CellRange& range, WalkCost& cost,
+bool for_each_in(const Levels& levels, const Level& level, const CellRange& cells, WalkCost& cost,
                  const Visit& visit) {
+  if (cells.empty()) return true;
+  const NumberRange range(level, cells);
   if (range.empty()) return true;
-  if (range.row_count() >= static_cast<double>(level.row_end - level.row_begin)) {
-    for (std::uint32_t i = level.row_begin; i < level.row_end; ++i) {
-      const Row& row = levels.rows[i];
-      const bool inside =
-          row.y >= range.low[1] && row.y <= range.high[1] && row.z >= range.low[2] && row.z <= range.high[2];
-      if (inside && !for_each_in_row(levels, row, range.low[0], range.high[0], cost, visit)) return false;
-    }
-    return true;
+  if (range.row_count() * 4 < static_cast<double>(level.count())) {
+    return for_each_row_in(level, range, cost, [&](Key first, Key last) {
+      for (std::uint32_t place = levels.first_place(level, first); levels.keys[place] <= last; ++place) {
+        if (!visit(levels.entry(place))) return false;
+      }
+      return true;
+    });
   }
-  for (Cell z = range.low[2]; z <= range.high[2]; ++z) {
-    for (Cell y = range.low[1]; y <= range.high[1]; ++y) {
-      const std::uint32_t row = levels.find_row(level, y, z);
-      if (row == kNoRow) continue;
-      if (!for_each_in_row(levels, levels.rows[row], range.low[0], range.high[0], cost, visit)) return false;
-    }
+  ++cost.nodes;
+  for (std::uint32_t place = level.begin; place < level.end; ++place) {
+    if (range.holds(level, levels.keys[place]) && !visit(levels.entry(place))) return false;
   }
   return true;
 }

@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "server/exact_phase/closest_kernel.hpp"
+#include "server/exact_phase/general_shapes.hpp"
 
 namespace collided {
 namespace kernel {

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "server/exact_phase/core.hpp"
+#include "server/exact_phase/general_shapes.hpp"
 #include "server/exact_phase/nearest_value.hpp"
 #include "server/exact_phase/overlap.hpp"
 
@@ -217,7 +218,8 @@ Contact contact(const Sphere& a, const Capsule& b) {
 }
 
 Contact contact(const Sphere& a, const Triangle& b) {
-  return ball_contact(a, 0, nearest_value(a.center, a.radius_m, b), any_normal(b));
+  const NearestValue nearest = nearest_value(a.center, a.radius_m, b);
+  return ball_contact(a, 0, nearest, nearest.away.isZero(0) ? any_normal(b) : nearest.away);
 }
 
 Contact contact(const Box& a, const Box& b) { return contact_of_cores(Core(a), Core(b), true); }
@@ -244,7 +246,7 @@ Contact contact(const Triangle& a, const Triangle& b) { return contact_of_cores(
 namespace {
 
 template <class Shape>
-constexpr int kRank = std::is_same_v<Shape, Sphere> ? 0 : std::is_same_v<Shape, Box> ? 1 : 2;
+constexpr int kRank = std::is_same_v<Shape, Sphere> ? 0 : std::is_same_v<Shape, Box> ? 1 : std::is_same_v<Shape, Capsule> ? 2 : 3;
 
 }  // namespace
 
@@ -253,7 +255,7 @@ Contact contact(const Primitive& a, const Primitive& b) {
       [](const auto& first, const auto& second) {
         using First = std::decay_t<decltype(first)>;
         using Second = std::decay_t<decltype(second)>;
-        if constexpr (kRank<First> <= kRank<Second>) return contact(first, second);
+        if constexpr (kRank<First> <= kRank<Second> || General<First>) return contact(first, second);
         else return flipped(contact(second, first));
       },
       a, b);

@@ -3,14 +3,17 @@
 #include <variant>
 
 #include "server/exact_phase/closest_kernel.hpp"
+#include "server/exact_phase/general_shapes.hpp"
 #include "server/exact_phase/overlap_kernel.hpp"
 #include "server/exact_phase/ray_box_kernel.hpp"
+#include "server/exact_phase/ray_quadric_kernel.hpp"
 #include "server/exact_phase/ray_round_kernel.hpp"
 #include "server/exact_phase/ray_triangle_kernel.hpp"
 
 namespace collided::exactly {
 
 using kernel::cast_facet;
+using kernel::cast_quadric;
 using kernel::cast_solid;
 using kernel::closest_by;
 using kernel::RationalsAlone;
@@ -30,14 +33,22 @@ Decision overlaps(const Triangle& a, const Triangle& b) { return sets_meet<Dyadi
 Decision overlaps(const Primitive& a, const Primitive& b) {
   return std::visit(
       [](const auto& first, const auto& second) {
-        if constexpr (requires { sets_meet<Dyadic>(first, second); }) return sets_meet<Dyadic>(first, second);
+        using First = std::decay_t<decltype(first)>;
+        using Second = std::decay_t<decltype(second)>;
+        if constexpr (General<First> || General<Second>) return overlaps_by_rationals(&first, &second);
+        else if constexpr (requires { sets_meet<Dyadic>(first, second); }) return sets_meet<Dyadic>(first, second);
         else return sets_meet<Dyadic>(second, first);
       },
       a, b);
 }
 
 Decision overlaps(const Primitive& a, const Triangle& b) {
-  return std::visit([&](const auto& solid) { return sets_meet<Dyadic>(solid, b); }, a);
+  return std::visit(
+      [&](const auto& solid) {
+        if constexpr (General<std::decay_t<decltype(solid)>>) return overlaps_by_rationals(&solid, &b);
+        else return sets_meet<Dyadic>(solid, b);
+      },
+      a);
 }
 
 Decision cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit) {
@@ -53,7 +64,14 @@ Decision cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit) {
   return cast_solid<RationalsAlone>(ray, capsule, hit).decision;
 }
 Decision cast_ray(const Ray& ray, const Primitive& primitive, RayHit& hit) {
-  return std::visit([&](const auto& solid) { return cast_solid<RationalsAlone>(ray, solid, hit).decision; }, primitive);
+  return std::visit(
+      [&](const auto& solid) {
+        using Solid = std::decay_t<decltype(solid)>;
+        if constexpr (std::is_same_v<Solid, Hull>) return collided::cast_ray(ray, solid, hit).decision;
+        else if constexpr (General<Solid>) return cast_quadric<RationalsAlone>(ray, solid, hit).decision;
+        else return cast_solid<RationalsAlone>(ray, solid, hit).decision;
+      },
+      primitive);
 }
 
 Closest closest(const Vec3& point, const Sphere& sphere) { return closest_by<RationalsAlone>(point, sphere); }
@@ -61,7 +79,12 @@ Closest closest(const Vec3& point, const Box& box) { return closest_by<Rationals
 Closest closest(const Vec3& point, const Capsule& capsule) { return closest_by<RationalsAlone>(point, capsule); }
 Closest closest(const Vec3& point, const Triangle& triangle) { return closest_by<RationalsAlone>(point, triangle); }
 Closest closest(const Vec3& point, const Primitive& primitive) {
-  return std::visit([&](const auto& solid) { return closest_by<RationalsAlone>(point, solid); }, primitive);
+  return std::visit(
+      [&](const auto& solid) {
+        if constexpr (General<std::decay_t<decltype(solid)>>) return collided::closest(point, solid);
+        else return closest_by<RationalsAlone>(point, solid);
+      },
+      primitive);
 }
 
 }  // namespace collided::exactly

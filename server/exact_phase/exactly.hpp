@@ -8,7 +8,10 @@
 /// any filter, expansion or early way out, so that a few of the fast answers can be answered a second time and
 /// compared. Decisions must be equal; two numbers must lie within the sum of their bounds.
 ///
-/// returns  undecided only for boxes whose axes do not span space
+/// Hulls along rays and nearest points of cylinders, cones, ellipsoids and hulls have no second form: they are asked the
+/// same way again.
+///
+/// returns  undecided only for boxes whose axes do not span space, and round shapes that nearly touch
 /// cost     3 to 300 us; allocates
 /// threads  pure; the thread's Precision is not asked
 namespace collided::exactly {

@@ -20,6 +20,11 @@ Verdict overlaps(const Capsule& a, const Capsule& b);
 Verdict overlaps(const Capsule& a, const Triangle& b);
 Verdict overlaps(const Triangle& a, const Triangle& b);
 
+/// The same, and what contact(a, b).depth_m does not exceed (may be infinite): most contacts need not be worked out to
+/// find the deepest.
+Verdict overlaps(const Sphere& a, const Triangle& b, double& depth_at_most_m);
+Verdict overlaps(const Box& a, const Triangle& b, double& depth_at_most_m);
+
 inline Verdict overlaps(const Box& a, const Sphere& b) { return overlaps(b, a); }
 inline Verdict overlaps(const Capsule& a, const Sphere& b) { return overlaps(b, a); }
 inline Verdict overlaps(const Triangle& a, const Sphere& b) { return overlaps(b, a); }

@@ -38,6 +38,11 @@ Verdict cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit);
 Verdict cast_ray(const Ray& ray, const Sphere& sphere, RayHit& hit);
 Verdict cast_ray(const Ray& ray, const Box& box, RayHit& hit);
 Verdict cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Cone& cone, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit);
+/// Of its placed faces: convex to the rounding of placing them.
+Verdict cast_ray(const Ray& ray, const Hull& hull, RayHit& hit);
 
 /// Which of two triangles, both met by the ray, is met first: -1 a, 0 both at once, +1 b. Exact.
 int compare_hits(const Ray& ray, const Triangle& a, const Triangle& b);

@@ -2,6 +2,7 @@
 
 #include "server/exact_phase/ray_cast.hpp"
 #include "server/exact_phase/ray_triangle_kernel.hpp"
+#include "server/exact_phase/ray_triangle_sides.hpp"
 #include "server/exact_phase/triple.hpp"
 #include "server/geometry/tolerance.hpp"
 
@@ -50,28 +51,18 @@ Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& 
   return climb_higher(ray, triangle, hit);
 }
 
-struct FilterState {
-  Triple direction;
-  Triple to_a;
-  Triple ab;
-  Triple ca;
-  double direction2;
-  double far2;   // largest squared distance from the origin to a corner
-  double edge2;  // largest squared edge
-  double side[3];
-};
-
-/// Overflow needs no check: it makes the bound infinite, and nothing is above that.
 inline bool in_filter_range(double length2) { return length2 >= kFilterLowest2; }
 
 /// The line surely meets the triangle's inside: find out where, and whether that is within the ray.
-Verdict finish(const Ray& ray, const Triangle& triangle, const FilterState& s, RayHit& hit) {
-  const Triple normal = cross(s.ca, s.ab);
-  const double numerator = dot(s.to_a, normal);
-  const double denominator = dot(s.direction, normal);
-  const double ab2 = dot(s.ab, s.ab);
-  const double ca2 = dot(s.ca, s.ca);
-  const double to_a2 = dot(s.to_a, s.to_a);
+Verdict finish(const Ray& ray, const Triangle& triangle, const RaySides& s, RayHit& hit) {
+  const Triple a = triple(triangle.a);
+  const Triple to_a = a - triple(ray.origin);
+  const Triple normal = cross(a - triple(triangle.c), triple(triangle.b) - a);
+  const double numerator = dot(to_a, normal);
+  const double denominator = dot(triple(ray.direction), normal);
+  const double ab2 = s.edge2[0];
+  const double ca2 = s.edge2[2];
+  const double to_a2 = s.corner2[0];
   // The largest edge and corner distance are in range; the ones used here may still be tiny.
   if (!in_filter_range(std::min({ab2, ca2, to_a2}))) return climb_from_filter(ray, triangle, hit);
   const double area_scale = std::sqrt(ab2 * ca2);
@@ -112,35 +103,12 @@ Verdict finish(const Ray& ray, const Triangle& triangle, const FilterState& s, R
 }  // namespace
 
 Verdict cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit) {
-  const Triple o = triple(ray.origin);
-  const Triple a = triple(triangle.a);
-  const Triple b = triple(triangle.b);
-  const Triple c = triple(triangle.c);
-  FilterState s;
-  s.direction = triple(ray.direction);
-  s.to_a = a - o;
-  const Triple to_b = b - o;
-  const Triple to_c = c - o;
-  s.ab = b - a;
-  s.ca = a - c;
-  const Triple bc = c - b;
-  s.side[0] = dot(s.ab, cross(s.to_a, s.direction));
-  s.side[1] = dot(bc, cross(to_b, s.direction));
-  s.side[2] = dot(s.ca, cross(to_c, s.direction));
-  s.direction2 = dot(s.direction, s.direction);
-  s.far2 = std::max({dot(s.to_a, s.to_a), dot(to_b, to_b), dot(to_c, to_c)});
-  s.edge2 = std::max({dot(s.ab, s.ab), dot(bc, bc), dot(s.ca, s.ca)});
-  if (in_filter_range(s.direction2) && in_filter_range(s.far2) && in_filter_range(s.edge2)) {
-    // Squares keep their sign, so no root is needed.
-    const double bound = kTripleProductError * kTripleProductError * s.edge2 * s.far2 * s.direction2;
-    const double signed_square[3] = {s.side[0] * std::abs(s.side[0]), s.side[1] * std::abs(s.side[1]),
-                                     s.side[2] * std::abs(s.side[2])};
-    const double largest = std::max({signed_square[0], signed_square[1], signed_square[2]});
-    const double smallest = std::min({signed_square[0], signed_square[1], signed_square[2]});
-    if (largest > bound && smallest < -bound) return {Decision::no, Level::filter};
-    if (smallest > bound || largest < -bound) return finish(ray, triangle, s, hit);
+  RaySides sides;
+  switch (ray_sides(ray, triangle, sides)) {
+    case SidesVerdict::miss: return {Decision::no, Level::filter};
+    case SidesVerdict::inside: return finish(ray, triangle, sides, hit);
+    default: return climb_from_filter(ray, triangle, hit);
   }
-  return climb_from_filter(ray, triangle, hit);
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "server/exact_phase/triple.hpp"
 #include "server/geometry/tolerance.hpp"
@@ -112,11 +113,15 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
 
   Gaps gaps;
   const double face_error = kSeparationError * frame.largest * frame.largest * reach;
+  bool inside[3] = {true, true, true};
   for (int i = 0; i < 3; ++i) {
     const double p[3] = {dot(corner[0], frame.normal[i]), dot(corner[1], frame.normal[i]), dot(corner[2], frame.normal[i])};
     const double apart = std::max(std::min({p[0], p[1], p[2]}), -std::max({p[0], p[1], p[2]}));
     if (gaps.add(apart - a.half_m[i] * frame.volume, face_error)) return Decision::no;
+    for (int k = 0; k < 3; ++k) inside[k] = inside[k] && std::abs(p[k]) - a.half_m[i] * frame.volume < -face_error;
   }
+  // Most triangles that a box meets have a corner in it.
+  if (inside[0] || inside[1] || inside[2]) return Decision::yes;
   const Triple normal = cross(edge[0], edge[1]);
   double reach_over = 0;
   for (int i = 0; i < 3; ++i) reach_over += a.half_m[i] * std::abs(dot(normal, frame.axis[i]));
@@ -139,6 +144,29 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
     }
   }
   return gaps.together();
+}
+
+double push_at_most(const Box& a, const Triangle& b, double& reach_m) {
+  const BoxAxes frame(a);
+  const Triple center = triple(a.center);
+  const Triples corner{triple(b.a) - center, triple(b.b) - center, triple(b.c) - center};
+  const double far = std::max({corner[0].largest(), corner[1].largest(), corner[2].largest()});
+  const double reach = far + frame.largest * frame.half_sum;
+  reach_m = 4 * reach;
+  double least = std::numeric_limits<double>::infinity();
+  if (!in_range(frame.largest) || !in_range(reach)) return least;
+  const auto try_axis = [&](const Triple& axis) {
+    const double p[3] = {dot(corner[0], axis), dot(corner[1], axis), dot(corner[2], axis)};
+    double half = 0;
+    for (int i = 0; i < 3; ++i) half += a.half_m[i] * std::abs(dot(frame.axis[i], axis));
+    const double push = half + std::min(std::max({p[0], p[1], p[2]}), -std::min({p[0], p[1], p[2]}));
+    const double length2 = dot(axis, axis);
+    // Far above what underflows; the error of the products is kSeparationError of A |axis| (D + A H) at most.
+    if (length2 >= 0x1p-400) least = std::min(least, push / std::sqrt(length2) + 4 * kSeparationError * reach);
+  };
+  for (const Triple& normal : frame.normal) try_axis(normal);
+  try_axis(cross(triple(b.b) - triple(b.a), triple(b.c) - triple(b.a)));
+  return least;
 }
 
 namespace {

@@ -14,6 +14,10 @@ namespace collided::kernel {
 Decision quickly_overlaps(const Box& a, const Box& b);
 Decision quickly_overlaps(const Box& a, const Triangle& b);
 
+/// No less than the push that parts the two along the box's face normals and the triangle's; infinity out of range.
+/// reach_m: at least the largest distance between two points of the pair.
+double push_at_most(const Box& a, const Triangle& b, double& reach_m);
+
 /// Two triangles by the signs of their corners about each other's plane and of two edges about each other, in plain
 /// double; undecided when a sign is nearer to zero than its bound, as where an edge meets a corner or a plane is shared.
 ///

@@ -1,13 +1,12 @@
 #include "server/exact_phase/time_of_contact.hpp"
 
-#include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <variant>
 
 #include "server/exact_phase/box_kernel.hpp"
 #include "server/exact_phase/closest.hpp"
+#include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/monotone_bracket.hpp"
 
 namespace collided {
 namespace {
@@ -48,12 +47,24 @@ Decision touched(const MovingSphere& mover, double t, const Triangle& other) {
   return segment_near_facet(path_until<N>(mover, t), Facet<N>(other), squared<N>(mover.radius_m, 0));
 }
 
-/// A time strictly between, if there is one: by value when the two are close, by exponent when they are far apart, so
-/// that a contact at 1e-300 is as few steps away as one at a half.
-double time_between(double low, double high) {
-  if (high <= 2 * low) return low + (high - low) / 2;
-  const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
-  return std::bit_cast<double>(bits(low) + (bits(high) - bits(low)) / 2);
+template <class Shape>
+Verdict touched_until(const MovingSphere& mover, double t, const Shape& other) {
+  return climb([&]<class N>() { return touched<N>(mover, t, other); });
+}
+
+/// The end of the way is rounded here, by 4 u of its coordinates at most; so the way's ball is tried that much larger
+/// for a no and that much smaller for a yes.
+template <General Shape>
+Verdict touched_until(const MovingSphere& mover, double t, const Shape& other) {
+  Capsule way{mover.start, t == 1 ? mover.end : Vec3(mover.start + t * (mover.end - mover.start)), mover.radius_m};
+  if (t == 0 || t == 1) return overlaps(way, other);
+  const double slack = 8 * kRoundoff * (mover.start.cwiseAbs().maxCoeff() + mover.end.cwiseAbs().maxCoeff());
+  way.radius_m = (mover.radius_m + slack) * (1 + 2 * kRoundoff);
+  const Verdict wide = overlaps(way, other);
+  if (!wide.yes()) return wide;
+  way.radius_m = (mover.radius_m - slack) * (1 - 2 * kRoundoff);
+  const Verdict narrow = way.radius_m >= 0 ? overlaps(way, other) : Verdict{Decision::no, wide.level};
+  return narrow.yes() ? narrow : Verdict{Decision::undecided, narrow.level};
 }
 
 template <class Shape>
@@ -80,43 +91,10 @@ double guessed_time(const MovingSphere& mover, const Shape& other) {
   return t;
 }
 
-/// "Has it touched by t" is false, then true for ever: bisection with exact answers keeps a proved bracket.
 template <class Shape>
 Verdict bracket_first_contact(const MovingSphere& mover, const Shape& other, double width, TimeBracket& bracket) {
-  Level level = Level::filter;
-  const auto touched_by = [&](double t) {
-    const Verdict v = climb([&]<class N>() { return touched<N>(mover, t, other); });
-    level = std::max(level, v.level);
-    return v.decision;
-  };
-  const Decision ever = touched_by(1);
-  if (ever != Decision::yes) return {ever, level};
-  bracket = {0, 1};
-  if (touched_by(0) == Decision::yes) {
-    bracket.high = 0;
-    return {Decision::yes, level};
-  }
-  // False where the thread's precision leaves a time open: the bracket stays as wide as it is known.
-  const auto narrow = [&](double t) {
-    if (!(t > bracket.low && t < bracket.high)) return true;
-    const Decision touched_then = touched_by(t);
-    if (touched_then == Decision::undecided) return false;
-    (touched_then == Decision::yes ? bracket.high : bracket.low) = t;
-    return true;
-  };
-  // Close in around the guess from both sides, in steps that grow until they hold it.
-  const double guess = guessed_time(mover, other);
-  double reach = std::max(width * 0.4375, 4 * kRoundoff * guess);
-  for (int step = 0; step < 4 && bracket.high - bracket.low > width; ++step, reach *= 64) {
-    narrow(guess - reach);
-    narrow(guess + reach);
-  }
-  // 64 halvings of the exponent and 53 of the mantissa end at neighbours.
-  for (int step = 0; step < 128 && bracket.high - bracket.low > width; ++step) {
-    const double t = time_between(bracket.low, bracket.high);
-    if (!(t > bracket.low && t < bracket.high) || !narrow(t)) break;
-  }
-  return {Decision::yes, level};
+  return bracket_monotone([&](double t) { return touched_until(mover, t, other); },
+                          [&] { return guessed_time(mover, other); }, width, bracket);
 }
 
 }  // namespace
@@ -130,6 +108,22 @@ Verdict first_contact(const MovingSphere& mover, const Box& other, double width,
 }
 
 Verdict first_contact(const MovingSphere& mover, const Capsule& other, double width, TimeBracket& bracket) {
+  return bracket_first_contact(mover, other, width, bracket);
+}
+
+Verdict first_contact(const MovingSphere& mover, const Cylinder& other, double width, TimeBracket& bracket) {
+  return bracket_first_contact(mover, other, width, bracket);
+}
+
+Verdict first_contact(const MovingSphere& mover, const Cone& other, double width, TimeBracket& bracket) {
+  return bracket_first_contact(mover, other, width, bracket);
+}
+
+Verdict first_contact(const MovingSphere& mover, const Ellipsoid& other, double width, TimeBracket& bracket) {
+  return bracket_first_contact(mover, other, width, bracket);
+}
+
+Verdict first_contact(const MovingSphere& mover, const Hull& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 

@@ -23,6 +23,10 @@ struct TimeBracket {
 Verdict first_contact(const MovingSphere& mover, const Sphere& other, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingSphere& mover, const Box& other, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingSphere& mover, const Capsule& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Cylinder& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Cone& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Ellipsoid& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Hull& other, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingSphere& mover, const Triangle& other, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingSphere& mover, const Primitive& other, double width, TimeBracket& bracket);
 

@@ -1,8 +1,12 @@
 #include "server/geometry/aabb.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+
+#include "server/geometry/mesh.hpp"
+#include "server/geometry/pose.hpp"
 
 namespace collided {
 namespace {
@@ -60,6 +64,61 @@ Aabb bounds(const Box& box) {
 Aabb bounds(const Capsule& capsule) {
   Aabb box = around(capsule.a, Vec3::Constant(capsule.radius_m));
   box.extend(around(capsule.b, Vec3::Constant(capsule.radius_m)));
+  return box;
+}
+
+namespace {
+
+/// Ten roundings of a root of squares, outward, and what underflows.
+double root_up(double squares) { return std::sqrt(squares) * (1 + 0x1p-48) + 0x1p-500; }
+
+/// How far a disc of that radius reaches along each axis.
+Vec3 disc_reach(const Vec3& a, const Vec3& b, double radius_m) {
+  const Vec3 axis = b - a;
+  // By the largest component, so that no square overflows.
+  const Vec3 d = axis / axis.cwiseAbs().maxCoeff();
+  const double length2 = d.squaredNorm();
+  Vec3 reach;
+  for (int k = 0; k < 3; ++k) {
+    const double rest2 = d[(k + 1) % 3] * d[(k + 1) % 3] + d[(k + 2) % 3] * d[(k + 2) % 3];
+    reach[k] = product_up(radius_m, std::min(1.0, root_up(rest2 / length2)));
+  }
+  return reach;
+}
+
+}  // namespace
+
+Aabb bounds(const Cylinder& cylinder) {
+  const Vec3 reach = disc_reach(cylinder.a, cylinder.b, cylinder.radius_m);
+  Aabb box = around(cylinder.a, reach);
+  box.extend(around(cylinder.b, reach));
+  return box;
+}
+
+Aabb bounds(const Cone& cone) {
+  Aabb box = around(cone.base, disc_reach(cone.apex, cone.base, cone.radius_m));
+  box.extend(cone.apex);
+  return box;
+}
+
+Aabb bounds(const Ellipsoid& ellipsoid) {
+  const double largest = ellipsoid.half_m.maxCoeff();
+  if (largest == 0) return around(ellipsoid.center, Vec3::Zero());
+  Vec3 reach;
+  for (int k = 0; k < 3; ++k) {
+    double squares = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double part = ellipsoid.axes(k, i) * (ellipsoid.half_m[i] / largest);
+      squares += part * part;
+    }
+    reach[k] = product_up(largest, root_up(squares));
+  }
+  return around(ellipsoid.center, reach);
+}
+
+Aabb bounds(const Hull& hull) {
+  Aabb box;
+  for (std::size_t i = 0; i < hull.mesh->vertices.size(); ++i) box.extend(vertex_of(hull, i));
   return box;
 }
 

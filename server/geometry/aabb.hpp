@@ -32,6 +32,10 @@ inline bool overlaps(const Aabb& a, const Aabb& b) {
 Aabb bounds(const Sphere& sphere);
 Aabb bounds(const Box& box);
 Aabb bounds(const Capsule& capsule);
+Aabb bounds(const Cylinder& cylinder);
+Aabb bounds(const Cone& cone);
+Aabb bounds(const Ellipsoid& ellipsoid);
+Aabb bounds(const Hull& hull);
 Aabb bounds(const Triangle& triangle);
 Aabb bounds(const Primitive& primitive);
 

@@ -1,11 +1,22 @@
 #include "server/geometry/pose.hpp"
 
+#include "server/geometry/mesh.hpp"
+
 namespace collided {
 namespace {
 
 // The one order in which a row meets a vector. Not Eigen's product: its order may change with vector width.
 double row_times(const Mat3& r, int row, const Vec3& v) {
   return (r(row, 0) * v[0] + r(row, 1) * v[1]) + r(row, 2) * v[2];
+}
+
+Mat3 turned(const Frame& frame, const Mat3& axes) {
+  Mat3 result;
+  for (int column = 0; column < 3; ++column) {
+    const Vec3 axis = axes.col(column);
+    for (int row = 0; row < 3; ++row) result(row, column) = row_times(frame.rotation, row, axis);
+  }
+  return result;
 }
 
 }  // namespace
@@ -42,16 +53,29 @@ Vec3 place(const Frame& frame, const Vec3& point) {
 Sphere place(const Frame& frame, const Sphere& sphere) { return {place(frame, sphere.center), sphere.radius_m}; }
 
 Box place(const Frame& frame, const Box& box) {
-  Box placed{place(frame, box.center), Mat3::Zero(), box.half_m};
-  for (int column = 0; column < 3; ++column) {
-    const Vec3 axis = box.axes.col(column);
-    for (int row = 0; row < 3; ++row) placed.axes(row, column) = row_times(frame.rotation, row, axis);
-  }
-  return placed;
+  return {place(frame, box.center), turned(frame, box.axes), box.half_m};
 }
 
 Capsule place(const Frame& frame, const Capsule& capsule) {
   return {place(frame, capsule.a), place(frame, capsule.b), capsule.radius_m};
+}
+
+Cylinder place(const Frame& frame, const Cylinder& cylinder) {
+  return {place(frame, cylinder.a), place(frame, cylinder.b), cylinder.radius_m};
+}
+
+Cone place(const Frame& frame, const Cone& cone) {
+  return {place(frame, cone.apex), place(frame, cone.base), cone.radius_m};
+}
+
+Ellipsoid place(const Frame& frame, const Ellipsoid& ellipsoid) {
+  return {place(frame, ellipsoid.center), turned(frame, ellipsoid.axes), ellipsoid.half_m};
+}
+
+Hull place(const Frame& frame, const Hull& hull) { return {hull.mesh, frame.rotation, frame.position}; }
+
+Vec3 vertex_of(const Hull& hull, std::size_t number) {
+  return place(Frame{hull.rotation, hull.position}, hull.mesh->vertices[number]);
 }
 
 Triangle place(const Frame& frame, const Triangle& triangle) {

@@ -28,6 +28,14 @@ Sphere place(const Frame& frame, const Sphere& sphere);
 /// Axes are rotated without being normalised again.
 Box place(const Frame& frame, const Box& box);
 Capsule place(const Frame& frame, const Capsule& capsule);
+Cylinder place(const Frame& frame, const Cylinder& cylinder);
+Cone place(const Frame& frame, const Cone& cone);
+/// As a box.
+Ellipsoid place(const Frame& frame, const Ellipsoid& ellipsoid);
+/// A hull in its own frame, as objects have it: one that was placed already cannot be placed again.
+Hull place(const Frame& frame, const Hull& hull);
+/// A placed hull's vertex: the world point that it is.
+Vec3 vertex_of(const Hull& hull, std::size_t number);
 Triangle place(const Frame& frame, const Triangle& triangle);
 Primitive place(const Frame& frame, const Primitive& primitive);
 

@@ -62,6 +62,29 @@ inline constexpr double kUnitVector = 14 * kRoundoff;
 /// At zero, ExactContactOracle.CapsuleCapsule fails.
 inline constexpr double kWitnessError = 32 * kRoundoff;
 
+/// Error of a support point of the difference of two convex sets: how far at most it lies from that set, relative to the
+/// sum of their reaches and of the distance between their first carriers. A box's corner takes three products and sums
+/// (6 u of its reach), an ellipsoid's or disc's direction is a unit vector to 4 u and is then used like a box's (10 u),
+/// a disc's plane is off by the axis's own unit vector (4 u of the radius), and three sums join the two sets (3 u).
+/// 32 covers all with convex combinations of such points. No unit.
+/// At zero, ExactConvex.BracketsHoldTheTruth fails.
+inline constexpr double kSupportError = 32 * kRoundoff;
+
+/// How much farther along n than the support point found a convex set may reach, relative to |n| and to the sum of its
+/// reach, its distance from the other set and its largest coordinate: the point itself is off by kSupportError, the
+/// product with n takes three roundings, and a hull's vertex is chosen in the hull's own frame, where turning n and the
+/// rounding of the placed vertices make up to 12 u of difference. No unit. At zero, ExactConvex.AgreesWithClosedForms fails.
+inline constexpr double kSupportValueError = 64 * kRoundoff;
+
+/// A disc seen almost along its axis is taken for its middle: what that misses, relative to its radius. No unit.
+/// At zero, where rounding chooses the way across, ExactGeneralNearest.BallsOfTheTwoBoundsMissAndMeet fails.
+inline constexpr double kDiscSeenFlat = 0x1p-23;
+
+/// In front of a face of the polytope that grows inside a difference set counts only what is farther than this, relative
+/// to the sets' size: a flat side of several faces is then seen as a whole or not at all. It shapes the search; the depth
+/// it finds is bounded apart. No unit. At zero, ExactGeneral.PairsAgreeWithPolytopesAndDepthsPartThem fails.
+inline constexpr double kSeenFrom = 0x1p-34;
+
 /// Slack of the half-spaces that look for a point of both sets, relative to their extent: 64 roundings, so that the
 /// only common point of two sets that touch is not lost. It places a contact point and decides nothing. No unit.
 /// At zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
@@ -74,6 +97,14 @@ inline constexpr double kClipSlack = 0x1p-46;
 /// 76 u A^2 B H; the last subtraction adds 12 u. 96 covers all with the roundings of the bound. No unit.
 /// At a half, ExtremeSeparationFilter.AgreesWithRationalsAtTheFilterBoundary fails.
 inline constexpr double kSeparationError = 96 * kRoundoff;
+
+/// Error of a squared distance to a triangle, and of a corner's product with the vector v to its nearest point, relative
+/// to the sum W^2 of the squared distances to the corners. v = a + s ab + t ac rounds each of a, ab, ac once (u W,
+/// s 2 u W, t 2 u W), two products (s + t <= 1: 2 u W) and two sums (6 u W); s + t <= 1 + 4 u leaves the triangle by
+/// 8 u W: 21 u W in all, so 42 u W^2 in the square, and 4 u W^2 for rounding the square. A product with v (difference,
+/// product, two sums) is off by 4 u W^2. 48 covers all with the roundings of the bound. No unit.
+/// At zero, ExtremeNearestFilter.TheBracketHoldsTheTruth fails.
+inline constexpr double kNearestError = 48 * kRoundoff;
 
 /// Error of the triple product a . (b x c) of three differences, relative to the product of their largest coordinates:
 /// each of six products passes eight roundings (three differences, two products, the cross product's difference, two
@@ -98,5 +129,11 @@ inline constexpr double kNormalizedSlack = 16 * kRoundoff;
 /// Distance between neighbouring single-precision numbers from which on a scene's digits are reported lost: those of a
 /// survey in millimetres. Metres. At zero, IntakeSinglePrecision.NearCoordinatesGiveNoWarning fails.
 inline constexpr double kCoarseGrid_m = 1e-3;
+
+/// Of the largest square met, without unit: what the plain test of two balls may be wrong by. Differences, products and
+/// sums are some twenty roundings of 2^-53 each; the nearest point's place on the way is off by as much, which counts
+/// squared. A thousand times that, since it costs only a candidate in 2^40.
+/// At zero, BallFilter.NeverPartsWhatMeets fails.
+inline constexpr double kBallsApartSlack = 0x1p-40;
 
 }  // namespace collided

@@ -82,9 +82,19 @@ void FileBytes::copy(int file, const std::string& name, const LoadOptions& optio
   data_ = copy_.get();
 }
 
+void FileBytes::forget_before(std::size_t byte) {
+  const auto page_bytes = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const std::size_t forgotten = byte / page_bytes * page_bytes;
+  if (map_ == nullptr || forgotten <= forgotten_bytes_) {
+    return;
+  }
+  ::munmap(static_cast<char*>(map_) + forgotten_bytes_, forgotten - forgotten_bytes_);
+  forgotten_bytes_ = forgotten;
+}
+
 FileBytes::~FileBytes() {
-  if (map_ != nullptr) {
-    ::munmap(map_, byte_count_);
+  if (map_ != nullptr && forgotten_bytes_ < byte_count_) {
+    ::munmap(static_cast<char*>(map_) + forgotten_bytes_, byte_count_ - forgotten_bytes_);
   }
 }
 

@@ -24,6 +24,9 @@ class FileBytes {
 
   std::span<const char> bytes() const { return {data_, byte_count_}; }
 
+  /// Gives the whole pages of a mapping before that byte back; they must not be read any more.
+  void forget_before(std::size_t byte);
+
  private:
   void copy(int file, const std::string& name, const LoadOptions& options);
 
@@ -31,6 +34,7 @@ class FileBytes {
   void* map_ = nullptr;
   const char* data_ = nullptr;
   std::size_t byte_count_ = 0;
+  std::size_t forgotten_bytes_ = 0;
 };
 
 /// The last component of a path, as messages call a file.

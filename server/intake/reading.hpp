@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@ struct Reading {
   std::span<const char> bytes;
   const LoadOptions& options;
   LoadReport& report;
+  std::shared_ptr<const void> keeper{};  // of the bytes, where they stay after the reading
 
   const char* begin() const { return bytes.data(); }
   const char* end() const { return bytes.data() + bytes.size(); }

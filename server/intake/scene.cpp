@@ -16,6 +16,7 @@
 #include "server/intake/parallel.hpp"
 #include "server/intake/reading.hpp"
 #include "server/intake/scene_file.hpp"
+#include "server/intake/scene_index.hpp"
 #include "server/intake/single_precision.hpp"
 #include "server/intake/weld.hpp"
 
@@ -66,16 +67,17 @@ TriangleMesh scaled(TriangleMesh mesh, double unit_m) {
   return mesh;
 }
 
+void scale(Sphere& s, double unit_m) { s = {s.center * unit_m, s.radius_m * unit_m}; }
+void scale(Box& b, double unit_m) { b = {b.center * unit_m, b.axes, b.half_m * unit_m}; }
+void scale(Capsule& c, double unit_m) { c = {c.a * unit_m, c.b * unit_m, c.radius_m * unit_m}; }
+void scale(Cylinder& c, double unit_m) { c = {c.a * unit_m, c.b * unit_m, c.radius_m * unit_m}; }
+void scale(Cone& c, double unit_m) { c = {c.apex * unit_m, c.base * unit_m, c.radius_m * unit_m}; }
+void scale(Ellipsoid& e, double unit_m) { e = {e.center * unit_m, e.axes, e.half_m * unit_m}; }
+void scale(Hull& hull, double unit_m) { hull.mesh = std::make_shared<const TriangleMesh>(scaled(*hull.mesh, unit_m)); }
+
 void scale(Shape& shape, double unit_m) {
   for (Primitive& primitive : shape.primitives) {
-    if (auto* sphere = std::get_if<Sphere>(&primitive)) {
-      *sphere = {sphere->center * unit_m, sphere->radius_m * unit_m};
-    } else if (auto* box = std::get_if<Box>(&primitive)) {
-      *box = {box->center * unit_m, box->axes, box->half_m * unit_m};
-    } else {
-      auto& capsule = std::get<Capsule>(primitive);
-      capsule = {capsule.a * unit_m, capsule.b * unit_m, capsule.radius_m * unit_m};
-    }
+    std::visit([&](auto& one) { scale(one, unit_m); }, primitive);
   }
   if (shape.mesh) {
     shape.mesh = std::make_shared<const TriangleMesh>(scaled(*shape.mesh, unit_m));
@@ -99,6 +101,7 @@ void place(const Reading& reading, Scene& scene) {
       refuse(reading, fmt::format("a coordinate times {} m is too large for a double", unit_m));
     }
   }
+  if (unit_m != 1 || turns) forget_indexes(scene);
   const Quat quarter_turn(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // about x
   for (SceneObject& object : scene.objects) {
     if (unit_m != 1) {
@@ -238,8 +241,10 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
     scene = load_converted(path, options, report);
   } else {
     const auto access = format == Format::scene ? FileBytes::Access::mapped : FileBytes::Access::copied;
-    const FileBytes bytes(path, access, options);
-    scene = load(format, {file_name(path), bytes.bytes(), options, report});
+    const auto bytes = std::make_shared<FileBytes>(path, access, options);
+    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes});
+    // Saved indexes go on using the end of a mapping.
+    bytes->forget_before(table_bytes(bytes->bytes()));
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return scene;

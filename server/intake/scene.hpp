@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,11 +23,19 @@ struct Part {
   Filter filter{};
 };
 
+/// The index of a mesh as a scene file holds it: bytes of the broad phase, unchecked, for as long as keeper lives.
+/// Empty: there is none.
+struct SavedIndex {
+  std::span<const std::byte> bytes{};
+  std::shared_ptr<const void> keeper{};
+};
+
 struct SceneObject {
   std::string name;
   Shape shape{};
   Pose pose{};
   Filter filter{};
+  SavedIndex index{};  // of the shape's mesh
 };
 
 /// One loaded file: static triangles in world coordinates, split into parts without gap, and objects with a pose.
@@ -33,6 +44,7 @@ struct Scene {
   TriangleMesh mesh{};
   std::vector<Part> parts{};
   std::vector<SceneObject> objects{};
+  SavedIndex index{};  // of the mesh
 };
 
 /// What loading did; each line is a sentence for the user with a count.

@@ -7,10 +7,12 @@
 #include <unordered_set>
 
 #include "idl/scene_generated.h"
+#include "server/geometry/convex_hull.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/intake/file_bytes.hpp"
 #include "server/intake/limits.hpp"
 #include "server/intake/names.hpp"
+#include "server/intake/scene_index.hpp"
 #include "server/intake/write_file.hpp"
 
 namespace collided {
@@ -22,6 +24,9 @@ constexpr std::uint32_t kFormat = 1;
 
 /// Offsets of FlatBuffers are 31 bits; the rest is for names and tables.
 constexpr std::uint64_t kMaxSceneFileBytes = (std::uint64_t{1} << 31) - 1;
+
+/// A hull is tested by all of its corners.
+constexpr std::size_t kMaxHullPoints = 4096;
 
 /// Scene, object, shape, mesh: an honest buffer goes no deeper.
 constexpr std::uint32_t kMaxDepth = 5;
@@ -76,6 +81,10 @@ class Decoder {
     add_spheres(from, shape);
     add_boxes(from, shape);
     add_capsules(from, shape);
+    add_cylinders(from, shape);
+    add_cones(from, shape);
+    add_ellipsoids(from, shape);
+    add_hulls(from, shape);
     if (from.mesh() != nullptr) {
       shape.mesh = std::make_shared<const TriangleMesh>(mesh(*from.mesh()));
       if (shape.mesh->triangles.empty()) {
@@ -175,7 +184,7 @@ class Decoder {
       const std::string name = fmt::format("box {}: ", i);
       Box box{.center = point(boxes[i].center(), name + "center"),
               .axes = axes.empty() ? rotation(boxes[i].rotation(), name + "rotation").toRotationMatrix()
-                                   : box_axes(axes[i], name + "axes"),
+                                   : unit_axes(axes[i], name + "axes"),
               .half_m = point(boxes[i].half(), name + "half size")};
       for (int axis = 0; axis < 3; ++axis) {
         size(box.half_m[axis], name + "half size");
@@ -184,7 +193,7 @@ class Decoder {
     }
   }
 
-  Mat3 box_axes(const format::Mat3& from, std::string_view what) const {
+  Mat3 unit_axes(const format::Mat3& from, std::string_view what) const {
     Mat3 axes;
     axes << point(from.column_0(), what), point(from.column_1(), what), point(from.column_2(), what);
     if (!((axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff() <= 2 * kUnitNormSlack)) {
@@ -199,6 +208,63 @@ class Decoder {
       const std::string name = fmt::format("capsule {}: ", i);
       shape.primitives.push_back(Capsule{point(capsules[i].a(), name + "end a"), point(capsules[i].b(), name + "end b"),
                                          size(capsules[i].radius(), name + "radius")});
+    }
+  }
+
+  /// Both ends of an axis, which has a direction.
+  std::pair<Vec3, Vec3> axis(const format::Vec3& from, const format::Vec3& to, const std::string& name) const {
+    std::pair<Vec3, Vec3> ends{point(from, name + "one end"), point(to, name + "the other end")};
+    if (ends.first == ends.second) {
+      throw Flaw{name + "both ends of the axis are the same point"};
+    }
+    return ends;
+  }
+
+  void add_cylinders(const format::Shape& from, Shape& shape) {
+    const auto cylinders = take(from.cylinders());
+    for (std::size_t i = 0; i < cylinders.size(); ++i) {
+      const std::string name = fmt::format("cylinder {}: ", i);
+      const auto [a, b] = axis(cylinders[i].a(), cylinders[i].b(), name);
+      shape.primitives.push_back(Cylinder{a, b, size(cylinders[i].radius(), name + "radius")});
+    }
+  }
+
+  void add_cones(const format::Shape& from, Shape& shape) {
+    const auto cones = take(from.cones());
+    for (std::size_t i = 0; i < cones.size(); ++i) {
+      const std::string name = fmt::format("cone {}: ", i);
+      const auto [apex, base] = axis(cones[i].apex(), cones[i].base(), name);
+      shape.primitives.push_back(Cone{apex, base, size(cones[i].radius(), name + "radius")});
+    }
+  }
+
+  void add_ellipsoids(const format::Shape& from, Shape& shape) {
+    const auto ellipsoids = take(from.ellipsoids());
+    for (std::size_t i = 0; i < ellipsoids.size(); ++i) {
+      const std::string name = fmt::format("ellipsoid {}: ", i);
+      const Ellipsoid ellipsoid{point(ellipsoids[i].center(), name + "center"), unit_axes(ellipsoids[i].axes(), name + "axes"),
+                                point(ellipsoids[i].half(), name + "half size")};
+      for (int k = 0; k < 3; ++k) {
+        if (!(ellipsoid.half_m[k] > 0)) {
+          throw Flaw{fmt::format("{}half size {} m, allowed are sizes above 0", name, ellipsoid.half_m[k])};
+        }
+      }
+      shape.primitives.push_back(ellipsoid);
+    }
+  }
+
+  void add_hulls(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.hulls() != nullptr && i < from.hulls()->size(); ++i) {
+      const TriangleMesh points = mesh(*from.hulls()->Get(i));
+      if (points.vertices.size() > kMaxHullPoints) {
+        throw Flaw{fmt::format("hull {}: {} points, allowed are {}", i, points.vertices.size(), kMaxHullPoints)};
+      }
+      std::optional<TriangleMesh> hull = convex_hull(points.vertices);
+      if (!hull) {
+        throw Flaw{fmt::format("hull {}: its {} points lie in one plane, or beyond the range of exact arithmetic", i,
+                               points.vertices.size())};
+      }
+      shape.primitives.push_back(Hull{std::make_shared<const TriangleMesh>(std::move(*hull))});
     }
   }
 
@@ -320,6 +386,9 @@ Scene decode_scene_bytes(const void* bytes, std::size_t byte_count, std::uint64_
 }
 
 format::Vec3 packed(const Vec3& from) { return {from[0], from[1], from[2]}; }
+format::Mat3 packed(const Mat3& from) {
+  return {packed(Vec3(from.col(0))), packed(Vec3(from.col(1))), packed(Vec3(from.col(2)))};
+}
 format::Quat packed(const Quat& from) { return {from.w(), from.x(), from.y(), from.z()}; }
 format::Filter packed(const Filter& from) { return {from.layers, from.mask, from.group}; }
 
@@ -343,29 +412,18 @@ class Encoder {
   }
 
   flatbuffers::Offset<format::Shape> shape(const Shape& from) {
-    std::vector<format::Sphere> spheres;
-    std::vector<format::Box> boxes;
-    std::vector<format::Mat3> axes;
-    std::vector<format::Capsule> capsules;
-    bool rotations_suffice = true;
+    Parts parts;
     for (const Primitive& primitive : from.primitives) {
-      if (const auto* sphere = std::get_if<Sphere>(&primitive)) {
-        spheres.emplace_back(packed(sphere->center), sphere->radius_m);
-      } else if (const auto* capsule = std::get_if<Capsule>(&primitive)) {
-        capsules.emplace_back(packed(capsule->a), packed(capsule->b), capsule->radius_m);
-      } else {
-        const Box& box = std::get<Box>(primitive);
-        const Quat rotation = box.axes.determinant() > 0 ? Quat(box.axes).normalized() : Quat::Identity();
-        rotations_suffice = rotations_suffice && rotation.toRotationMatrix() == box.axes;
-        boxes.emplace_back(packed(box.center), packed(rotation), packed(box.half_m));
-        axes.emplace_back(packed(Vec3(box.axes.col(0))), packed(Vec3(box.axes.col(1))), packed(Vec3(box.axes.col(2))));
-      }
+      std::visit([&](const auto& one) { add(one, parts); }, primitive);
     }
     const auto mesh_table = from.mesh ? mesh(*from.mesh) : flatbuffers::Offset<format::Mesh>{};
-    const auto axes_vector = rotations_suffice ? flatbuffers::Offset<flatbuffers::Vector<const format::Mat3*>>{}
-                                               : builder_.CreateVectorOfStructs(axes);
-    return format::CreateShape(builder_, optional(spheres), optional(boxes), optional(capsules), mesh_table,
-                               axes_vector);
+    const auto axes = parts.rotations_suffice ? flatbuffers::Offset<flatbuffers::Vector<const format::Mat3*>>{}
+                                              : builder_.CreateVectorOfStructs(parts.axes);
+    const auto hulls = parts.hulls.empty() ? flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Mesh>>>{}
+                                           : builder_.CreateVector(parts.hulls);
+    return format::CreateShape(builder_, optional(parts.spheres), optional(parts.boxes), optional(parts.capsules),
+                               mesh_table, axes, optional(parts.cylinders), optional(parts.cones),
+                               optional(parts.ellipsoids), hulls);
   }
 
   void scene(const Scene& from) {
@@ -400,6 +458,34 @@ class Encoder {
   }
 
  private:
+  /// A shape's primitives by kind.
+  struct Parts {
+    std::vector<format::Sphere> spheres;
+    std::vector<format::Box> boxes;
+    std::vector<format::Mat3> axes;  // of the boxes
+    std::vector<format::Capsule> capsules;
+    std::vector<format::Cylinder> cylinders;
+    std::vector<format::Cone> cones;
+    std::vector<format::Ellipsoid> ellipsoids;
+    std::vector<flatbuffers::Offset<format::Mesh>> hulls;
+    bool rotations_suffice = true;
+  };
+
+  void add(const Sphere& sphere, Parts& parts) { parts.spheres.emplace_back(packed(sphere.center), sphere.radius_m); }
+  void add(const Capsule& c, Parts& parts) { parts.capsules.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
+  void add(const Cylinder& c, Parts& parts) { parts.cylinders.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
+  void add(const Cone& c, Parts& parts) { parts.cones.emplace_back(packed(c.apex), packed(c.base), c.radius_m); }
+  void add(const Ellipsoid& e, Parts& parts) {
+    parts.ellipsoids.emplace_back(packed(e.center), packed(e.axes), packed(e.half_m));
+  }
+  void add(const Hull& hull, Parts& parts) { parts.hulls.push_back(mesh(*hull.mesh)); }
+  void add(const Box& box, Parts& parts) {
+    const Quat rotation = box.axes.determinant() > 0 ? Quat(box.axes).normalized() : Quat::Identity();
+    parts.rotations_suffice = parts.rotations_suffice && rotation.toRotationMatrix() == box.axes;
+    parts.boxes.emplace_back(packed(box.center), packed(rotation), packed(box.half_m));
+    parts.axes.emplace_back(packed(box.axes));
+  }
+
   template <class Struct>
   flatbuffers::Offset<flatbuffers::Vector<const Struct*>> optional(const std::vector<Struct>& structs) {
     return structs.empty() ? 0 : builder_.CreateVectorOfStructs(structs);
@@ -413,7 +499,13 @@ std::uint64_t encoded_bytes(const TriangleMesh& mesh) {
 }
 
 std::uint64_t encoded_bytes(const Shape& shape) {
-  return 192 * shape.primitives.size() + (shape.mesh ? encoded_bytes(*shape.mesh) : 0) + 128;
+  std::uint64_t bytes = 192 * shape.primitives.size() + (shape.mesh ? encoded_bytes(*shape.mesh) : 0) + 192;
+  for (const Primitive& primitive : shape.primitives) {
+    if (const auto* hull = std::get_if<Hull>(&primitive)) {
+      bytes += encoded_bytes(*hull->mesh);
+    }
+  }
+  return bytes;
 }
 
 /// Never less than the buffer will have.
@@ -432,7 +524,12 @@ std::uint64_t encoded_bytes(const Scene& scene) {
 
 Scene read_scene_file(const Reading& reading) {
   try {
-    return decode_scene_bytes(reading.bytes.data(), reading.bytes.size(), reading.options.max_triangles);
+    Scene scene =
+        decode_scene_bytes(reading.bytes.data(), table_bytes(reading.bytes), reading.options.max_triangles);
+    if (!attach_indexes(reading.bytes, reading.keeper, scene)) {
+      reading.report.warnings.emplace_back("the list of saved indexes is damaged; they are built anew");
+    }
+    return scene;
   } catch (const Flaw& flaw) {
     refuse(reading, flaw.what);
   }
@@ -453,7 +550,11 @@ void save_scene(const std::string& path, const Scene& scene) {
   } catch (const Flaw& flaw) {
     fail(flaw.what);
   }
-  if (const std::string failure = replace_file(path, bytes); !failure.empty()) {
+  std::vector<std::byte> padding;
+  std::vector<std::byte> list;
+  std::vector<std::span<const std::byte>> pieces = index_section(scene, bytes.size(), padding, list);
+  pieces.insert(pieces.begin(), bytes);
+  if (const std::string failure = replace_file(path, pieces); !failure.empty()) {
     fail(failure);
   }
 }

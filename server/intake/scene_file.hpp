@@ -16,7 +16,8 @@ namespace collided {
 /// Writes a scene as a .cscene file (idl/scene.fbs): beside the path first, then renamed over it, so that who has the
 /// old file mapped keeps it whole and a crash leaves one of the two.
 ///
-/// promise   load_scene gives the same bits back: vertices, corners, names, shapes, poses
+/// promise   load_scene gives the same bits back: vertices, corners, names, shapes, poses, and the indexes that the
+///           scene has, behind the tables (scene_index.hpp)
 /// throws    LoadError when the scene holds what loading would refuse, needs 2 GiB or more (what FlatBuffers can
 ///           address: about 80 M triangles), or the file cannot be written
 void save_scene(const std::string& path, const Scene& scene);

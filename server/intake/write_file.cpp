@@ -21,6 +21,15 @@ bool write_all(int file, std::span<const std::byte> bytes) {
     }
     bytes = bytes.subspan(written < 0 ? 0 : static_cast<std::size_t>(written));
   }
+  return true;
+}
+
+bool write_pieces(int file, std::span<const std::span<const std::byte>> pieces) {
+  for (const std::span<const std::byte> piece : pieces) {
+    if (!write_all(file, piece)) {
+      return false;
+    }
+  }
   return ::fsync(file) == 0;
 }
 
@@ -36,14 +45,14 @@ void sync_directory_of(const std::string& path) {
 
 }  // namespace
 
-std::string replace_file(const std::string& path, std::span<const std::byte> bytes) {
+std::string replace_file(const std::string& path, std::span<const std::span<const std::byte>> pieces) {
   static std::atomic<unsigned> file_count = 0;
   const std::string beside = fmt::format("{}.{}.{}.part", path, ::getpid(), file_count.fetch_add(1));
   const int file = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) {
     return fmt::format("cannot be created: {}", std::strerror(errno));
   }
-  const bool written = write_all(file, bytes);
+  const bool written = write_pieces(file, pieces);
   const int write_error = errno;
   const bool closed = ::close(file) == 0;
   if (!written || !closed || std::rename(beside.c_str(), path.c_str()) != 0) {

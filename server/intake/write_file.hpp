@@ -7,7 +7,8 @@
 namespace collided {
 
 /// Puts a file in place of what is at the path, whole or not at all: written beside it, brought to the disk, renamed.
+/// pieces    the bytes, one after the other
 /// returns   what went wrong, or nothing
-std::string replace_file(const std::string& path, std::span<const std::byte> bytes);
+std::string replace_file(const std::string& path, std::span<const std::span<const std::byte>> pieces);
 
 }  // namespace collided

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "server/geometry/float_environment.hpp"
@@ -33,7 +34,7 @@ class Answering::Worker {
     reply_->epoch = owner.options_.epoch;
   }
   void run();
-  void answer_here(AskPointer ask) { work(std::move(ask)); }
+  void answer(Client& client, const Ask& ask);
 
  private:
   void work(AskPointer ask);
@@ -73,19 +74,23 @@ void Answering::Worker::work(AskPointer ask) {
     return;
   }
   if (owner_.clients_.hold(*client, ask)) return;
-  const wire::Query& query = *ask->query;
-  std::optional<std::string> refusal = ask->refusal.empty() ? why_refused(query) : std::optional(ask->refusal);
+  answer(*client, *ask);
+  owner_.pool_.put(std::move(ask));
+}
+
+void Answering::Worker::answer(Client& client, const Ask& ask) {
+  const wire::Query& query = *ask.query;
+  std::optional<std::string> refusal = ask.refusal.empty() ? why_refused(query) : std::optional(ask.refusal);
   if (refusal) {
     ++owner_.counts_.refused;
-    write_text(*client, query.request, ReplyStatus::refused, refusal_text(*refusal));
+    write_text(client, query.request, ReplyStatus::refused, refusal_text(*refusal));
   } else if (query.kind == static_cast<std::uint8_t>(QueryKind::command)) {
     command(query);
   } else if (query.kind == static_cast<std::uint8_t>(QueryKind::hello)) {
-    write_text(*client, query.request, ReplyStatus::ok, {});
+    write_text(client, query.request, ReplyStatus::ok, {});
   } else {
-    answer_questions(*client, *ask);
+    answer_questions(client, ask);
   }
-  owner_.pool_.put(std::move(ask));
 }
 
 void Answering::Worker::command(const wire::Query& query) {
@@ -128,7 +133,7 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
       .numbers = dds::view(query.numbers)};
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
   if (restore_float_environment()) ++owner_.counts_.float_repairs;
-  answer(*lease, questions, answers_, scratch_);
+  collided::answer(*lease, questions, answers_, scratch_);
   // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, *lease);
@@ -239,53 +244,61 @@ void Answering::listen(const dds::Taker<wire::Query>& taker) {
   AskPointer single;
   take(taker, &single);
   if (!single) return;
-  const std::int64_t started_ns = steady_ns();
-  const bool here = short_questions_.is_short(*single->query, started_ns) && clients_.ready(single->query->client);
-  if (!here) {
-    queue_.push(std::move(single));
+  const wire::Query& query = *single->query;
+  const std::int64_t started_ns = single->taken_ns;
+  Client* client = nullptr;
+  if (short_questions_.is_short(query, started_ns)) {
+    client = clients_.find_ready(query.client, single->query.info().publication_handle);
+  }
+  if (!client) {
+    queue_.push_short(std::move(single));
     return;
   }
-  listening_worker_->answer_here(std::move(single));
+  listening_worker_->answer(*client, *single);
+  single->reset();
+  spare_ = std::move(single);
   short_questions_.took(started_ns, steady_ns());
 }
 
-/// Takes everything there is room for. Where that is one question and nobody waits before it, it is left to the caller.
+/// Takes everything there is room for. The first single question is left to the caller if it wants one.
 void Answering::take(const dds::Taker<wire::Query>& taker, AskPointer* single) {
-  const std::lock_guard lock(taking_);
-  const bool idle = single != nullptr && queue_.empty();
-  AskPointer first;
-  const auto pass_first_on = [&] {
-    if (first) admit(std::move(first));
-  };
+  if (takers_.fetch_add(1) > 0) return;
+  std::uint32_t seen = 1;
+  do {
+    drain(taker, single);
+  } while (!takers_.compare_exchange_strong(seen, 0));
+}
+
+void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) {
   while (!stopping_.load() && queue_.has_room()) {
-    AskPointer ask = pool_.get();
-    if (!taker.take(ask->query)) {
-      pool_.put(std::move(ask));
-      if (first) *single = std::move(first);
-      return;
+    std::array<dds::Sample<wire::Query>*, std::tuple_size_v<decltype(next_)>> room{};
+    for (std::size_t i = 0; i < room.size(); ++i) {
+      if (!next_[i]) next_[i] = single && spare_ ? std::move(spare_) : pool_.get();
+      room[i] = &next_[i]->query;
     }
-    pass_first_on();
-    ask->taken_ns = steady_ns();
-    if (!ask->query.info().valid_data) {
-      pool_.put(std::move(ask));
-      continue;
+    const std::size_t count = taker.take(room);
+    const std::int64_t now_ns = steady_ns();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!next_[i]->query.info().valid_data) continue;
+      next_[i]->taken_ns = now_ns;
+      route(std::move(next_[i]), single);
     }
-    const Fences::Outcome outcome = fences_.pass(ask);
-    if (outcome == Fences::Outcome::passed) {
-      if (idle && ask->query->chunk_count == 1 && queue_.empty()) {
-        first = std::move(ask);
-      } else {
-        admit(std::move(ask));
-      }
-    }
-    if (outcome == Fences::Outcome::full) {
-      refuse_later(std::move(ask),
-                   fmt::format("{} questions wait for a publisher's samples, the limit", Fences::kMost));
-    }
+    if (count < room.size()) return;
   }
-  pass_first_on();
   // The rest stays with DDS, which makes the askers wait: admission. A worker comes back for it.
   if (!stopping_.load()) left_in_reader_.store(taker.reader());
+}
+
+void Answering::route(AskPointer ask, AskPointer* single) {
+  const Fences::Outcome outcome = fences_.pass(ask);
+  if (outcome == Fences::Outcome::parked) return;
+  if (outcome == Fences::Outcome::full) {
+    refuse_later(std::move(ask), fmt::format("{} questions wait for a publisher's samples, the limit", Fences::kMost));
+  } else if (single && !*single && is_single(*ask->query)) {
+    *single = std::move(ask);
+  } else {
+    admit(std::move(ask));
+  }
 }
 
 void Answering::take_more() {
@@ -301,12 +314,12 @@ void Answering::admit(AskPointer ask) {
     if (!lease) {
       refuse_later(std::move(ask),
                    "the state that this request is answered on is no longer kept: its chunks must "
-                   "come within 2 s, the first one first");
+                   "come within 2 s of each other, the first one first");
       return;
     }
     ask->pinned = std::move(*lease);
   }
-  queue_.push(std::move(ask));
+  is_single(query) ? queue_.push_short(std::move(ask)) : queue_.push(std::move(ask));
 }
 
 void Answering::refuse_later(AskPointer ask, std::string reason) {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <variant>
@@ -52,8 +52,8 @@ class Answering {
             Command command);
   ~Answering();
 
-  /// From the query reader's listener: takes, stamps and hands over; answers a single short question itself when
-  /// nobody waits, which saves waking another thread.
+  /// From the query reader's listener: takes, stamps and hands over; answers the first short question itself, which
+  /// saves waking another thread and waiting for what the others are at.
   void listen(const dds::Taker<wire::Query>& taker);
   /// Past its fence: pins the state of a request in chunks and queues.
   void admit(AskPointer ask);
@@ -83,6 +83,8 @@ class Answering {
 
   void refuse_later(AskPointer ask, std::string reason);
   void take(const dds::Taker<wire::Query>& taker, AskPointer* single);
+  void drain(const dds::Taker<wire::Query>& taker, AskPointer* single);
+  void route(AskPointer ask, AskPointer* single);
   void take_more();
 
   const World& world_;
@@ -96,8 +98,10 @@ class Answering {
   AskPool pool_;
   WorkQueue<Work> queue_;
   Clients clients_;
-  std::mutex taking_;
+  std::atomic<std::uint32_t> takers_{0};      // one takes, the others tell it that there is more
+  std::array<AskPointer, 4> next_;            // of who takes: one call brings what there is as a rule
   std::unique_ptr<Worker> listening_worker_;  // of the listener's thread
+  AskPointer spare_;                          // the same
   ShortQuestions short_questions_;            // the same
   std::atomic<dds_entity_t> left_in_reader_{0};  // the queue was full: this reader has more
   std::atomic<bool> stopping_{false};

@@ -13,26 +13,6 @@ namespace {
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
 
-struct Kind {
-  const char* name;
-  std::uint32_t numbers;  // per question
-};
-
-std::optional<Kind> kind_of(std::uint8_t code) {
-  switch (static_cast<QueryKind>(code)) {
-    case QueryKind::ray:
-      return Kind{"ray", wire_contract::kRayNumbers};
-    case QueryKind::sphere:
-      return Kind{"sphere", wire_contract::kSphereNumbers};
-    case QueryKind::box:
-      return Kind{"box", wire_contract::kBoxNumbers};
-    case QueryKind::near:
-      return Kind{"near", wire_contract::kNearNumbers};
-    default:
-      return std::nullopt;
-  }
-}
-
 std::optional<std::string> why_bad_chunk(const wire::Query& query, std::size_t questions) {
   using wire_contract::kMaxQuestionsPerRequest;
   if (query.chunk_count == 0 || query.chunk_count > kMaxQuestionsPerRequest) {
@@ -60,6 +40,17 @@ std::optional<std::string> why_bad_filter(const wire::Query& query) {
 
 }  // namespace
 
+void Ask::reset() {
+  pinned = {};
+  passed_fence = false;
+  refusal.clear();
+}
+
+AskPool::AskPool() {
+  spares_.reserve(kMost);
+  for (std::size_t i = 0; i < kAtFirst; ++i) spares_.push_back(std::make_unique<Ask>());
+}
+
 AskPointer AskPool::get() {
   const std::lock_guard lock(mutex_);
   if (spares_.empty()) return std::make_unique<Ask>();
@@ -69,11 +60,14 @@ AskPointer AskPool::get() {
 }
 
 void AskPool::put(AskPointer ask) {
-  ask->pinned = {};
-  ask->passed_fence = false;
-  ask->refusal.clear();
+  ask->reset();
   const std::lock_guard lock(mutex_);
   if (spares_.size() < kMost) spares_.push_back(std::move(ask));
+}
+
+bool is_single(const wire::Query& query) {
+  const std::uint32_t numbers = wire_contract::numbers_of(static_cast<QueryKind>(query.kind));
+  return query.chunk_count == 1 && numbers != 0 && query.numbers._length == numbers;
 }
 
 std::optional<std::string> why_refused(const wire::Query& query) {
@@ -81,13 +75,15 @@ std::optional<std::string> why_refused(const wire::Query& query) {
     return fmt::format("question kind {} is not known; allowed 0 to {}", query.kind,
                        static_cast<unsigned>(QueryKind::command));
   }
-  const std::optional<Kind> kind = kind_of(query.kind);
-  if (!kind) return std::nullopt;
+  const auto kind = static_cast<QueryKind>(query.kind);
+  const std::uint32_t per_question = wire_contract::numbers_of(kind);
+  if (per_question == 0) return std::nullopt;
   const std::size_t count = query.numbers._length;
-  if (count == 0 || count % kind->numbers != 0) {
-    return fmt::format("{} numbers for {} questions; {} are needed for each", count, kind->name, kind->numbers);
+  if (count == 0 || count % per_question != 0) {
+    return fmt::format("{} numbers for {} questions; {} are needed for each", count, wire_contract::name_of(kind),
+                       per_question);
   }
-  if (auto reason = why_bad_chunk(query, count / kind->numbers)) return reason;
+  if (auto reason = why_bad_chunk(query, count / per_question)) return reason;
   if (query.mode > static_cast<std::uint8_t>(RayMode::all)) {
     return fmt::format("ray mode {} is not known; allowed 0 to {}", query.mode, static_cast<unsigned>(RayMode::all));
   }

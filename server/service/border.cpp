@@ -43,6 +43,17 @@ std::size_t printable_length(std::string_view text) {
 
 }  // namespace
 
+bool read_pose(const double* numbers, Pose& pose) {
+  double nothing = 0;  // what is not finite leaves no number
+  for (std::uint32_t i = 0; i < wire_contract::kPoseNumbers; ++i) nothing += numbers[i] - numbers[i];
+  const Quat given(numbers[3], numbers[4], numbers[5], numbers[6]);
+  const double norm = given.norm();
+  if (!(nothing == 0 && std::abs(norm - 1) <= wire_contract::kUnitQuaternionSlack)) return false;
+  pose.position = {numbers[0], numbers[1], numbers[2]};
+  pose.rotation.coeffs() = given.coeffs() / norm;
+  return true;
+}
+
 std::variant<Pose, Refusal> checked_pose(std::span<const double> numbers) {
   if (numbers.size() != wire_contract::kPoseNumbers) {
     return Refusal{fmt::format("a pose of {} numbers; {} are needed", numbers.size(), wire_contract::kPoseNumbers)};
@@ -50,15 +61,11 @@ std::variant<Pose, Refusal> checked_pose(std::span<const double> numbers) {
   for (const double number : numbers) {
     if (!std::isfinite(number)) return Refusal{fmt::format("a pose with {}", number)};
   }
-  const Quat given(numbers[3], numbers[4], numbers[5], numbers[6]);
-  const double norm = given.norm();
-  if (!(std::abs(norm - 1) <= wire_contract::kUnitQuaternionSlack)) {
-    return Refusal{fmt::format("quaternion norm {:.9g}, allowed 1 +- {:g}", norm, wire_contract::kUnitQuaternionSlack)};
-  }
   Pose pose;
-  pose.position = {numbers[0], numbers[1], numbers[2]};
-  pose.rotation.coeffs() = given.coeffs() / norm;
-  return pose;
+  if (read_pose(numbers.data(), pose)) return pose;
+  return Refusal{fmt::format("quaternion norm {:.9g}, allowed 1 +- {:g}",
+                             Quat(numbers[3], numbers[4], numbers[5], numbers[6]).norm(),
+                             wire_contract::kUnitQuaternionSlack)};
 }
 
 bool is_good_name(std::string_view name) {

@@ -43,6 +43,7 @@ void Clients::open_writer(const std::shared_ptr<Client>& client) {
   {
     const std::lock_guard lock(raw->mutex_);
     raw->writer_.emplace(std::move(writer));
+    raw->open_.store(true, std::memory_order_release);
   }
   // The match may have come before the writer was in its place; asks held meanwhile would wait for ever.
   if (raw->listening_.load()) listening_(raw->id());
@@ -54,14 +55,18 @@ std::shared_ptr<Client> Clients::find(std::uint64_t id) const {
   return found == clients_.end() ? nullptr : found->second;
 }
 
-bool Clients::ready(std::uint64_t id) const {
-  const std::shared_ptr<Client> client = find(id);
-  if (!client) return false;
-  const std::unique_lock lock(client->mutex_, std::try_to_lock);
-  return lock.owns_lock() && client->ready();
+Client* Clients::find_ready(std::uint64_t id, std::uint64_t asker) {
+  const std::uint64_t departures = departures_.load(std::memory_order_acquire);
+  if (departures != std::exchange(recent_departures_, departures)) recent_.fill(nullptr);
+  std::shared_ptr<Client>& place = recent_[id % kRecent];
+  if (!place || place->id() != id) place = find(id);
+  if (!place || !place->ready()) return nullptr;
+  place->asker_.store(asker);
+  return place.get();
 }
 
 bool Clients::hold(Client& client, AskPointer& ask) {
+  if (client.ready()) return false;
   const std::lock_guard lock(client.mutex_);
   if (client.ready()) return false;
   if (client.waiting_.size() >= kMostWaiting) client.waiting_.erase(client.waiting_.begin());
@@ -77,7 +82,7 @@ std::vector<AskPointer> Clients::resume(std::uint64_t id) {
 }
 
 std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, std::int64_t now_ns) {
-  std::vector<std::shared_ptr<Client>> gone;  // deleted after the lock is free: their writers take time
+  bury();
   std::vector<AskPointer> overdue;
   const std::lock_guard lock(mutex_);
   std::erase_if(clients_, [&](const auto& entry) {
@@ -91,10 +96,20 @@ std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, st
     const bool lives = std::find(askers.begin(), askers.end(), client.asker_.load()) != askers.end();
     const bool deaf = !client.listening_.load() && now_ns - client.deaf_since_ns_.load() > kDeafPatienceNs;
     if ((lives && !deaf) || !client.waiting_.empty()) return false;
-    gone.push_back(entry.second);
+    gone_.push_back(entry.second);
+    departures_.fetch_add(1, std::memory_order_release);
     return true;
   });
   return overdue;
+}
+
+/// Deletes those gone whom no thread answers any more; after the lock is free, since their writers take time.
+void Clients::bury() {
+  std::vector<std::shared_ptr<Client>> unheld;
+  const std::lock_guard lock(mutex_);
+  const auto held = std::partition(gone_.begin(), gone_.end(), [](const auto& client) { return client.use_count() > 1; });
+  std::move(held, gone_.end(), std::back_inserter(unheld));
+  gone_.erase(held, gone_.end());
 }
 
 std::size_t Clients::size() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -25,12 +26,13 @@ class Client {
 
  private:
   friend class Clients;
-  bool ready() const { return writer_.has_value() && listening_.load(); }
+  bool ready() const { return open_.load(std::memory_order_acquire) && listening_.load(); }
 
   const std::uint64_t id_;
   std::mutex mutex_;
   std::optional<dds::Writer<wire::Reply>> writer_;
   std::vector<AskPointer> waiting_;
+  std::atomic<bool> open_{false};  // the writer is in its place, for good
   std::atomic<bool> listening_{false};
   std::atomic<std::uint64_t> asker_{0};  // its query writer
   std::atomic<std::int64_t> deaf_since_ns_{0};
@@ -39,7 +41,8 @@ class Client {
 /// Every client that has asked and still lives. A reply written before the client's reader was matched would be lost,
 /// so asks wait for the match.
 ///
-/// threads  any but DDS's own: making and deleting writers inside a listener would deadlock
+/// threads  any but DDS's own, which may call find_ready() alone: making and deleting writers inside a listener would
+///          deadlock
 class Clients {
  public:
   static constexpr std::size_t kMost = 1'000;
@@ -54,8 +57,9 @@ class Clients {
   /// The client of an ask; made when it is first seen; null when kMost are there.
   std::shared_ptr<Client> meet(std::uint64_t id, std::uint64_t asker);
   std::shared_ptr<Client> find(std::uint64_t id) const;
-  /// Its replies can be written at once. The only question here that a listener may ask.
-  bool ready(std::uint64_t id) const;
+  /// The client of an ask if its replies can be written at once, else null. For the one listener of questions.
+  /// lock  none for a client that asked before and shares its place with no other
+  Client* find_ready(std::uint64_t id, std::uint64_t asker);
   /// Takes the ask where it must wait.
   bool hold(Client& client, AskPointer& ask);
   std::vector<AskPointer> resume(std::uint64_t id);
@@ -64,12 +68,19 @@ class Clients {
   std::size_t size() const;
 
  private:
+  static constexpr std::size_t kRecent = 16;
+
   void open_writer(const std::shared_ptr<Client>& client);
+  void bury();
 
   const dds::Topic<wire::Reply>& topic_;
   std::function<void(std::uint64_t)> listening_;
   mutable std::mutex mutex_;
   std::map<std::uint64_t, std::shared_ptr<Client>> clients_;
+  std::vector<std::shared_ptr<Client>> gone_;   // until nobody holds them, so that no listener deletes a writer
+  std::atomic<std::uint64_t> departures_{0};    // sweeps that found clients gone
+  std::array<std::shared_ptr<Client>, kRecent> recent_;  // the listener's own, by number
+  std::uint64_t recent_departures_ = 0;         // as of when they were looked up
 };
 
 }  // namespace collided::service

@@ -41,7 +41,7 @@ void Inbox::push(std::unique_ptr<PoseSample> sample) {
   const std::lock_guard lock(mutex_);
   const bool full = batch_count_ >= limits_.batches || pose_count_ + sample->object_numbers.size() > limits_.poses;
   // Once some are merged the later ones must be as well, or they would overtake them.
-  if (full || !merged_.empty()) {
+  if (full || merging_) {
     merge(*sample);
     spares_.push_back(std::move(sample));
   } else {
@@ -73,9 +73,19 @@ void Inbox::wake() {
   arrived_.notify_one();
 }
 
+void Inbox::Merged::clear() {
+  index.forget(numbers);
+  numbers.clear();
+  poses.clear();
+  teleported.clear();
+  incarnation = sequence = definitions_through = 0;
+}
+
 void Inbox::merge(const PoseSample& sample) {
+  merging_ = true;
   const std::size_t count = sample.object_numbers.size();
-  if (sample.poses.size() != count * kPoseNumbers) {
+  const bool one_too_many = merged_.size() >= limits_.merged_publishers && !merged_.contains(sample.publisher);
+  if (sample.poses.size() != count * kPoseNumbers || one_too_many) {
     counts_.poses_dropped += count;
     return;
   }
@@ -85,27 +95,37 @@ void Inbox::merge(const PoseSample& sample) {
     return;
   }
   if (sample.incarnation > merged.incarnation) {
-    counts_.poses_superseded += merged.poses.size();
-    merged_count_ -= merged.poses.size();
-    merged = {};
+    counts_.poses_superseded += merged.numbers.size();
+    merged_count_ -= merged.numbers.size();
+    merged.clear();
     merged.incarnation = sample.incarnation;
   }
   merged.sequence = std::max(merged.sequence, sample.sequence);
   merged.definitions_through = std::max(merged.definitions_through, sample.definitions_through);
   merged.source_time_ns = sample.source_time_ns;
   merged.received_ns = sample.received_ns;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto found = merged.poses.find(sample.object_numbers[i]);
-    if (found == merged.poses.end() && merged_count_ >= limits_.merged_objects) {
-      ++counts_.poses_dropped;
-      continue;
-    }
-    MergedPose& pose = found == merged.poses.end() ? merged.poses[sample.object_numbers[i]] : found->second;
-    (found == merged.poses.end() ? merged_count_ : counts_.poses_superseded) += 1;
-    std::copy_n(&sample.poses[i * kPoseNumbers], kPoseNumbers, pose.pose.begin());
-    // A skipped teleport must not become a sweep across the room.
-    pose.teleported = pose.teleported || (sample.flags & wire_contract::kTeleported) != 0;
+  for (std::size_t i = 0; i < count; ++i) merge_pose(merged, sample, i);
+}
+
+void Inbox::merge_pose(Merged& merged, const PoseSample& sample, std::size_t index) {
+  const std::uint32_t number = sample.object_numbers[index];
+  std::uint32_t place = merged.index.find(number);
+  if (place != NumberIndex::kNone) {
+    ++counts_.poses_superseded;
+  } else if (merged_count_ >= limits_.merged_objects) {
+    ++counts_.poses_dropped;
+    return;
+  } else {
+    ++merged_count_;
+    place = static_cast<std::uint32_t>(merged.numbers.size());
+    merged.index.set(number, place);
+    merged.numbers.push_back(number);
+    merged.poses.resize(merged.poses.size() + kPoseNumbers);
+    merged.teleported.push_back(0);
   }
+  std::copy_n(&sample.poses[index * kPoseNumbers], kPoseNumbers, &merged.poses[place * kPoseNumbers]);
+  // A skipped teleport must not become a sweep across the room.
+  if ((sample.flags & wire_contract::kTeleported) != 0) merged.teleported[place] = 1;
 }
 
 std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Merged& merged, bool teleported) {
@@ -124,27 +144,31 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
 }
 
 void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
+  constexpr std::size_t kMostKept = 64;  // of publishers that may have gone
   for (auto& [publisher, merged] : merged_) {
     for (const bool teleported : {false, true}) {
       std::unique_ptr<PoseSample> slice;
-      for (const auto& [number, pose] : merged.poses) {
-        if (pose.teleported != teleported) continue;
+      for (std::size_t i = 0; i < merged.numbers.size(); ++i) {
+        if ((merged.teleported[i] != 0) != teleported) continue;
         if (!slice) slice = start_slice(publisher, merged, teleported);
-        slice->object_numbers.push_back(number);
-        slice->poses.insert(slice->poses.end(), pose.pose.begin(), pose.pose.end());
+        slice->object_numbers.push_back(merged.numbers[i]);
+        const double* pose = &merged.poses[i * kPoseNumbers];
+        slice->poses.insert(slice->poses.end(), pose, pose + kPoseNumbers);
         if (slice->object_numbers.size() == wire_contract::kMaxPosesPerBatch) arrivals.emplace_back(std::move(slice));
       }
       if (slice) arrivals.emplace_back(std::move(slice));
     }
+    merged.clear();
   }
-  merged_.clear();
+  if (merged_.size() > kMostKept) merged_.clear();
+  merging_ = false;
   merged_count_ = 0;
 }
 
 void Inbox::drain(std::chrono::steady_clock::time_point until, std::vector<Arrival>& arrivals) {
   arrivals.clear();
   std::unique_lock lock(mutex_);
-  arrived_.wait_until(lock, until, [&] { return woken_ || !arrivals_.empty() || !merged_.empty(); });
+  arrived_.wait_until(lock, until, [&] { return woken_ || !arrivals_.empty() || merging_; });
   woken_ = false;
   arrivals_.swap(arrivals);
   unpack_merged(arrivals);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -9,10 +8,10 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <unordered_map>
 #include <variant>
 #include <vector>
 
+#include "server/service/object_numbers.hpp"
 #include "server/service/publishers.hpp"
 #include "server/service/samples.hpp"
 
@@ -32,13 +31,14 @@ struct InboxLimits {
   std::size_t batches = 512;    // of poses, waiting as they came
   std::size_t poses = 1 << 20;  // in those batches
   std::size_t merged_objects = 200'000;
+  std::size_t merged_publishers = 1'000;
   std::size_t definition_bytes = std::size_t{256} << 20;
   std::size_t jobs = 64;
 };
 
 struct InboxCounts {
   std::uint64_t poses_superseded = 0;  // a newer one of the same object took its place while it waited
-  std::uint64_t poses_dropped = 0;     // no room even so: one number too many, or a malformed batch
+  std::uint64_t poses_dropped = 0;     // no room even so: one number or publisher too many, or a malformed batch
 };
 
 /// From the listeners to the world's thread, in order of arrival. Definitions and news are never dropped (beyond the
@@ -68,19 +68,22 @@ class Inbox {
   InboxCounts counts() const;
 
  private:
-  struct MergedPose {
-    std::array<double, 7> pose;
-    bool teleported = false;
-  };
+  /// The newest pose of each object of a publisher; its memory serves the next time.
   struct Merged {
     std::uint64_t incarnation = 0;
     std::uint64_t sequence = 0;
     std::uint64_t definitions_through = 0;
     std::int64_t source_time_ns = 0;
     std::int64_t received_ns = 0;
-    std::unordered_map<std::uint32_t, MergedPose> poses;
+    NumberIndex index;
+    std::vector<std::uint32_t> numbers;
+    std::vector<double> poses;
+    std::vector<std::uint8_t> teleported;
+
+    void clear();
   };
   void merge(const PoseSample& sample);
+  void merge_pose(Merged& merged, const PoseSample& sample, std::size_t index);
   std::unique_ptr<PoseSample> start_slice(std::uint64_t publisher, const Merged& merged, bool teleported);
   void unpack_merged(std::vector<Arrival>& arrivals);
   std::unique_ptr<PoseSample> spare_locked();
@@ -91,6 +94,7 @@ class Inbox {
   std::vector<Arrival> arrivals_;
   std::vector<std::unique_ptr<PoseSample>> spares_;
   std::map<std::uint64_t, Merged> merged_;  // by publisher
+  bool merging_ = false;                    // since the last drain
   std::size_t merged_count_ = 0;
   std::size_t batch_count_ = 0;
   std::size_t pose_count_ = 0;

@@ -16,13 +16,13 @@ std::size_t LeaseBook::states() const {
 }
 
 SnapshotRing::Lease LeaseBook::pin(bool fresh, std::int64_t now_ns) {
-  if (entries_.size() >= kMostRequests) entries_.pop_front();
+  if (entries_.size() >= kMostRequests) entries_.erase(entries_.begin());
   SnapshotRing::Lease newest = world_.newest();
   const bool pinned_already =
       std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) { return &*entry.lease == &*newest; });
   if (pinned_already || states() < kMostStates) return newest;
   if (!fresh && now_ns - entries_.back().pinned_ns <= kSharedAgeNs) return entries_.back().lease;
-  while (states() >= kMostStates) entries_.pop_front();
+  while (states() >= kMostStates) entries_.erase(entries_.begin());
   return newest;
 }
 
@@ -36,17 +36,20 @@ std::optional<SnapshotRing::Lease> LeaseBook::take(std::uint64_t client, std::ui
   if (found == entries_.end()) {
     if (chunk_index != 0) return std::nullopt;
     SnapshotRing::Lease lease = pin(fresh, now_ns);
-    entries_.push_back({client, request, chunk_count - 1, now_ns, lease});
+    entries_.push_back({client, request, chunk_count - 1, now_ns, now_ns, lease});
     return lease;
   }
   SnapshotRing::Lease lease = found->lease;
+  found->heard_ns = now_ns;
   if (--found->chunks_left == 0) entries_.erase(found);
   return lease;
 }
 
 void LeaseBook::expire(std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(entries_, [&](const Entry& entry) { return now_ns - entry.pinned_ns > kPatienceNs; });
+  std::erase_if(entries_, [&](const Entry& entry) {
+    return now_ns - entry.heard_ns > kPatienceNs || now_ns - entry.pinned_ns > kLongestNs;
+  });
 }
 
 std::size_t LeaseBook::size() const {

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <list>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "server/world/snapshot.hpp"
 #include "server/world/world.hpp"
@@ -19,11 +19,12 @@ class LeaseBook {
  public:
   static constexpr std::size_t kMostStates = 8;  // of SnapshotRing::kStates, the rest is for workers and the writer
   static constexpr std::size_t kMostRequests = 1'024;
-  static constexpr std::int64_t kPatienceNs = 2'000'000'000;
+  static constexpr std::int64_t kPatienceNs = 2'000'000'000;   // from one chunk to the next
+  static constexpr std::int64_t kLongestNs = 30'000'000'000;  // from the first chunk to the last
   /// A new request joins a state this young rather than pushing out an old request.
   static constexpr std::int64_t kSharedAgeNs = 20'000'000;
 
-  explicit LeaseBook(const World& world) : world_(world) {}
+  explicit LeaseBook(const World& world) : world_(world) { entries_.reserve(kMostRequests + 1); }
 
   /// The state for one chunk; none for a later chunk whose request is not (or no longer) here.
   /// fresh    no older state than the newest will do
@@ -38,6 +39,7 @@ class LeaseBook {
     std::uint64_t request;
     std::uint32_t chunks_left;
     std::int64_t pinned_ns;
+    std::int64_t heard_ns;  // of its newest chunk
     SnapshotRing::Lease lease;
   };
   std::size_t states() const;
@@ -45,7 +47,7 @@ class LeaseBook {
 
   const World& world_;
   mutable std::mutex mutex_;
-  std::list<Entry> entries_;  // oldest first
+  std::vector<Entry> entries_;  // oldest first
 };
 
 }  // namespace collided::service

@@ -1,44 +1,8 @@
 #include "server/service/listeners.hpp"
 
-#include <algorithm>
+#include "server/service/decoding.hpp"
 
 namespace collided::service {
-namespace {
-
-std::unique_ptr<DefinitionSample> copy_of(const wire::Definition& from) {
-  auto sample = std::make_unique<DefinitionSample>();
-  sample->publisher = from.publisher;
-  sample->object_number = from.object_number;
-  sample->incarnation = from.incarnation;
-  sample->sequence = from.sequence_number;
-  sample->removed = from.removed;
-  sample->moving = from.moving;
-  sample->lost_policy = from.lost_policy;
-  sample->publisher_name = from.publisher_name;
-  sample->name = from.name;
-  sample->filter = {.layers = from.layers, .mask = from.mask, .group = from.group};
-  std::copy_n(from.pose, sample->pose.size(), sample->pose.begin());
-  const auto shape = dds::view(from.shape);
-  sample->shape_bytes.assign(shape.begin(), shape.end());
-  return sample;
-}
-
-void copy(const wire::PoseBatch& from, PoseSample& sample) {
-  sample.publisher = from.publisher;
-  sample.incarnation = from.incarnation;
-  sample.sequence = from.sequence_number;
-  sample.definitions_through = from.definitions_through;
-  sample.source_time_ns = from.source_time_ns;
-  sample.flags = from.flags;
-  const auto numbers = dds::view(from.object_numbers);
-  const auto poses = dds::view(from.poses);
-  const auto velocities = dds::view(from.velocities);
-  sample.object_numbers.assign(numbers.begin(), numbers.end());
-  sample.poses.assign(poses.begin(), poses.end());
-  sample.velocities.assign(velocities.begin(), velocities.end());
-}
-
-}  // namespace
 
 void WriterTable::heard(std::uint64_t writer, std::uint64_t publisher) {
   const std::lock_guard lock(mutex_);
@@ -94,7 +58,7 @@ void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
     for (std::size_t i = 0; i < loans.size(); ++i) {
       if (!loans.info(i).valid_data) continue;
       object_writers_.heard(loans.info(i).publication_handle, loans[i].publisher);
-      inbox_.push(copy_of(loans[i]));
+      inbox_.push(decoded(loans[i]));
     }
   }
 }
@@ -108,7 +72,7 @@ void Listeners::take_poses(const dds::Taker<wire::PoseBatch>& taker) {
       if (loans.info(i).valid_data) {
         pose_writers_.heard(loans.info(i).publication_handle, loans[i].publisher);
         std::unique_ptr<PoseSample> sample = inbox_.spare();
-        copy(loans[i], *sample);
+        decode(loans[i], *sample);
         sample->received_ns = now_ns;
         inbox_.push(std::move(sample));
       }

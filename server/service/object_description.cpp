@@ -31,6 +31,25 @@ json describe(const Capsule& capsule) {
   return {{"capsule", {{"a", numbers(capsule.a)}, {"b", numbers(capsule.b)}, {"radius_m", capsule.radius_m}}}};
 }
 
+json describe(const Cylinder& cylinder) {
+  return {{"cylinder", {{"a", numbers(cylinder.a)}, {"b", numbers(cylinder.b)}, {"radius_m", cylinder.radius_m}}}};
+}
+
+json describe(const Cone& cone) {
+  return {{"cone", {{"apex", numbers(cone.apex)}, {"base", numbers(cone.base)}, {"radius_m", cone.radius_m}}}};
+}
+
+json describe(const Ellipsoid& ellipsoid) {
+  return {{"ellipsoid",
+           {{"center", numbers(ellipsoid.center)},
+            {"half_m", numbers(ellipsoid.half_m)},
+            {"rotation", numbers(Quat(ellipsoid.axes))}}}};
+}
+
+json describe(const Hull& hull) {
+  return {{"hull", {{"vertices", hull.mesh->vertices.size()}, {"faces", hull.mesh->triangles.size()}}}};
+}
+
 const StaticScene* scene_of(const Snapshot& snapshot, const ObjectInfo& info) {
   const auto found = std::find_if(snapshot.scenes.begin(), snapshot.scenes.end(),
                                   [&](const auto& scene) { return scene->name == info.scene; });
@@ -61,7 +80,7 @@ std::string_view kind_of(const ObjectInfo& info) {
   if (info.scene_part != kNoPart) return "part";
   if (info.primitives.size() + (info.mesh ? 1 : 0) != 1) return "compound";
   if (info.mesh) return "mesh";
-  constexpr std::string_view kNames[] = {"sphere", "box", "capsule"};
+  constexpr std::string_view kNames[] = {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull"};
   return kNames[info.primitives[0].index()];
 }
 

@@ -20,6 +20,7 @@ struct Options {
   double unit_m = 1;
   char up = 'z';
   std::uint32_t max_objects = 0;
+  std::uint32_t max_contacts = 0;
   double error_m = 0;            // of questions that ask for none; 0: exact on doubt
   std::int64_t deadline_ns = 0;  // of questions that bring none; 0: none
   std::uint64_t audit_every = 0; // one answer in so many is worked out again; 0: none

@@ -132,7 +132,8 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
   if (sample.removed) {
     leave(record, EndReason::removed);
     record.place = Place::gone;
-    record.definition = {};
+    *record.described = {};
+    record.moving = false;
     ++counts_.definitions_applied;
     return;
   }
@@ -142,23 +143,27 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
                        printable(publisher.name), *reason, counts_.definitions_refused));
     return;
   }
-  const bool renamed = record.place == Place::in_world && record.definition.name != sample.name;
+  const bool renamed = record.place == Place::in_world && record.described->definition.name != sample.name;
   leave(record, renamed ? EndReason::removed : EndReason::geometry_changed);
-  record.definition = {.name = sample.name,
-                       .scene = {},
-                       .shape = std::move(std::get<Shape>(sample.shape)),
-                       .pose = std::get<Pose>(checked_pose(sample.pose)),
-                       .filter = sample.filter,
-                       .moving = sample.moving,
-                       .lost_policy = static_cast<LostPolicy>(sample.lost_policy),
-                       .publisher = publisher.id};
+  record.pose = std::get<Pose>(checked_pose(sample.pose));
+  record.moving = sample.moving;
+  record.described->definition = {.name = sample.name,
+                                  .scene = {},
+                                  .shape = std::move(std::get<Shape>(sample.shape)),
+                                  .pose = record.pose,
+                                  .filter = sample.filter,
+                                  .moving = sample.moving,
+                                  .lost_policy = static_cast<LostPolicy>(sample.lost_policy),
+                                  .publisher = publisher.id};
   record.has_velocity = false;
   enter(publisher, record);
 }
 
 /// Brings a defined object into the world, or lets it wait for its name.
 void Publishers::enter(Publisher& publisher, Record& record) {
-  const std::string& name = record.definition.name;
+  ObjectDefinition& definition = record.described->definition;
+  definition.pose = record.pose;
+  const std::string& name = definition.name;
   if (const std::optional<ObjectId> owner = world_.find(name); owner && !give_way(*owner)) {
     if (record.place != Place::waits_for_name) {
       record.place = Place::waits_for_name;
@@ -170,7 +175,7 @@ void Publishers::enter(Publisher& publisher, Record& record) {
     }
     return;
   }
-  const std::variant<ObjectId, Refusal> defined = world_.define(record.definition);
+  const std::variant<ObjectId, Refusal> defined = world_.define(definition);
   if (const auto* refusal = std::get_if<Refusal>(&defined)) {
     record.place = Place::gone;
     ++counts_.definitions_refused;
@@ -282,62 +287,91 @@ Applied Publishers::release_parked(std::int64_t now_ns) {
   return Applied::done;
 }
 
+/// The batch's records; false: one of them has moved already in this step.
+bool Publishers::find_all(Publisher& publisher, const PoseSample& sample) {
+  const std::vector<std::uint32_t>& numbers = sample.object_numbers;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    records_[i] = publisher.objects.find(numbers[i]);
+    if (records_[i]) __builtin_prefetch(records_[i], 1);
+  }
+  return std::none_of(records_.begin(), records_.begin() + static_cast<std::ptrdiff_t>(numbers.size()),
+                      [&](const Record* record) {
+                        return record && record->place == Place::in_world && record->touched_step == step_;
+                      });
+}
+
 /// All of a batch lands in one step: a robot's links are not seen half-moved.
 Applied Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, std::int64_t now_ns) {
-  for (const std::uint32_t number : sample.object_numbers) {
-    const Record* record = publisher.objects.find(number);
-    if (record && record->place == Place::in_world && record->touched_step == step_) return Applied::step_first;
-  }
+  if (!find_all(publisher, sample)) return Applied::step_first;
   ++batch_;
-  posed_ns_ = publisher.clock.server_time_ns(sample.source_time_ns, sample.received_ns);
+  accepted_count_ = 0;
+  for (std::size_t i = 0; i < sample.object_numbers.size(); ++i) {
+    Record* record = records_[i];
+    if (!accept(publisher, sample, i, record)) continue;
+    if (record->place != Place::in_world) {
+      ++counts_.poses_unknown;
+      continue;
+    }
+    accepted_[accepted_count_] = record;
+    ids_[accepted_count_] = record->id;
+    poses_[accepted_count_] = record->pose;
+    ++accepted_count_;
+  }
+  const std::int64_t posed_ns = publisher.clock.server_time_ns(sample.source_time_ns, sample.received_ns);
+  const bool teleported = (sample.flags & wire_contract::kTeleported) != 0;
   const std::uint64_t before = counts_.poses_applied;
-  for (std::size_t i = 0; i < sample.object_numbers.size(); ++i) apply_pose(publisher, sample, i);
+  world_.move(std::span(ids_).first(accepted_count_), std::span(poses_).first(accepted_count_), posed_ns, teleported, moved_);
+  for (std::size_t i = 0; i < accepted_count_; ++i) {
+    if (moved_[i]) accepted_[i]->touched_step = step_;
+    ++(moved_[i] ? counts_.poses_applied : counts_.poses_unknown);
+  }
   publisher.watermark.apply_pose(sample.sequence, now_ns);
   ++counts_.batches_applied;
   if (counts_.poses_applied != before) ++changes_;
   return Applied::done;
 }
 
-void Publishers::apply_pose(Publisher& publisher, const PoseSample& sample, std::size_t index) {
-  const auto refuse = [&](const Record* record, const std::string& reason) {
-    ++counts_.poses_refused;
-    notice(fmt::format("pose of object {} of publisher {} refused: {}. Refused so far: {}.",
-                       record ? printable(record->definition.name) : "?", printable(publisher.name), reason,
-                       counts_.poses_refused));
-  };
-  Record* record = publisher.objects.find(sample.object_numbers[index]);
+void Publishers::refuse(const Publisher& publisher, const Record* record, const std::string& reason) {
+  ++counts_.poses_refused;
+  notice(fmt::format("pose of object {} of publisher {} refused: {}. Refused so far: {}.",
+                     record ? printable(record->described->definition.name) : "?", printable(publisher.name), reason,
+                     counts_.poses_refused));
+}
+
+/// Whether the pose is one, and newer than what is known; the record has it then.
+bool Publishers::accept(const Publisher& publisher, const PoseSample& sample, std::size_t index, Record* record) {
   if (!record || record->place == Place::gone) {
     ++counts_.poses_unknown;
-    return;
+    return false;
   }
   // Older than the definition: it was meant for what had the number before.
   if (sample.sequence <= record->pose_sequence || sample.sequence < record->definition_sequence) {
     if (record->batch == batch_) {
-      refuse(record, "the object stands twice in one batch");
+      refuse(publisher, record, "the object stands twice in one batch");
     } else {
       ++counts_.poses_late;
     }
-    return;
+    return false;
   }
-  const std::span<const double> numbers(&sample.poses[index * wire_contract::kPoseNumbers],
-                                        wire_contract::kPoseNumbers);
-  const std::variant<Pose, Refusal> pose = checked_pose(numbers);
-  if (const auto* refusal = std::get_if<Refusal>(&pose)) return refuse(record, refusal->reason);
-  if (!record->definition.moving) return refuse(record, "it was defined as not moving");
+  const double* numbers = &sample.poses[index * wire_contract::kPoseNumbers];
+  Pose pose;
+  if (!read_pose(numbers, pose)) {
+    refuse(publisher, record, std::get<Refusal>(checked_pose({numbers, wire_contract::kPoseNumbers})).reason);
+    return false;
+  }
+  if (!record->moving) {
+    refuse(publisher, record, "it was defined as not moving");
+    return false;
+  }
   record->batch = batch_;
   record->pose_sequence = sample.sequence;
-  record->definition.pose = std::get<Pose>(pose);
+  record->pose = pose;
   record->has_velocity = !sample.velocities.empty();
   if (record->has_velocity) {
-    std::copy_n(&sample.velocities[index * record->velocity.size()], record->velocity.size(), record->velocity.begin());
+    auto& velocity = record->described->velocity;
+    std::copy_n(&sample.velocities[index * velocity.size()], velocity.size(), velocity.begin());
   }
-  const bool teleported = (sample.flags & wire_contract::kTeleported) != 0;
-  if (record->place != Place::in_world || !world_.move(record->id, record->definition.pose, posed_ns_, teleported)) {
-    ++counts_.poses_unknown;
-    return;
-  }
-  record->touched_step = step_;
-  ++counts_.poses_applied;
+  return true;
 }
 
 // ---- life and death
@@ -361,9 +395,9 @@ Applied Publishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_t 
   for (Record& record : publisher->objects.records()) {
     left_nothing = left_nothing && record.place == Place::gone;
     if (record.place != Place::in_world) continue;
-    if (record.definition.lost_policy == LostPolicy::freeze) world_.set_stale(record.id, true);
-    if (record.definition.lost_policy == LostPolicy::freeze) ++changes_;
-    if (record.definition.lost_policy != LostPolicy::remove) continue;
+    if (record.described->definition.lost_policy == LostPolicy::freeze) world_.set_stale(record.id, true);
+    if (record.described->definition.lost_policy == LostPolicy::freeze) ++changes_;
+    if (record.described->definition.lost_policy != LostPolicy::remove) continue;
     leave(record, EndReason::publisher_lost);
     record.place = Place::taken_away;
   }
@@ -378,7 +412,7 @@ void Publishers::back_alive(Publisher& publisher) {
   if (!publisher.took_leave) notice(fmt::format("publisher {} is back", printable(publisher.name)));
   for (Record& record : publisher.objects.records()) {
     if (record.place == Place::taken_away) enter(publisher, record);
-    if (record.place != Place::in_world || record.definition.lost_policy != LostPolicy::freeze) continue;
+    if (record.place != Place::in_world || record.described->definition.lost_policy != LostPolicy::freeze) continue;
     world_.set_stale(record.id, false);
     ++changes_;
   }
@@ -452,7 +486,7 @@ std::optional<std::array<double, 6>> Publishers::velocity(ObjectId id) const {
   const Publisher* publisher = info ? find(info->publisher) : nullptr;
   if (!publisher) return std::nullopt;
   for (const Record& record : publisher->objects.records()) {
-    if (record.place == Place::in_world && record.id == id && record.has_velocity) return record.velocity;
+    if (record.place == Place::in_world && record.id == id && record.has_velocity) return record.described->velocity;
   }
   return std::nullopt;
 }
@@ -462,7 +496,7 @@ std::vector<std::uint64_t> Publishers::waiting_for(std::string_view name) const 
   for (const auto& [id, number] : waiting_) {
     Publisher* publisher = find(id);
     const Record* record = publisher ? publisher->objects.find(number) : nullptr;
-    if (record && record->place == Place::waits_for_name && record->definition.name == name) waiting.push_back(id);
+    if (record && record->place == Place::waits_for_name && record->described->definition.name == name) waiting.push_back(id);
   }
   return waiting;
 }

@@ -107,17 +107,24 @@ class Publishers {
 
  private:
   enum class Place : std::uint8_t { gone, in_world, waits_for_name, taken_away };
-  struct Record {
+  /// What a pose has nothing to do with.
+  struct Described {
+    ObjectDefinition definition;  // its pose: the record's, once it has one
+    std::array<double, 6> velocity{};
+  };
+  /// An object of a publisher: two cache lines, which is what a pose takes of it.
+  struct alignas(64) Record {
     Place place = Place::gone;
     bool has_velocity = false;
+    bool moving = false;
+    std::uint32_t number = 0;
     std::uint64_t definition_sequence = 0;
     std::uint64_t pose_sequence = 0;
     std::uint64_t touched_step = 0;  // defined or moved in this step
     std::uint64_t batch = 0;         // that named it last
-    std::uint32_t number = 0;
     ObjectId id = 0;
-    ObjectDefinition definition;  // with its newest pose, so that it can come back
-    std::array<double, 6> velocity{};
+    std::unique_ptr<Described> described = std::make_unique<Described>();
+    Pose pose;  // the newest, so that it can come back there
   };
   struct Publisher {
     std::uint64_t id = 0;
@@ -155,7 +162,9 @@ class Publishers {
   void forget_lost(std::int64_t now_ns);
   void park(Publisher& publisher, PoseSample& sample);
   Applied apply_batch(Publisher& publisher, const PoseSample& sample, std::int64_t now_ns);
-  void apply_pose(Publisher& publisher, const PoseSample& sample, std::size_t index);
+  bool find_all(Publisher& publisher, const PoseSample& sample);
+  bool accept(const Publisher& publisher, const PoseSample& sample, std::size_t index, Record* record);
+  void refuse(const Publisher& publisher, const Record* record, const std::string& reason);
   std::optional<std::string> why_malformed(const PoseSample& sample) const;
   void notice(std::string sentence);
 
@@ -165,13 +174,20 @@ class Publishers {
   PublisherCounts counts_;
   std::uint64_t step_ = 1;
   std::uint64_t batch_ = 0;
-  std::int64_t posed_ns_ = 0;  // of the batch at work
   std::uint64_t changes_ = 0;
   std::size_t record_count_ = 0;
   std::size_t parked_count_ = 0;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> waiting_;  // for a name: publisher, object number
   std::vector<std::string> notices_;
   std::uint64_t unsaid_ = 0;
+
+  // Of the batch at work.
+  std::array<Record*, wire_contract::kMaxPosesPerBatch> records_;  // by index in the batch; null: none
+  std::array<Record*, wire_contract::kMaxPosesPerBatch> accepted_;
+  std::array<ObjectId, wire_contract::kMaxPosesPerBatch> ids_;     // of those accepted
+  std::array<Pose, wire_contract::kMaxPosesPerBatch> poses_;
+  std::array<bool, wire_contract::kMaxPosesPerBatch> moved_;
+  std::size_t accepted_count_ = 0;
 };
 
 }  // namespace collided::service

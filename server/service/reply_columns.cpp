@@ -67,7 +67,6 @@ std::size_t ReplyFiller::bytes_of(const AnswerHit& hit) {
 }
 
 void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
-  bytes_ += bytes_of(hit);
   const std::uint32_t slot = slot_of(hit.object);
   if (slot < named_in_.size() && named_in_[slot] != reply_number_) {
     named_in_[slot] = reply_number_;
@@ -77,11 +76,12 @@ void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
   columns.objects.push_back(hit.object);
   columns.triangles.push_back(hit.triangle);
   columns.hit_flags.push_back(hit.flags);
-  columns.numbers.insert(columns.numbers.end(), {hit.distance_m, hit.error_m, hit.exit_m});
-  for (const Vec3* vector : {&hit.point, &hit.normal, &hit.weights}) {
-    columns.numbers.insert(columns.numbers.end(), vector->begin(), vector->end());
-  }
-  columns.numbers.push_back(hit.point_error_m);
+  const std::size_t end = columns.numbers.size();
+  columns.numbers.resize(end + wire_contract::kHitNumbers);
+  double* number = &columns.numbers[end];
+  for (const double value : {hit.distance_m, hit.error_m, hit.exit_m}) *number++ = value;
+  for (const Vec3* vector : {&hit.point, &hit.normal, &hit.weights}) number = std::copy_n(vector->data(), 3, number);
+  *number = hit.point_error_m;
 }
 
 /// False: no room left for this question beside the ones before it.
@@ -95,10 +95,12 @@ bool ReplyFiller::add_question(ReplyColumns& columns) {
   if (!fits && !alone) return false;
   bytes_ += kBytesPerAnswer;
   std::size_t kept = 0;
-  while (kept < hit_count && kept < wire_contract::kMaxHitsPerChunk &&
-         bytes_ + bytes_of(answers_.hits[hit_ + kept]) <= kRoom) {
-    add_hit(answers_.hits[hit_ + kept], columns);
-    ++kept;
+  for (; kept < hit_count && kept < wire_contract::kMaxHitsPerChunk; ++kept) {
+    const AnswerHit& hit = answers_.hits[hit_ + kept];
+    const std::size_t more = bytes_of(hit);
+    if (bytes_ + more > kRoom) break;
+    bytes_ += more;
+    add_hit(hit, columns);
   }
   const bool cut = kept < hit_count;
   const Answer answer = cut ? Answer::undecided : answers_.answers[question_];

@@ -19,9 +19,12 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
     bsp.progress = [&](double fraction) { options.progress(kReadingShare + (1 - kReadingShare) * fraction); };
   }
   bsp.cancelled = options.cancelled;
+  bsp.form = BspForm::best;
   loaded.indexed = World::index_scene(loaded.scene, bsp);
   if (options.cancelled && options.cancelled())
     throw LoadError(loaded.scene.name + ": the load was called off. Nothing was loaded.");
+  std::vector<std::string>& warnings = loaded.report.warnings;
+  warnings.insert(warnings.end(), loaded.indexed->warnings.begin(), loaded.indexed->warnings.end());
   loaded.seconds = static_cast<double>(steady_ns() - started_ns) * 1e-9;
   return loaded;
 }

@@ -122,7 +122,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       epoch(make_epoch()),
       identity{
           .server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
-      world({.epoch = identity.epoch, .max_objects = options.max_objects}),
+      world({.epoch = identity.epoch, .max_objects = options.max_objects, .max_contacts = options.max_contacts}),
       leases(world),
       audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
       outlet(participant, identity),
@@ -199,7 +199,7 @@ void Server::stop() {
 }
 
 int run_once(const Options& options) {
-  World world({.epoch = 1, .max_objects = options.max_objects});
+  World world({.epoch = 1, .max_objects = options.max_objects, .max_contacts = options.max_contacts});
   load_start_scenes(options, world, 1);
   const SelfTestResult result = self_test(*world.newest(), 200, 1);
   for (const std::string& difference : result.differences) fmt::print("differs: {}\n", difference);

@@ -77,6 +77,10 @@ Allowed apply_max_objects(Options& options, Values values) {
   return apply_whole(options.max_objects, values, 1, 16'000'000);
 }
 
+Allowed apply_max_contacts(Options& options, Values values) {
+  return apply_whole(options.max_contacts, values, 1, 100'000'000);
+}
+
 Allowed apply_deadline(Options& options, Values values) {
   if (values[0] == "none") {
     options.deadline_ns = 0;
@@ -166,6 +170,8 @@ constexpr Setting kSettings[] = {
     {"world.up", "--up", "COLLIDED_UP", "z", "AXIS", "of the scene files: y or z", false, apply_up},
     {"world.max_objects", "--max-objects", "COLLIDED_MAX_OBJECTS", "100000", "N", "static parts and moving objects",
      false, apply_max_objects},
+    {"world.max_contacts", "--max-contacts", "COLLIDED_MAX_CONTACTS", "10000000", "N",
+     "that one step may find; what comes after is truncated", false, apply_max_contacts},
     {"answer.error", "--error", "COLLIDED_ERROR", "0", "LENGTH", "good enough where none is asked; 0: exact on doubt",
      false, apply_error},
     {"answer.audit", "--audit", "COLLIDED_AUDIT", "off", "1/N",

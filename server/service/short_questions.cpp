@@ -1,25 +1,11 @@
 #include "server/service/short_questions.hpp"
 
-#include "idl/topics.hpp"
+#include "server/service/ask.hpp"
 
 namespace collided::service {
 
-using wire_contract::QueryKind;
-
 bool ShortQuestions::is_short(const wire::Query& query, std::int64_t now_ns) const {
-  if (now_ns < not_before_ns_ || query.chunk_count != 1) return false;
-  switch (static_cast<QueryKind>(query.kind)) {
-    case QueryKind::ray:
-      return query.numbers._length == wire_contract::kRayNumbers;
-    case QueryKind::sphere:
-      return query.numbers._length == wire_contract::kSphereNumbers;
-    case QueryKind::box:
-      return query.numbers._length == wire_contract::kBoxNumbers;
-    case QueryKind::near:
-      return query.numbers._length == wire_contract::kNearNumbers;
-    default:
-      return false;
-  }
+  return now_ns >= not_before_ns_ && is_single(query);
 }
 
 void ShortQuestions::took(std::int64_t started_ns, std::int64_t ended_ns) {

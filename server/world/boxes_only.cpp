@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "server/world/question_shapes.hpp"
 #include "server/world/snapshot.hpp"
 
 namespace collided {
@@ -66,7 +67,7 @@ double least(const Snapshot& snapshot, double limit, Measure&& measure, WalkTree
 }
 
 std::optional<double> ray_distance(const Snapshot& snapshot, const double* n) {
-  const Ray ray{.origin = {n[0], n[1], n[2]}, .direction = {n[3], n[4], n[5]}, .length_m = n[6]};
+  const Ray ray = ray_of(n);
   const double length_m = ray.direction.stableNorm();
   const double limit = n[6] / length_m;
   WalkCost cost;
@@ -83,7 +84,7 @@ std::optional<double> ray_distance(const Snapshot& snapshot, const double* n) {
 }
 
 std::optional<double> near_distance(const Snapshot& snapshot, const double* n) {
-  const Vec3 point(n[0], n[1], n[2]);
+  const Vec3 point = point_of(n);
   const double limit = n[3] * n[3];
   WalkCost cost;
   const double square = least(
@@ -132,12 +133,9 @@ BoxesAnswer answer_by_boxes(const Snapshot& snapshot, const Questions& question)
     case QueryKind::near:
       return {near_distance(snapshot, n), {}};
     case QueryKind::sphere:
-      return {std::nullopt, overlapping(snapshot, bounds(Sphere{{n[0], n[1], n[2]}, n[3]}))};
-    default: {
-      const Pose pose{.position = {n[0], n[1], n[2]}, .rotation = Quat(n[6], n[7], n[8], n[9])};
-      const Box box{.center = pose.position, .axes = frame_of(pose).rotation, .half_m = {n[3], n[4], n[5]}};
-      return {std::nullopt, overlapping(snapshot, bounds(box))};
-    }
+      return {std::nullopt, overlapping(snapshot, bounds(sphere_of(n)))};
+    default:
+      return {std::nullopt, overlapping(snapshot, bounds(box_of(n)))};
   }
 }
 

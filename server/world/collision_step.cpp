@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <chrono>
+#include <utility>
 
+#include "server/exact_phase/ball_filter.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
@@ -21,6 +24,16 @@ std::int64_t now_ns() {
 /// the pair, but a hundred thousand resting objects in one place have five billion that nobody needs.
 constexpr std::size_t kWalksForAllPairs = 16;
 
+/// A step tests so many candidates for each contact that it may find: shapes that are apart cost time, never memory.
+constexpr std::uint64_t kCandidatesAContact = 16;
+
+/// Candidates that wait while what their first test needs comes from memory: neighbours in space are strangers there.
+struct Waiting {
+  static constexpr std::size_t kSize = 32;
+  std::array<std::pair<std::uint32_t, std::uint32_t>, kSize> pairs;
+  std::size_t count = 0;
+};
+
 /// Movers such that each pair to be tested has one of them: those that moved, or all of them where something that does
 /// not move was placed.
 struct Lookers {
@@ -35,6 +48,7 @@ struct Step {
   StepWishes wishes;
   std::int64_t world_time_ns;
   WalkCost walk;
+  Waiting waiting{};
 
   void end_removed();
   void fill_snapshot();
@@ -42,8 +56,12 @@ struct Step {
   void moving_against_static();
   void moving_against_moving();
   Lookers movers_to_look() const;
-  void look_around(std::uint32_t mover, bool all_look);
-  void consider(std::uint32_t first, std::uint32_t second);
+  bool look_around(std::uint32_t mover, bool all_look);
+  bool wait_for(std::uint32_t first, std::uint32_t second);
+  bool consider_waiting();
+  bool consider(std::uint32_t first, std::uint32_t second);
+  bool has_room() const;
+  void look_again_at_open();
   void end_parted();
 
   bool has_moved(std::uint32_t slot) const { return s.motion[slot] != Motion::none; }
@@ -51,6 +69,11 @@ struct Step {
     return {.info = (*s.objects)[slot].get(), .frame = &s.frames[slot], .bounds = s.bounds[slot]};
   }
   std::optional<MovingSphere> way_of(std::uint32_t slot) const;
+  void set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way);
+  bool stay_apart(std::uint32_t first, std::uint32_t second) const;
+  bool has_lower_id(std::uint32_t slot, std::uint32_t than) const {
+    return s.generations[slot] != s.generations[than] ? s.generations[slot] < s.generations[than] : slot < than;
+  }
   std::optional<Sweep> sweep_between(std::uint32_t mover, std::uint32_t other);
   void test_pair(std::uint32_t first, std::uint32_t second);
   void test_scene(std::uint32_t mover, const StaticScene& scene);
@@ -105,9 +128,11 @@ void Step::index_movers() {
     return;
   }
   s.swept_bounds.assign(s.bounds.begin(), s.bounds.end());
+  s.balls.resize(s.bounds.size());
   for (const std::uint32_t slot : s.moved_slots) {
     const std::optional<MovingSphere> way = way_of(slot);
     if (way) s.swept_bounds[slot].extend(bounds(*way));
+    set_ball(slot, way);
   }
   if (!next.grid || next.grid.use_count() > 1) next.grid = std::make_shared<Grid>();
   next.grid->rebuild(s.swept_bounds);
@@ -122,13 +147,44 @@ std::optional<MovingSphere> Step::way_of(std::uint32_t slot) const {
                       .radius_m = sphere->radius_m};
 }
 
+void Step::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way) {
+  const std::optional<Sphere>& sphere = s.lone_spheres[slot];
+  BallWay& ball = s.balls[slot];
+  ball.radius_m = sphere ? sphere->radius_m : -1;
+  if (!sphere) return;
+  ball.end = way ? way->end : place(s.frames[slot], sphere->center);
+  if (!way) return;
+  ball.start = way->start;
+  ball.displacement = s.frames[slot].position - s.frames_before[slot].position;
+}
+
+/// Two balls that certainly do not meet on their ways: most candidates, told from what lies in one place. The same way
+/// as in sweep_between, which is exact for the rest.
+bool Step::stay_apart(std::uint32_t first, std::uint32_t second) const {
+  if (s.balls[first].radius_m < 0 || s.balls[second].radius_m < 0) return false;
+  if (has_lower_id(second, first)) std::swap(first, second);
+  const BallWay& a = s.balls[first];
+  const BallWay& b = s.balls[second];
+  MovingSphere way{.start = a.end, .end = a.end, .radius_m = a.radius_m};
+  if (s.motion[first] != Motion::placed && s.motion[second] != Motion::placed) {
+    if (s.motion[first] == Motion::moved) way.start = a.start;
+    if (s.motion[second] == Motion::moved) way.start += b.displacement;
+  }
+  return kernel::surely_apart(way, {.center = b.end, .radius_m = b.radius_m});
+}
+
 void Step::moving_against_static() {
   for (const std::uint32_t slot : s.moved_slots) {
     for (const auto& scene : s.scenes) {
       // Most movers of a large world are nowhere near a given scene.
       if (!overlaps(s.swept_bounds[slot], scene->tree.bounds())) continue;
       const ObjectInfo* info = (*s.objects)[slot].get();
-      if (info != nullptr && info->moving) test_scene(slot, *scene);
+      if (info == nullptr || !info->moving) continue;
+      if (!has_room()) {
+        s.cost.truncated = true;
+        return;
+      }
+      test_scene(slot, *scene);
     }
   }
 }
@@ -194,17 +250,20 @@ void Step::test_mesh_against(const Placed& a, const StaticScene& scene) {
 void Step::moving_against_moving() {
   const Lookers lookers = movers_to_look();
   if (lookers.slots.size() * kWalksForAllPairs < next.grid->size()) {
-    for (const std::uint32_t slot : lookers.slots) look_around(slot, lookers.all);
+    for (const std::uint32_t slot : lookers.slots) {
+      if (!look_around(slot, lookers.all)) return;
+    }
     return;
   }
   const auto found = [](void* context, std::uint32_t first, std::uint32_t second) {
-    static_cast<Step*>(context)->consider(first, second);
+    return static_cast<Step*>(context)->wait_for(first, second);
   };
   next.grid->pairs(found, this, walk);
+  consider_waiting();
 }
 
 Lookers Step::movers_to_look() const {
-  Lookers lookers;
+  Lookers lookers{.slots = {}, .all = s.looks_at_all};
   for (const std::uint32_t slot : s.moved_slots) {
     const ObjectInfo* info = (*s.objects)[slot].get();
     if (info == nullptr) continue;
@@ -222,8 +281,8 @@ Lookers Step::movers_to_look() const {
   return lookers;
 }
 
-/// The pairs of one mover; those of two that both look are left to the lower slot.
-void Step::look_around(std::uint32_t mover, bool all_look) {
+/// The pairs of one mover; those of two that both look are left to the lower slot. False: there is no room for more.
+bool Step::look_around(std::uint32_t mover, bool all_look) {
   struct Context {
     Step& step;
     std::uint32_t mover;
@@ -232,17 +291,67 @@ void Step::look_around(std::uint32_t mover, bool all_look) {
   const auto found = [](void* raw, std::uint32_t other) {
     const Context& c = *static_cast<Context*>(raw);
     const bool looks_too = (*c.step.s.objects)[other]->moving && (c.all_look || c.step.has_moved(other));
-    if (other != c.mover && !(looks_too && other < c.mover)) c.step.consider(c.mover, other);
-    return true;
+    return other == c.mover || (looks_too && other < c.mover) || c.step.consider(c.mover, other);
   };
   next.grid->walk_box(s.swept_bounds[mover], found, &context, walk);
+  return !s.cost.truncated;
 }
 
-void Step::consider(std::uint32_t first, std::uint32_t second) {
-  if (!has_moved(first) && !has_moved(second)) return;
+/// False: there is no room for more, the search is over.
+bool Step::wait_for(std::uint32_t first, std::uint32_t second) {
+  for (const std::uint32_t slot : {first, second}) {
+    const auto* ball = reinterpret_cast<const char*>(&s.balls[slot]);
+    __builtin_prefetch(ball);
+    __builtin_prefetch(ball + sizeof(BallWay) - 1);
+  }
+  waiting.pairs[waiting.count++] = {first, second};
+  return waiting.count < Waiting::kSize || consider_waiting();
+}
+
+bool Step::consider_waiting() {
+  const std::size_t count = std::exchange(waiting.count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!consider(waiting.pairs[i].first, waiting.pairs[i].second)) return false;
+  }
+  return true;
+}
+
+bool Step::consider(std::uint32_t first, std::uint32_t second) {
+  if (!has_moved(first) && !has_moved(second) && !s.looks_at_all) return true;
+  if (has_room() && stay_apart(first, second)) {
+    ++s.cost.candidate_pairs;
+    return true;
+  }
   const ObjectInfo& a = *(*s.objects)[first];
   const ObjectInfo& b = *(*s.objects)[second];
-  if ((a.moving || b.moving) && may_meet(a.filter, b.filter)) test_pair(first, second);
+  if (!(a.moving || b.moving) || !may_meet(a.filter, b.filter)) return true;
+  s.cost.truncated = s.cost.truncated || !has_room();
+  if (!s.cost.truncated) test_pair(first, second);
+  return !s.cost.truncated;
+}
+
+bool Step::has_room() const {
+  return s.cost.contacts < s.options.max_contacts &&
+         s.cost.candidate_pairs < kCandidatesAContact * s.options.max_contacts;
+}
+
+/// A search that was cut short says nothing about contacts that it did not come to: each is tested by itself.
+void Step::look_again_at_open() {
+  for (std::size_t i = 0; i < s.ledger.open().size(); ++i) {
+    if (s.ledger.found(i)) continue;
+    const std::uint32_t a = slot_of(s.ledger.open()[i].a);
+    const std::uint32_t b = slot_of(s.ledger.open()[i].b);
+    if (!has_moved(a) && !has_moved(b)) continue;
+    const bool a_is_part = (*s.objects)[a]->scene_part != kNoTriangle;
+    const bool b_is_part = (*s.objects)[b]->scene_part != kNoTriangle;
+    if (!a_is_part && !b_is_part) {
+      test_pair(a, b);
+      continue;
+    }
+    for (const auto& scene : s.scenes) {
+      if (scene->name == (*s.objects)[a_is_part ? a : b]->scene) test_scene(a_is_part ? b : a, *scene);
+    }
+  }
 }
 
 void Step::test_pair(std::uint32_t first, std::uint32_t second) {
@@ -292,6 +401,8 @@ void Step::report(ObjectId a, ObjectId b, const Touch& touch, const Sweep* sweep
   if (touch.undecided && !touch.yes) ++s.cost.undecided;
   const bool passed = sweep != nullptr && sweep->yes && !touch.yes;
   if (!touch.yes && !passed) return;
+  if (s.cost.truncated && !s.ledger.holds(std::min(a, b), std::max(a, b))) return;
+  ++s.cost.contacts;
   FoundContact found{.a = a, .b = b, .a_triangle = touch.a_triangle, .b_triangle = touch.b_triangle,
                      .contact = passed ? sweep->contact : touch.contact};
   if (passed) found.b_triangle = sweep->triangle;
@@ -350,9 +461,14 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   const std::int64_t indexed = now_ns();
   if (!s.moved_slots.empty()) {
     step.moving_against_static();
-    step.moving_against_moving();
+    if (!s.cost.truncated) step.moving_against_moving();
+    if (s.cost.truncated) step.look_again_at_open();
     step.end_parted();
+    s.looks_at_all = s.cost.truncated;
+  } else {
+    s.cost.truncated = s.looks_at_all;
   }
+  next->contacts_truncated = s.cost.truncated;
   s.ledger.finish_step();
   s.ring.publish();
 

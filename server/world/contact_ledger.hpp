@@ -47,6 +47,8 @@ class ContactLedger {
   void finish_step();
 
   bool holds(ObjectId a, ObjectId b) const { return index_.contains({a, b}); }
+  /// Whether open()[index] was found in this step.
+  bool found(std::size_t index) const { return found_in_step_[index] == step_; }
   const std::vector<Event>& events() const { return events_; }
   const std::vector<OpenContact>& open() const { return open_; }
   std::uint64_t last_sequence() const { return last_sequence_; }

@@ -6,13 +6,14 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <set>
 
 #include "server/exact_phase/exactly.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/boxes_only.hpp"
 #include "server/world/parts.hpp"
+#include "server/world/question_shapes.hpp"
+#include "server/world/random_questions.hpp"
 
 namespace collided {
 namespace {
@@ -25,42 +26,6 @@ struct Method {
   Level highest = Level::rational;
   double error_m = 0;
   bool boxes = false;
-};
-
-/// Random questions about the bounds of everything, a tenth larger.
-class Asker {
- public:
-  Asker(const Aabb& world, std::uint64_t seed)
-      : random_(seed), size_m_((world.high - world.low).norm()), low_(world.low), high_(world.high) {
-    const Vec3 margin = Vec3::Constant(0.1 * size_m_);
-    low_ -= margin;
-    high_ += margin;
-  }
-  std::vector<double> question(QueryKind kind) {
-    const Vec3 p = place();
-    switch (kind) {
-      case QueryKind::ray: {
-        const Vec3 d = place() - p;
-        return {p.x(), p.y(), p.z(), d.x(), d.y(), d.z(), std::numeric_limits<double>::infinity()};
-      }
-      case QueryKind::sphere:
-        return {p.x(), p.y(), p.z(), size()};
-      case QueryKind::box:
-        return {p.x(), p.y(), p.z(), size(), size(), size(), 1, 0, 0, 0};
-      default:
-        return {p.x(), p.y(), p.z(), std::numeric_limits<double>::infinity()};
-    }
-  }
-
- private:
-  double unit() { return std::uniform_real_distribution<double>(0, 1)(random_); }
-  Vec3 place() { return low_ + Vec3(unit(), unit(), unit()).cwiseProduct(high_ - low_); }
-  double size() { return size_m_ * 0.02 * unit(); }
-
-  std::mt19937_64 random_;
-  double size_m_;
-  Vec3 low_;
-  Vec3 high_;
 };
 
 std::string length_text(double length_m) {
@@ -98,10 +63,9 @@ class Truth {
     visit_part(snapshot, hit.object, hit.triangle, [&](const auto& shape) {
       if (question.kind == QueryKind::ray) {
         RayHit exact;
-        const Ray ray{.origin = {n[0], n[1], n[2]}, .direction = {n[3], n[4], n[5]}, .length_m = n[6]};
-        if (exactly::cast_ray(ray, shape, exact) == Decision::yes) take(exact.distance_m);
+        if (exactly::cast_ray(ray_of(n), shape, exact) == Decision::yes) take(exact.distance_m);
       } else if (question.kind == QueryKind::near) {
-        take(exactly::closest({n[0], n[1], n[2]}, shape).distance_m);
+        take(exactly::closest(point_of(n), shape).distance_m);
       }
     });
   }
@@ -221,16 +185,14 @@ void Course::finish(std::vector<MenuRow>& menu) {
 
 std::vector<MenuRow> menu_of(const Snapshot& snapshot, const MenuOptions& options) {
   const OwnFloatEnvironment own_floats;
-  Aabb world;
-  visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape) { world.extend(bounds(shape)); });
-  if (world.empty()) return {};
-  Asker asker(world, options.seed);
-  const std::vector<Method> methods = methods_for((world.high - world.low).norm());
+  RandomQuestions random(snapshot, options.seed);
+  if (!random.has_world()) return {};
+  const std::vector<Method> methods = methods_for(random.size_m());
   std::vector<MenuRow> menu;
   for (const QueryKind kind : wire_contract::kWorldQuestions) {
     Course course(snapshot, kind, methods);
     for (std::uint32_t i = 0; i < options.questions && !(options.cancelled && options.cancelled()); ++i) {
-      course.ask(asker.question(kind));
+      course.ask(random.question(kind));
     }
     course.finish(menu);
   }

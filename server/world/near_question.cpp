@@ -1,8 +1,11 @@
 #include <cmath>
 
 #include "server/exact_phase/closest.hpp"
+#include "server/exact_phase/nearest_filter.hpp"
+#include "server/exact_phase/general_shapes.hpp"
 #include "server/exact_phase/overlap.hpp"
 #include "server/world/question.hpp"
+#include "server/world/question_shapes.hpp"
 
 namespace collided {
 namespace {
@@ -14,12 +17,6 @@ struct NearWalk {
   double within_m;
   double limit_m2;
 
-  /// A square that no distance up to distance_m + error_m exceeds.
-  static double square_up(double distance_m, double error_m) {
-    const double reach_m = (distance_m + error_m) * (1 + 0x1p-50);
-    return reach_m * reach_m * (1 + 0x1p-50) + std::numeric_limits<double>::min();
-  }
-
   template <class Part>
   void test(const Part& part, ObjectId object, std::uint32_t triangle);
   void keep(const AnswerHit& hit);
@@ -30,6 +27,13 @@ struct NearWalk {
 
 template <class Part>
 void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
+  if constexpr (std::is_same_v<Part, Triangle>) {
+    // Most triangles of a leaf are surely farther than the nearest known, which costs less than how far.
+    if (kernel::quick_square_distance(point, part).low2_m2 > limit_m2) {
+      ++question.exact_tests;
+      return;
+    }
+  }
   const Closest found = closest(point, part);
   ++question.exact_tests;
   if (!(found.distance_m - found.distance_error_m <= within_m)) return;
@@ -62,7 +66,7 @@ void NearWalk::keep(const AnswerHit& hit) {
   found.insert(std::upper_bound(found.begin(), found.end(), hit, nearer_first), hit);
   if (found.size() == question.asked.max_hits) {
     const double farthest_m = std::max(found.back().distance_m - question.slack_m(), 0.0);
-    limit_m2 = std::min(limit_m2, square_up(farthest_m, found.back().error_m));
+    limit_m2 = std::min(limit_m2, square_up(farthest_m + found.back().error_m));
   }
 }
 
@@ -131,9 +135,9 @@ void ask_near(Question& question, const double* n) {
   question.found.clear();
   if (question.asked.max_hits == 0) return;
   NearWalk walk{.question = question,
-                .point = {n[0], n[1], n[2]},
+                .point = point_of(n),
                 .within_m = n[3],
-                .limit_m2 = NearWalk::square_up(n[3], 0)};
+                .limit_m2 = square_up(n[3])};
   for (const auto& scene : question.snapshot.scenes) walk.walk_scene(*scene);
   if (question.snapshot.grid) walk.walk_movers(*question.snapshot.grid);
   widen_bounds(question);

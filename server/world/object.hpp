@@ -40,13 +40,15 @@ struct ObjectInfo {
   std::uint32_t part_triangles = 0;
 };
 
-/// One loaded file's static triangles with their index, in world coordinates.
+/// One loaded file's static triangles with their index, in world coordinates, and its objects' meshes with theirs.
 struct StaticScene {
   std::string name;
   TriangleMesh mesh;
   BspTree tree;
   std::vector<Part> parts;            // ordered by first_triangle, without gap
   std::vector<ObjectId> part_objects; // one a part
+  std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;  // one an object of the file; null: without a mesh
+  std::vector<std::string> warnings;  // saved indexes that were not fit for use
 
   std::uint32_t part_of(std::uint32_t triangle) const;
   std::uint64_t bytes() const;

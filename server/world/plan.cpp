@@ -1,5 +1,7 @@
 #include "server/world/plan.hpp"
 
+#include <array>
+#include <cstdio>
 #include <variant>
 
 namespace collided {
@@ -29,18 +31,43 @@ Counts count(const Snapshot& snapshot) {
 
 std::string number(std::uint64_t n, const char* what) { return std::to_string(n) + ' ' + what; }
 
+std::string with_digits(double value, int digits) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  return text.data();
+}
+
+/// How one scene's index was chosen and what it costs.
+std::string index_words(const StaticScene& scene) {
+  const BspReport& report = scene.tree.report();
+  const auto triangles = static_cast<double>(scene.mesh.triangles.size());
+  std::string words = scene.name + ": nodes of " + std::to_string(BspReport::kChildren) + ", leaves of " +
+                      std::to_string(BspReport::kLeafTriangles) + ", depth " + std::to_string(report.depth) + ", " +
+                      with_digits(static_cast<double>(report.references) / triangles, 2) + " references and " +
+                      with_digits(static_cast<double>(scene.bytes()) / triangles, 1) + " bytes a triangle, ";
+  words += report.split_triangles > 0 ? std::to_string(report.split_triangles) + " triangles split, " : "no splits, ";
+  return words + (report.is_loaded ? "loaded and checked in " : "built in ") + with_digits(1e3 * report.build_s, 0) + " ms";
+}
+
+std::string tree_words(const Snapshot& snapshot, const Counts& counts) {
+  std::uint64_t bytes = 0;
+  for (const auto& scene : snapshot.scenes) bytes += scene->bytes();
+  std::string words = number(counts.static_triangles, "static triangles, ") + number(bytes, "bytes all in");
+  for (const auto& scene : snapshot.scenes) {
+    if (!scene->mesh.triangles.empty()) words += "; " + index_words(*scene);
+  }
+  return words;
+}
+
 }  // namespace
 
 std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
   const Counts c = count(snapshot);
-  std::uint64_t bytes = 0;
-  for (const auto& scene : snapshot.scenes) bytes += scene->bytes();
   const bool has_static = c.static_triangles > 0;
   const bool has_objects = c.moving + c.placed > 0;
   std::vector<PlanRow> rows;
   rows.push_back({"bsp_tree (static)", has_static,
-                  has_static ? number(c.static_triangles, "static triangles, ") + number(bytes, "bytes all in")
-                             : "no static triangle is loaded",
+                  has_static ? tree_words(snapshot, c) : "no static triangle is loaded",
                   has_static ? "" : "its memory and a walk a question"});
   rows.push_back({"grid (objects)", has_objects,
                   has_objects ? number(c.moving, "moving and ") + number(c.placed, "placed objects")
@@ -57,22 +84,37 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
   rows.push_back({"contact points", events_wanted && c.moving > 0,
                   events_wanted ? "somebody subscribes to events" : "nobody subscribes to events",
                   events_wanted ? "" : "point, normal and depth of every touching pair"});
+  if (snapshot.contacts_truncated) {
+    rows.push_back({"contacts over the limit", false, "more than max_contacts touch: truncated, events tell only some",
+                    ""});
+  }
   rows.push_back({"FCL", false, "every pair offered is decided by our own exact tests", "its start and its memory"});
   return rows;
 }
 
 std::vector<PairRow> pair_table() {
-  const std::string exact = "own, exact";
-  const std::string parts = "own, exact, part by part";
+  const std::string closed = "closed form, exact";
+  const std::string searched = "search, then a certificate: exact, but undecided where round parts are within about 1e-8 of their size of touching";
+  const std::string facets = "search, then a certificate or rationals: exact";
+  const std::string parts = "part by part, as the parts are";
+  const std::array<const char*, 7> convex{"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull"};
+  constexpr std::size_t kClosedForms = 3;  // the first so many among themselves, and against triangles
+  constexpr std::size_t kHull = 6;
   std::vector<PairRow> rows;
-  for (const char* b : {"sphere", "box", "capsule"}) {
-    rows.push_back({"ray", b, exact});
-    rows.push_back({"sphere", b, exact});
-    rows.push_back({"box", b, exact});
-    rows.push_back({"capsule", b, exact});
+  for (const char* b : convex) rows.push_back({"ray", b, closed});
+  rows.push_back({"ray", "mesh", "triangle by triangle: " + closed});
+  for (std::size_t i = 0; i < convex.size(); ++i) {
+    const auto how = [&](std::size_t j) {
+      if (i < kClosedForms && j < kClosedForms) return closed;
+      const bool flat = (i < kClosedForms || i == kHull) && (j < kClosedForms || j == kHull);
+      return flat ? facets : searched;
+    };
+    for (std::size_t j = i; j < convex.size(); ++j) rows.push_back({convex[i], convex[j], how(j)});
+    // Triangles are flat, like the first three.
+    rows.push_back({convex[i], "mesh", "triangle by triangle: " + how(0)});
   }
-  for (const char* a : {"ray", "sphere", "box", "capsule", "mesh"}) rows.push_back({a, "mesh", parts});
-  for (const char* a : {"ray", "sphere", "box", "capsule", "mesh"}) rows.push_back({a, "compound", parts});
+  rows.push_back({"mesh", "mesh", "triangle by triangle: " + closed});
+  rows.push_back({"compound", "any", parts});
   return rows;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "server/exact_phase/precision.hpp"
@@ -18,16 +19,6 @@ using wire_contract::UndecidedReason;
 std::int64_t steady_now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
       .count();
-}
-
-std::uint32_t numbers_of(QueryKind kind) {
-  switch (kind) {
-    case QueryKind::ray: return wire_contract::kRayNumbers;
-    case QueryKind::sphere: return wire_contract::kSphereNumbers;
-    case QueryKind::box: return wire_contract::kBoxNumbers;
-    case QueryKind::near: return wire_contract::kNearNumbers;
-    default: return 0;
-  }
 }
 
 /// Whether the numbers make a question: finite (a length may be infinite), a direction, sizes not negative, a unit
@@ -52,6 +43,16 @@ bool is_question(QueryKind kind, const double* n) {
   }
 }
 
+/// Scenes in which nothing needs to be asked whether it may answer.
+void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
+  scratch.open_scenes.clear();
+  for (const auto& scene : snapshot.scenes) {
+    const bool is_open = std::all_of(scene->part_objects.begin(), scene->part_objects.end(),
+                                     [&](ObjectId part) { return scratch.allowed[slot_of(part)] != 0; });
+    scratch.open_scenes.push_back(is_open ? 1 : 0);
+  }
+}
+
 /// Which objects may answer: layers and name patterns, worked out once for a table and a filter, not for each question.
 void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
   const ObjectTable* table = snapshot.objects.get();
@@ -64,6 +65,7 @@ void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch
     const ObjectInfo* info = (*table)[slot].get();
     scratch.allowed[slot] = info != nullptr && may_answer(*info, asked) ? 1 : 0;
   }
+  fill_open_scenes(snapshot, scratch);
   scratch.allowed_table = table;
   scratch.allowed_version = snapshot.table_version;
   scratch.allowed_mask = asked.mask;
@@ -94,9 +96,8 @@ void push_plain(Answers& answers, Answer answer, UndecidedReason reason) {
 void push_answer(Answers& answers, const Question& question) {
   UndecidedReason reason = UndecidedReason::none;
   Answer answer = question.found.empty() ? Answer::miss : Answer::hit;
-  const bool counts_matter = question.asked.kind != QueryKind::ray || question.asked.mode == wire_contract::RayMode::all;
-  if (question.undecided && (answer == Answer::miss || counts_matter ||
-                             question.asked.mode == wire_contract::RayMode::closest)) {
+  const bool one_is_enough = question.asked.mode == wire_contract::RayMode::any;
+  if (question.undecided && (answer == Answer::miss || !one_is_enough)) {
     reason = UndecidedReason::numeric;
   } else if (question.truncated) {
     reason = UndecidedReason::truncated;
@@ -142,7 +143,8 @@ struct Course {
   }
   void answer_one(const double* numbers) const {
     if (const std::optional<Answer> at_once = answer_at_once(asked, numbers)) return push_at_once(answers, *at_once);
-    Question question{.snapshot = snapshot, .asked = asked, .allowed = scratch.allowed, .found = scratch.found};
+    Question question{.snapshot = snapshot, .asked = asked, .allowed = scratch.allowed,
+                      .open_scenes = scratch.open_scenes, .found = scratch.found};
     ask(question, numbers);
     finish(question);
   }
@@ -167,23 +169,21 @@ void Course::answer_rays(const double* numbers, std::size_t count) const {
       push_at_once(answers, *at_once);
       continue;
     }
-    group[size].emplace(snapshot, asked, scratch.allowed, scratch.found_by_ray[size]);
+    group[size].emplace(snapshot, asked, scratch.allowed, scratch.open_scenes, scratch.found_by_ray[size]);
     of_group[size++] = ray;
   }
   ask_group();
 }
 
 /// Rays of no common direction through more than the caches hold wait for memory most of the time: walked in turn they
-/// wait for each other's. Rays like those of a camera find what the last one left, and are faster alone.
-bool rays_gain_together(const Snapshot& snapshot, const Questions& asked) {
+/// wait for each other's. Rays like those of a camera meet the same nodes, and go through them together where nothing
+/// asks for every candidate; else each finds what the last one left, and is faster alone.
+bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
   constexpr std::size_t kFewest = 16;
   constexpr std::uint64_t kCacheBytes = 4 << 20;
   constexpr std::size_t stride = wire_contract::kRayNumbers;
   const std::size_t count = asked.numbers.size() / stride;
   if (count < kFewest || asked.mode == wire_contract::RayMode::all) return false;
-  std::uint64_t bytes = 0;
-  for (const auto& scene : snapshot.scenes) bytes += scene->tree.report().bytes;
-  if (bytes < kCacheBytes) return false;
   std::size_t alike = 0;
   for (std::size_t i = 1; i < kFewest; ++i) {
     const double* a = asked.numbers.data() + (i - 1) * stride;
@@ -194,7 +194,13 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked) {
     const bool same_direction = along > 0 && along * along > 0.99 * squares;
     alike += same_start && same_direction ? 1 : 0;
   }
-  return alike < kFewest / 2;
+  if (alike >= kFewest / 2) {
+    const bool is_open = std::all_of(scratch.open_scenes.begin(), scratch.open_scenes.end(), std::identity());
+    return !snapshot.scenes.empty() && is_open && asked.error_m == 0 && asked.highest == Level::rational;
+  }
+  std::uint64_t bytes = 0;
+  for (const auto& scene : snapshot.scenes) bytes += scene->tree.report().bytes;
+  return bytes >= kCacheBytes;
 }
 
 }  // namespace
@@ -218,14 +224,14 @@ void Answers::clear() {
 
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch) {
   answers.clear();
-  const std::uint32_t stride = numbers_of(questions.kind);
+  const std::uint32_t stride = wire_contract::numbers_of(questions.kind);
   if (stride == 0) return;
   const OwnFloatEnvironment own_floats;
   fill_allowed(snapshot, questions, scratch);
   const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
   const std::size_t count = questions.numbers.size() / stride;
   const Course course{snapshot, questions, scratch, answers};
-  const bool together = questions.kind == QueryKind::ray && rays_gain_together(snapshot, questions);
+  const bool together = questions.kind == QueryKind::ray && rays_gain_together(snapshot, questions, scratch);
   const std::size_t step = together ? kRaysAtOnce : 1;
   for (std::size_t i = 0; i < count; i += step) {
     const double* numbers = questions.numbers.data() + i * stride;

@@ -65,6 +65,7 @@ struct Answers {
 /// Memory that answering needs, one a thread.
 struct QueryScratch {
   std::vector<std::uint8_t> allowed;          // by slot, for the filter below
+  std::vector<std::uint8_t> open_scenes;      // by scene: every part of it may answer
   std::vector<AnswerHit> found;
   std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are answered together
   const ObjectTable* allowed_table = nullptr; // what `allowed` was computed for

@@ -18,7 +18,8 @@ namespace collided {
 struct Question {
   const Snapshot& snapshot;
   const Questions& asked;
-  const std::vector<std::uint8_t>& allowed;  // by slot
+  const std::vector<std::uint8_t>& allowed;      // by slot
+  const std::vector<std::uint8_t>& open_scenes;  // by scene: every part of it may answer
   std::vector<AnswerHit>& found;             // cleared by the kind
   WalkCost walk = {};
   Level level = Level::filter;

@@ -4,6 +4,7 @@
 
 #include "server/exact_phase/ray_cast.hpp"
 #include "server/world/question.hpp"
+#include "server/world/question_shapes.hpp"
 
 namespace collided {
 namespace {
@@ -19,6 +20,7 @@ struct RayWalk {
   double limit = 0;        // in s, never below the best hit less the error asked for; below 0: nothing is sought
   Triangle best_triangle = {};
   bool best_is_triangle = false;
+  bool is_length_known = true;  // else the limit says nothing of the ray's length
 
   double rounded_up(double distance_m) const { return distance_m / direction_m * (1 + 0x1p-50); }
   bool closest() const { return question.asked.mode == RayMode::closest; }
@@ -28,7 +30,8 @@ struct RayWalk {
   void test(const Part& part, ObjectId object, std::uint32_t triangle);
   void keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners);
   bool is_nearer(const AnswerHit& hit, const Triangle* corners) const;
-  void walk_scene(const StaticScene& scene);
+  BspTree::RayGoal goal(std::size_t scene) const;
+  void walk_scene(std::size_t scene);
   void walk_object(std::uint32_t slot);
   void finish();
   void walk_mesh(const IndexedMesh& mesh, const Frame& frame, ObjectId object);
@@ -100,11 +103,33 @@ struct SceneWalk {
     }
     return self.walk->limit;
   }
+  /// The triangle that meet_ray found: it has been told, or is sure and has not been.
+  void meet(std::uint32_t triangle) {
+    if (triangle == BspTree::kNoTriangle || walk->over()) return;
+    candidate(this, triangle, scene->mesh.triangle(triangle), walk->limit);
+  }
 };
 
-void RayWalk::walk_scene(const StaticScene& scene) {
+/// The walks that pass over triangles on their own account want to know that each may answer, that the nearest is the
+/// nearest to the last bit, and that what is sure in floats will be so in double.
+BspTree::RayGoal RayWalk::goal(std::size_t scene) const {
+  const Questions& asked = question.asked;
+  const bool is_plain = question.open_scenes[scene] != 0 && asked.highest == Level::rational && is_length_known;
+  if (is_plain && asked.mode == RayMode::any) return BspTree::RayGoal::any;
+  return is_plain && closest() && question.slack_m() == 0 ? BspTree::RayGoal::nearest : BspTree::RayGoal::every;
+}
+
+void RayWalk::walk_scene(std::size_t index) {
+  const StaticScene& scene = *question.snapshot.scenes[index];
   SceneWalk context{this, &scene};
-  scene.tree.walk_ray(ray, limit, 0, scene.mesh, &SceneWalk::candidate, &context, question.walk);
+  switch (goal(index)) {
+    case BspTree::RayGoal::every:
+      return scene.tree.walk_ray(ray, limit, 0, scene.mesh, &SceneWalk::candidate, &context, question.walk);
+    case BspTree::RayGoal::nearest:
+      return scene.tree.walk_ray_nearest(ray, limit, scene.mesh, &SceneWalk::candidate, &context, question.walk);
+    case BspTree::RayGoal::any:
+      return context.meet(scene.tree.meet_ray(ray, limit, scene.mesh, &SceneWalk::candidate, &context, question.walk));
+  }
 }
 
 void RayWalk::walk_mesh(const IndexedMesh& mesh, const Frame& frame, ObjectId object) {
@@ -159,12 +184,14 @@ void finish_all(Question& question) {
 
 RayWalk started(Question& question, const double* n) {
   question.found.clear();
-  RayWalk walk{.question = question,
-               .ray = {.origin = {n[0], n[1], n[2]}, .direction = {n[3], n[4], n[5]}, .length_m = n[6]}};
+  RayWalk walk{.question = question, .ray = ray_of(n)};
   walk.direction_m = walk.ray.direction.stableNorm();
   walk.limit = walk.rounded_up(n[6]);
   // A length over a denormal direction may overflow: then there is no limit.
-  if (!std::isfinite(walk.limit)) walk.limit = std::numeric_limits<double>::infinity();
+  if (!std::isfinite(walk.limit)) {
+    walk.limit = std::numeric_limits<double>::infinity();
+    walk.is_length_known = std::isinf(n[6]);
+  }
   return walk;
 }
 
@@ -188,29 +215,42 @@ void RayWalk::finish() {
 
 void ask_ray(Question& question, const double* n) {
   RayWalk walk = started(question, n);
-  for (const auto& scene : question.snapshot.scenes) {
-    if (!walk.over()) walk.walk_scene(*scene);
-  }
+  for (std::size_t scene = 0; scene < question.snapshot.scenes.size() && !walk.over(); ++scene) walk.walk_scene(scene);
   walk.finish();
 }
 
-void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers) {
-  std::array<std::optional<RayWalk>, kRaysAtOnce> walks;
+namespace {
+
+/// The rays under way through one scene: in turn, but for the odd one whose goal is its own.
+void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t index) {
   std::array<SceneWalk, kRaysAtOnce> contexts;
   std::array<BspTree::RayTask, kRaysAtOnce> tasks;
-  for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(started(*questions[i], numbers[i]));
-  for (const auto& scene : questions.front()->snapshot.scenes) {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < questions.size(); ++i) {
-      RayWalk& walk = *walks[i];
-      if (walk.over()) continue;
-      contexts[count] = {&walk, scene.get()};
-      tasks[count] = {&walk.ray, walk.limit, &contexts[count], &walk.question.walk};
-      ++count;
+  const StaticScene& scene = *walks.front()->question.snapshot.scenes[index];
+  const BspTree::RayGoal goal = walks.front()->goal(index);
+  std::size_t count = 0;
+  for (std::optional<RayWalk>& walk : walks) {
+    if (walk->over()) continue;
+    if (walk->goal(index) != goal) {
+      walk->walk_scene(index);
+      continue;
     }
-    scene->tree.walk_rays(std::span(tasks).first(count), scene->mesh, &SceneWalk::candidate);
+    contexts[count] = {&*walk, &scene};
+    tasks[count] = {.ray = &walk->ray, .limit = walk->limit, .context = &contexts[count], .cost = &walk->question.walk};
+    ++count;
   }
-  for (std::size_t i = 0; i < questions.size(); ++i) walks[i]->finish();
+  scene.tree.walk_rays(std::span(tasks).first(count), scene.mesh, goal, &SceneWalk::candidate);
+  for (std::size_t i = 0; i < count; ++i) contexts[i].meet(tasks[i].met);
+}
+
+}  // namespace
+
+void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers) {
+  std::array<std::optional<RayWalk>, kRaysAtOnce> memory;
+  const std::span walks = std::span(memory).first(questions.size());
+  for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(started(*questions[i], numbers[i]));
+  const std::size_t scene_count = questions.front()->snapshot.scenes.size();
+  for (std::size_t scene = 0; scene < scene_count; ++scene) walk_scene_together(walks, scene);
+  for (std::optional<RayWalk>& walk : walks) walk->finish();
 }
 
 }  // namespace collided

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "server/world/touch.hpp"
@@ -38,6 +39,30 @@ class PartTouches {
   bool wanted_;
   std::vector<PartTouch> list_;
 };
+
+/// A square that no distance up to this one exceeds; the distance may be the sum of two.
+inline double square_up(double distance_m) {
+  const double reach_m = distance_m * (1 + 0x1p-50);
+  return reach_m * reach_m * (1 + 0x1p-50) + std::numeric_limits<double>::min();
+}
+
+/// Calls visit(triangle, part, corners) for each static triangle that may lie within sqrt(limit_m2) of the point and
+/// whose part is allowed, roughly near to far. visit -> the limit from then on; negative ends the walk.
+template <class Allowed, class Visit>
+void visit_scene_near(const StaticScene& scene, const Vec3& point, double limit_m2, WalkCost& cost, Allowed&& allowed,
+                      Visit&& visit) {
+  struct Context {
+    const StaticScene& scene;
+    Allowed& allowed;
+    Visit& visit;
+  } context{scene, allowed, visit};
+  const auto candidate = [](void* raw, std::uint32_t triangle, double limit) {
+    Context& c = *static_cast<Context*>(raw);
+    const std::uint32_t part = c.scene.part_of(triangle);
+    return c.allowed(part) ? c.visit(triangle, part, c.scene.mesh.triangle(triangle)) : limit;
+  };
+  scene.tree.walk_near(point, limit_m2, 0, candidate, &context, cost);
+}
 
 /// Calls visit(triangle, part, corners) for each static triangle near the box whose part is allowed.
 /// allowed(part) -> bool; visit -> bool, false ends the walk.

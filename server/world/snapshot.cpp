@@ -33,9 +33,10 @@ SnapshotRing::Lease SnapshotRing::newest() const {
 
 Snapshot* SnapshotRing::writable() {
   const std::uint32_t newest = newest_.load(std::memory_order_relaxed);
-  // The least recently filled first: it differs most, but the others may be about to be read.
-  for (std::uint32_t step = 1; step < kStates; ++step) {
-    const std::uint32_t index = (newest + step) % kStates;
+  // The first free one: two states in turn while nobody reads for long, so that the others take no memory and what is
+  // written is still in the cache.
+  for (std::uint32_t index = 0; index < kStates; ++index) {
+    if (index == newest) continue;
     if (states_[index].readers.load(std::memory_order_seq_cst) == 0) {
       filling_ = index;
       return &states_[index].snapshot;

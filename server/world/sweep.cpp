@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "server/exact_phase/general_shapes.hpp"
 #include "server/exact_phase/contact.hpp"
 
 namespace collided {

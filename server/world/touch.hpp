@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "idl/topics.hpp"
 #include "server/exact_phase/contact.hpp"
+#include "server/exact_phase/general_shapes.hpp"
 #include "server/exact_phase/overlap.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
@@ -84,12 +86,18 @@ inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32
 
 template <class A, class B>
 void touch_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, Touch& touch) {
-  const Verdict verdict = overlaps(a, b);
+  double depth_at_most_m = std::numeric_limits<double>::infinity();
+  Verdict verdict;
+  if constexpr (requires { overlaps(a, b, depth_at_most_m); }) {
+    verdict = touch.wanted && touch.yes ? overlaps(a, b, depth_at_most_m) : overlaps(a, b);
+  } else {
+    verdict = overlaps(a, b);
+  }
   ++touch.exact_tests;
   touch.level = std::max(touch.level, verdict.level);
   if (verdict.decision == Decision::undecided) touch.undecided = true;
   if (!verdict.yes()) return;
-  if (touch.wanted) {
+  if (touch.wanted && !(touch.yes && depth_at_most_m < touch.contact.depth_m)) {
     const Contact found = contact(a, b);
     if (deeper(found, a_triangle, b_triangle, touch)) {
       touch.contact = found;

@@ -16,6 +16,26 @@ double radius_of(const TriangleMesh& mesh) {
   return radius_m * (1 + 0x1p-48);  // outward over the roundings of the norm
 }
 
+/// The saved index where there is one and it is fit, else one built anew.
+BspTree index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::string& name, const BspOptions& options,
+                 std::vector<std::string>& warnings) {
+  if (!saved.bytes.empty()) {
+    auto loaded = BspTree::load(mesh, saved.bytes, saved.keeper, options.threads);
+    if (auto* tree = std::get_if<BspTree>(&loaded)) return std::move(*tree);
+    warnings.push_back("the saved index of " + name + " is not used, " + std::get<BspRefusal>(loaded).reason +
+                       "; it is built anew");
+  }
+  return BspTree::build(mesh, options);
+}
+
+std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMesh> mesh, BspTree tree) {
+  auto indexed = std::make_shared<IndexedMesh>();
+  indexed->radius_m = radius_of(*mesh);
+  indexed->mesh = std::move(mesh);
+  indexed->tree = std::move(tree);
+  return indexed;
+}
+
 Refusal name_taken(const std::string& name, const ObjectInfo* holder) {
   const std::string of = holder != nullptr && !holder->scene.empty() ? " (of scene '" + holder->scene + "')" : "";
   return {"the name '" + name + "' is taken" + of + "; names are unique in a world. Nothing was added"};
@@ -58,6 +78,7 @@ ObjectId World::State::take_slot() {
     posed_ns.push_back(0);
     stale.push_back(0);
     changed.push_back(0);
+    movable.push_back(0);
     lone_spheres.emplace_back();
     motion.push_back(Motion::none);
     frames_before.emplace_back();
@@ -81,7 +102,17 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BspOptions& 
   indexed->name = scene.name;
   indexed->mesh = std::move(scene.mesh);
   indexed->parts = scene.parts;
-  indexed->tree = BspTree::build(indexed->mesh, options);
+  indexed->tree = index_of(indexed->mesh, scene.index, "the scene's mesh", options, indexed->warnings);
+  scene.index = {};
+  BspOptions quietly = options;
+  quietly.progress = {};
+  for (SceneObject& object : scene.objects) {
+    auto& mesh = indexed->object_meshes.emplace_back();
+    if (!object.shape.mesh) continue;
+    mesh = indexed_mesh(object.shape.mesh, index_of(*object.shape.mesh, object.index, "object " + object.name, quietly,
+                                                    indexed->warnings));
+    object.index = {};
+  }
   return indexed;
 }
 
@@ -117,14 +148,17 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
     s.mark(slot_of(id), Motion::placed);
     indexed->part_objects.push_back(id);
   }
+  const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed->object_meshes);
   s.scenes.push_back(std::move(indexed));
-  for (const SceneObject& object : scene.objects) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
     [[maybe_unused]] const auto defined = define({.name = object.name,
                                                   .scene = scene.name,
                                                   .shape = object.shape,
                                                   .pose = object.pose,
                                                   .filter = object.filter,
-                                                  .moving = false});
+                                                  .moving = false,
+                                                  .indexed = i < meshes.size() ? meshes[i] : nullptr});
     assert(std::holds_alternative<ObjectId>(defined) && "names and limits were checked above");
   }
   // What was there before may touch what came: every mover is looked at again.
@@ -161,14 +195,12 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   if (definition.shape.mesh) {
     std::weak_ptr<const IndexedMesh>& shared = s.meshes[definition.shape.mesh.get()];
     info->mesh = shared.lock();
+    if (!info->mesh) info->mesh = definition.indexed;
     if (!info->mesh) {
-      auto indexed = std::make_shared<IndexedMesh>();
-      indexed->mesh = definition.shape.mesh;
-      indexed->tree = BspTree::build(*definition.shape.mesh, {.threads = 1, .progress = {}, .cancelled = {}});
-      indexed->radius_m = radius_of(*definition.shape.mesh);
-      shared = indexed;
-      info->mesh = indexed;
+      info->mesh = indexed_mesh(definition.shape.mesh, BspTree::build(*definition.shape.mesh,
+                                                                      {.threads = 1, .progress = {}, .cancelled = {}}));
     }
+    shared = info->mesh;
   }
   const ObjectId id = s.take_slot();
   const std::uint32_t slot = slot_of(id);
@@ -180,6 +212,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->lost_policy = definition.lost_policy;
   info->publisher = definition.publisher;
   info->primitives = definition.shape.primitives;
+  s.movable[slot] = id;
   s.lone_spheres[slot] = lone_sphere(*info);
   s.table()[slot] = info;
   s.names.emplace(info->name, id);
@@ -204,28 +237,61 @@ bool World::remove(ObjectId id, wire_contract::EndReason reason) {
   if (s.stale[slot] != 0) --s.stale_count;
   s.stale[slot] = 0;
   s.bounds[slot] = Aabb{};
+  s.movable[slot] = 0;
   s.lone_spheres[slot].reset();
   s.table()[slot].reset();
   s.mark(slot, Motion::placed);
   return true;
 }
 
+bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, Motion how) {
+  const std::uint32_t slot = slot_of(id);
+  if (slot >= movable.size() || movable[slot] != id || id == 0) return false;
+  if (motion[slot] == Motion::none) {
+    frames_before[slot] = frames[slot];
+    posed_before_ns[slot] = posed_ns[slot];
+  }
+  poses[slot] = pose;
+  frames[slot] = frame_of(pose);
+  const std::optional<Sphere>& sphere = lone_spheres[slot];
+  bounds[slot] = sphere ? collided::bounds(place(frames[slot], *sphere)) : bounds_of(*(*objects)[slot], frames[slot]);
+  posed_ns[slot] = time_ns;
+  mark(slot, how);
+  return true;
+}
+
+/// What move() writes of an object, for writing; a hint, so any slot will do.
+void World::State::prefetch(std::uint32_t slot) const {
+  if (slot >= movable.size()) return;
+  const auto fetch = [](const auto& item) {
+    for (std::size_t byte = 0; byte < sizeof item; byte += 64) {
+      __builtin_prefetch(reinterpret_cast<const char*>(&item) + byte, 1);
+    }
+  };
+  fetch(frames[slot]);
+  fetch(frames_before[slot]);
+  fetch(poses[slot]);
+  fetch(bounds[slot]);
+  fetch(lone_spheres[slot]);
+  fetch(movable[slot]);
+  fetch(posed_ns[slot]);
+  fetch(posed_before_ns[slot]);
+}
+
 bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport) {
   const OwnFloatEnvironment own_floats;
-  State& s = *state_;
-  const ObjectInfo* info = s.info(id);
-  if (info == nullptr || info->scene_part != 0xffffffff) return false;
-  const std::uint32_t slot = slot_of(id);
-  if (s.motion[slot] == Motion::none) {
-    s.frames_before[slot] = s.frames[slot];
-    s.posed_before_ns[slot] = s.posed_ns[slot];
+  return state_->move(id, pose, time_ns, teleport ? Motion::placed : Motion::moved);
+}
+
+void World::move(std::span<const ObjectId> ids, std::span<const Pose> poses, std::int64_t time_ns, bool teleport,
+                 std::span<bool> moved) {
+  constexpr std::size_t kAhead = 8;
+  const OwnFloatEnvironment own_floats;
+  const Motion how = teleport ? Motion::placed : Motion::moved;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (i + kAhead < ids.size()) state_->prefetch(slot_of(ids[i + kAhead]));
+    moved[i] = state_->move(ids[i], poses[i], time_ns, how);
   }
-  s.poses[slot] = pose;
-  s.frames[slot] = frame_of(pose);
-  s.bounds[slot] = bounds_of(*info, s.frames[slot]);
-  s.posed_ns[slot] = time_ns;
-  s.mark(slot, teleport ? Motion::placed : Motion::moved);
-  return true;
 }
 
 bool World::has_moved(ObjectId id) const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -19,6 +20,7 @@ namespace collided {
 struct WorldOptions {
   std::uint64_t epoch = 1;
   std::uint32_t max_objects = 100'000;  // static parts and moving objects together
+  std::uint32_t max_contacts = 10'000'000;  // that one step may find
   double sweep_width = 1e-9;            // of the bracket of a first contact, as a fraction of the step
 };
 
@@ -31,6 +33,7 @@ struct ObjectDefinition {
   bool moving = true;
   wire_contract::LostPolicy lost_policy = wire_contract::LostPolicy::remove;
   std::uint64_t publisher = 0;
+  std::shared_ptr<const IndexedMesh> indexed{};  // the shape's mesh, where it has its index already
 };
 
 /// Why something was refused, as a sentence for the user.
@@ -45,6 +48,10 @@ struct StepCost {
   std::uint32_t exact_tests = 0;
   std::uint32_t undecided = 0;
   std::uint32_t swept = 0;
+  std::uint32_t contacts = 0;  // found, those that held before included
+  /// There are more than max_contacts, or too many candidates for it: what came after is not told, and all pairs are
+  /// looked at again once anything moves. Contacts that are told are right all the same, and so are their ends.
+  bool truncated = false;
   std::int64_t update_ns = 0;
   std::int64_t broad_ns = 0;
   std::int64_t exact_ns = 0;
@@ -67,8 +74,8 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// Takes the triangles out of a loaded scene and indexes them (slow: call it on a loading thread); add_scene makes
-  /// them part of the world.
+  /// Takes the triangles out of a loaded scene and indexes them and the meshes of its objects, with the scene's saved
+  /// indexes where they are fit (slow: call it on a loading thread); add_scene makes them part of the world.
   static std::shared_ptr<StaticScene> index_scene(Scene& scene, const BspOptions& options);
   /// Static triangles and the scene's objects. All or nothing: a clash of names refuses the scene.
   std::variant<std::uint32_t, Refusal> add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed);
@@ -81,6 +88,9 @@ class World {
   /// The pose must be finite with a unit quaternion (the border has checked and normalised). One pose an object and
   /// step: has_moved() tells that a step must come first. False: no such object.
   bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport);
+  /// The same for many objects, whose memory is fetched while the ones before are at work. moved[i]: as move() returns.
+  void move(std::span<const ObjectId> ids, std::span<const Pose> poses, std::int64_t time_ns, bool teleport,
+            std::span<bool> moved);
   bool has_moved(ObjectId id) const;
   void set_stale(ObjectId id, bool stale);
 

@@ -19,6 +19,14 @@ enum class Motion : std::uint8_t { none, moved, placed };  // placed: new or tel
 /// In posed_ns: the pose came with the definition and takes the time of the step that shows it first.
 inline constexpr std::int64_t kPosedAtStep = -1;
 
+/// An object that is one sphere, between its last two poses.
+struct BallWay {
+  Vec3 start = Vec3::Zero();  // where it moved in this step
+  Vec3 end = Vec3::Zero();
+  Vec3 displacement = Vec3::Zero();  // of its frame, where it moved in this step
+  double radius_m = -1;              // negative: not one sphere
+};
+
 /// What the writer keeps; the snapshots are copies of the first group. By slot unless said otherwise.
 struct World::State {
   WorldOptions options;
@@ -42,6 +50,7 @@ struct World::State {
   std::unordered_map<std::string, ObjectId> names;
   std::unordered_map<const TriangleMesh*, std::weak_ptr<const IndexedMesh>> meshes;
 
+  std::vector<ObjectId> movable;  // who may be moved; 0: nobody. Here, since the table's entries lie far apart
   std::vector<std::optional<Sphere>> lone_spheres;  // of objects that are one sphere; here, since every step asks
 
   std::vector<Motion> motion;
@@ -53,15 +62,19 @@ struct World::State {
   std::uint64_t step_count = 0;
   std::int64_t last_step_ns = 0;
 
+  bool looks_at_all = false;  // the last search was cut short: pairs that rest may touch unknown
+
   ContactLedger ledger;
   StepCost cost;
   PartTouches part_touches{true};
   std::vector<Aabb> swept_bounds;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  std::vector<BallWay> balls;  // pairs of balls are looked at before anything else of them is
 
   ObjectTable& table();  // for changing
   const ObjectInfo* info(ObjectId id) const;
   void mark(std::uint32_t slot, Motion how);
+  bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, Motion how);
+  void prefetch(std::uint32_t slot) const;
   ObjectId take_slot();
 };
 

@@ -1,85 +1,145 @@
-// Rebuild and all overlapping pairs of moving boxes, one thread.
+// A frame of moving boxes: the grid rebuilt and all overlapping pairs, one thread, beside the trees and the sweep of the
+// distribution on the same frames; then the worst cases, and how a frame grows with the number of objects.
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <random>
+#include <map>
+#include <memory>
 #include <vector>
 
 #include "server/broad_phase/grid.hpp"
 #include "tests/bench/clock.hpp"
+#include "tests/bench/frame_peers.hpp"
+#include "tests/bench/movers.hpp"
+#include "tests/bench/rows.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided::bench {
 namespace {
 
-constexpr int kRepeats = 7;
-
-double milliseconds_since(double start_s) { return 1e3 * (thread_seconds() - start_s); }
-
-/// Unit-sized boxes at a density of one in ten cubic metres, each with a velocity.
-struct Movers {
-  std::vector<Aabb> boxes;
-  std::vector<Vec3> velocities;
-
-  Movers(std::size_t count, double spread, std::mt19937_64& random) {
-    std::uniform_real_distribution<double> place(0, std::cbrt(10.0 * static_cast<double>(count)));
-    std::uniform_real_distribution<double> size(1 / spread, spread);
-    std::uniform_real_distribution<double> speed(-0.1, 0.1);
-    for (std::size_t i = 0; i < count; ++i) {
-      const double x = place(random);
-      const double y = place(random);
-      const Vec3 low(x, y, place(random));
-      const double edge = size(random);
-      boxes.push_back({low, low + Vec3::Constant(edge)});
-      const double vx = speed(random);
-      const double vy = speed(random);
-      velocities.emplace_back(vx, vy, speed(random));
-    }
-  }
-  void step() {
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      boxes[i].low += velocities[i];
-      boxes[i].high += velocities[i];
-    }
-  }
+using MakePeer = std::unique_ptr<FramePeer> (*)(std::span<const Aabb>);
+const std::vector<MakePeer> kPeers{
+#ifdef COLLIDED_BENCH_BULLET
+    bullet_frames,
+    bullet_sweep_frames,
+#endif
+#ifdef COLLIDED_BENCH_CGAL
+    cgal_frames,
+#endif
+#ifdef COLLIDED_BENCH_FCL
+    fcl_frames,
+#endif
 };
 
-void run(std::size_t count, double spread, std::mt19937_64& random) {
-  Movers movers(count, spread, random);
-  Grid grid;
-  std::vector<double> rebuild_ms;
-  std::vector<double> frame_ms;
-  std::size_t pair_count = 0;
-  WalkCost cost;
-  for (int repeat = 0; repeat < kRepeats; ++repeat) {
-    movers.step();
-    pair_count = 0;
-    cost = {};
-    const double start = thread_seconds();
-    grid.rebuild(movers.boxes);
-    rebuild_ms.push_back(milliseconds_since(start));
-    const auto found = [](void* context, std::uint32_t, std::uint32_t) { ++*static_cast<std::size_t*>(context); };
-    grid.pairs(found, &pair_count, cost);
-    frame_ms.push_back(milliseconds_since(start));
+struct Count {
+  std::size_t pairs = 0;
+  std::size_t most = 0;
+};
+
+class OurFrames {
+ public:
+  /// At most so many pairs: the walk ends there.
+  std::size_t frame(std::span<const Aabb> boxes, std::size_t most = SIZE_MAX) {
+    grid_.rebuild(boxes);
+    Count count{0, most};
+    WalkCost cost;
+    const auto found = [](void* to, std::uint32_t, std::uint32_t) {
+      Count& c = *static_cast<Count*>(to);
+      return ++c.pairs < c.most;
+    };
+    grid_.pairs(found, &count, cost);
+    return count.pairs;
   }
-  std::sort(rebuild_ms.begin(), rebuild_ms.end());
-  std::sort(frame_ms.begin(), frame_ms.end());
-  std::printf("%8zu movers, sizes 1/%.0f to %.0f: frame %.2f ms [%.2f, %.2f], rebuild %.2f of it; %zu pairs, %.1f rows a mover, "
-              "%.0f bytes a mover\n",
-              count, spread, spread, frame_ms[kRepeats / 2], frame_ms.front(), frame_ms.back(), rebuild_ms[kRepeats / 2],
-              pair_count, static_cast<double>(cost.nodes) / static_cast<double>(count),
-              static_cast<double>(grid.bytes()) / static_cast<double>(count));
+  std::size_t bytes() const { return grid_.bytes(); }
+
+ private:
+  Grid grid_;
+};
+
+/// Nanoseconds of a frame by number of objects.
+using Growth = std::map<std::size_t, double>;
+
+void run(const Options& options, std::size_t count, const std::string& kind, Motion motion, std::mt19937_64& random,
+         Growth& growth) {
+  const std::string work = motion == Motion::flight ? "frame" : "frame, teleported";
+  if (!options.wants(kind, work)) return;
+  Movers movers(count, kind, motion, random);
+  OurFrames ours;
+  std::vector<std::unique_ptr<FramePeer>> peers;
+  for (const auto& make : kPeers) {
+    if (auto peer = make(movers.boxes())) peers.push_back(std::move(peer));
+  }
+  movers.step();
+  const std::size_t pairs = ours.frame(movers.boxes());
+  std::vector<Method> methods{{.name = "collided",
+                               .run = [&] { ours.frame(movers.boxes()); },
+                               .bytes_each = static_cast<double>(ours.bytes()) / static_cast<double>(count),
+                               .equal = pairs,
+                               .of = pairs,
+                               .prepare = [&] { movers.step(); }}};
+  for (const auto& peer : peers) {
+    const std::size_t found = peer->frame(movers.boxes());
+    methods.push_back({.name = peer->name(),
+                       .run = [&movers, p = peer.get()] { p->frame(movers.boxes()); },
+                       .equal = std::min(found, pairs),
+                       .of = std::max(found, pairs)});
+  }
+  measure(options, {kind, count, work, 1, std::to_string(pairs) + " pairs"}, methods);
+  std::sort(methods[0].ns.begin(), methods[0].ns.end());
+  growth[count] = methods[0].ns[methods[0].ns.size() / 2];
+}
+
+/// Of the least-squares line through the logarithms.
+double slope(const Growth& growth) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (const auto& [size, ns] : growth) {
+    const double x = std::log(static_cast<double>(size));
+    const double y = std::log(ns);
+    n += 1;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+/// A hundred thousand boxes in one cell, where a grid has nothing to go by: all of them compared, a bounded memory.
+void run_crowd(const Options& options, const std::string& kind, std::size_t most, std::mt19937_64& random) {
+  constexpr std::size_t kCount = 100'000;
+  if (!options.wants(kind, "crowd")) return;
+  const Movers movers(kCount, kind, Motion::flight, random);
+  OurFrames ours;
+  const std::size_t pairs = ours.frame(movers.boxes(), most);
+  std::vector<Method> methods{{.name = "collided",
+                               .run = [&] { ours.frame(movers.boxes(), most); },
+                               .bytes_each = static_cast<double>(ours.bytes()) / kCount,
+                               .equal = pairs,
+                               .of = pairs}};
+  measure(options, {kind, kCount, "crowd", 1, std::to_string(pairs) + " pairs told"}, methods);
 }
 
 }  // namespace
 }  // namespace collided::bench
 
-int main() {
+int main(int argc, char** argv) {
   using namespace collided;
+  const bench::Options options = bench::read_options(argc, argv);
   std::mt19937_64 random = oracle::seeded(20240607);
-  for (const double spread : {1.0, 2.0, 8.0}) {
-    for (const std::size_t count : {1000, 10'000, 100'000, 1'000'000}) bench::run(count, spread, random);
+  for (const bench::Motion motion : {bench::Motion::flight, bench::Motion::teleport}) {
+    for (const char* kind : {"uniform", "clustered", "one giant", "sizes 1/8 to 8"}) {
+      bench::Growth growth;
+      for (const std::size_t count : {10'000, 100'000, 1'000'000}) {
+        if (options.quick && count > 100'000) continue;
+        // Somewhere else in every frame, clusters and uniform are the same.
+        if (motion == bench::Motion::teleport && kind != std::string("uniform")) continue;
+        bench::run(options, count, kind, motion, random, growth);
+      }
+      if (growth.size() > 1) std::printf("%s: time grows with the objects to the power of %.3f\n", kind, bench::slope(growth));
+    }
   }
+  bench::run_crowd(options, "in one cell", SIZE_MAX, random);
+  bench::run_crowd(options, "in one point", 10'000'000, random);
   return 0;
 }

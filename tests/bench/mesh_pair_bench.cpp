@@ -1,30 +1,22 @@
 // All intersecting triangle pairs of two tessellated spheres, and whether a placed bunny touches a terrain, one thread:
-// ours, exact, beside peers in turn in one run. A ratio is the peer's time over ours, median and range of the repeats;
-// above 1 we are faster. "pairs equal" is against the exact test of every pair.
-//
-// mesh_pair_bench [LARGEST]          spheres of 16 to LARGEST (256) meridians, bunny
-// mesh_pair_bench AROUND APART       ours alone, for a profiler
+// ours, exact, beside peers in turn in one run. Equal answers are pairs or poses, by the exact test of every pair.
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <functional>
+#include <memory>
 #include <numbers>
 #include <random>
 
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/exact_phase/overlap.hpp"
-#include "tests/bench/clock.hpp"
 #include "tests/bench/mesh_pair_peers.hpp"
 #include "tests/bench/obj.hpp"
+#include "tests/bench/rows.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
 namespace {
-
-constexpr int kRepeats = 7;
-constexpr double kLeastSeconds = 4e-3;
 
 /// Meridians and parallels: 2 * around * (around / 2) triangles.
 TriangleMesh globe(std::uint32_t around) {
@@ -54,13 +46,13 @@ TriangleMesh globe(std::uint32_t around) {
 
 Aabb bounds_of(const Triangle& t) { return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)}; }
 
-class Ours : public MeshPairPeer {
+class Ours final : public MeshPairPeer {
  public:
   Ours(const TriangleMesh& a, const TriangleMesh& b)
       : a_(a), b_(b), tree_a_(BspTree::build(a)), tree_b_(BspTree::build(b)) {
     for (const Vec3& vertex : b.vertices) reach_m_ = std::max(reach_m_, vertex.norm());
   }
-  std::string name() const override { return "ours"; }
+  std::string name() const override { return "collided"; }
   void move(const Frame& frame) override { frame_ = frame; }
   void all_pairs(TrianglePairs& out) override {
     out_ = &out;
@@ -74,8 +66,8 @@ class Ours : public MeshPairPeer {
   std::size_t above_filter() const { return above_filter_; }
   const WalkCost& cost() const { return cost_; }
 
- protected:
-  virtual void walk() {
+ private:
+  void walk() {
     const double slack_m = 32 * 0x1p-53 * (frame_.position.lpNorm<1>() + 2 * reach_m_);
     yes_ = false;
     cost_ = {};
@@ -112,35 +104,6 @@ class Ours : public MeshPairPeer {
   WalkCost cost_;
 };
 
-/// What a pair walk saves: each triangle of the placed mesh asks the other one's tree.
-class OneByOne final : public Ours {
- public:
-  using Ours::Ours;
-  std::string name() const override { return "1by1"; }
-
- protected:
-  void walk() override {
-    yes_ = false;
-    cost_ = {};
-    const auto candidate = [](void* raw, std::uint32_t i) {
-      OneByOne& self = *static_cast<OneByOne*>(raw);
-      self.go_on_ = self.test(i, self.asking_);
-      return self.go_on_;
-    };
-    go_on_ = true;
-    for (asking_ = 0; asking_ < b_.triangles.size() && go_on_; ++asking_) {
-      placed_ = place(frame_, b_.triangle(asking_));
-      placed_number_ = asking_;
-      tree_a_.walk_box(bounds_of(placed_), candidate, this, cost_);
-    }
-  }
-
- private:
-  std::uint32_t asking_ = 0;
-  bool go_on_ = true;
-};
-
-
 /// Every pair whose bounds overlap along x is put to the exact test.
 TrianglePairs by_force(const TriangleMesh& a, const TriangleMesh& b, const Frame& frame) {
   struct Part {
@@ -175,96 +138,64 @@ void make_unique(TrianglePairs& pairs) {
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
-double microseconds(const std::function<void()>& work) {
-  int rounds = 0;
-  const double start = thread_seconds();
-  double spent = 0;
-  do {
-    work();
-    ++rounds;
-    spent = thread_seconds() - start;
-  } while (spent < kLeastSeconds);
-  return 1e6 * spent / rounds;
-}
-
 using Peers = std::vector<std::unique_ptr<MeshPairPeer>>;
 
+/// Ours is the first.
 Peers all_peers(const TriangleMesh& a, const TriangleMesh& b) {
   Peers peers;
   peers.push_back(std::make_unique<Ours>(a, b));
-  peers.push_back(std::make_unique<OneByOne>(a, b));
-#ifdef COLLIDED_PAIRS_FCL
+#ifdef COLLIDED_BENCH_FCL
   peers.push_back(fcl_pair_peer(a, b));
 #endif
-#ifdef COLLIDED_PAIRS_CGAL
+#ifdef COLLIDED_BENCH_CGAL
   peers.push_back(cgal_pair_peer(a, b));
 #endif
-#ifdef COLLIDED_PAIRS_ODE
+#ifdef COLLIDED_BENCH_ODE
   peers.push_back(ode_pair_peer(a, b));
 #endif
   return peers;
 }
 
-/// times[peer][repeat], in turn.
-std::vector<std::vector<double>> measured(const Peers& peers, const std::function<void(MeshPairPeer&)>& work) {
-  std::vector<std::vector<double>> times(peers.size());
-  for (int repeat = 0; repeat < kRepeats; ++repeat) {
-    for (std::size_t i = 0; i < peers.size(); ++i) times[i].push_back(microseconds([&] { work(*peers[i]); }));
-  }
-  return times;
-}
-
-struct Spread {
-  double low, median, high;
-};
-
-Spread spread_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return {values.front(), values[values.size() / 2], values.back()};
-}
-
-void print_times(const std::string& name, const std::vector<double>& times, const std::vector<double>& ours) {
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < times.size(); ++i) ratios.push_back(times[i] / ours[i]);
-  const Spread time = spread_of(times);
-  const Spread ratio = spread_of(ratios);
-  std::printf("  %-5s %10.1f us [%.1f, %.1f], ratio %6.2f [%.2f, %.2f]", name.c_str(), time.median, time.low, time.high,
-              ratio.median, ratio.low, ratio.high);
-}
-
-void two_spheres(std::uint32_t around, double apart, std::mt19937_64& random) {
-  const TriangleMesh mesh = globe(around);
+void two_spheres(const Options& options, std::uint32_t around, const char* scene, double apart, std::mt19937_64& random) {
   std::normal_distribution<double> part;
   const double w = part(random), x = part(random), y = part(random);
   const Quat rotation = Quat(w, x, y, part(random)).normalized();
+  if (!options.wants(scene, "all pairs")) return;
+  const TriangleMesh mesh = globe(around);
   const Frame frame = frame_of(Pose{.position = apart * Vec3(0.48, 0.64, 0.6), .rotation = rotation});
   const TrianglePairs expected = by_force(mesh, mesh, frame);
   const Peers peers = all_peers(mesh, mesh);
+  const std::size_t repeats = std::max<std::size_t>(1, 200'000 / mesh.triangles.size());
   TrianglePairs pairs;
-  for (const auto& peer : peers) peer->move(frame);
-  const auto times = measured(peers, [&](MeshPairPeer& peer) {
+  std::vector<Method> methods;
+  std::string note;
+  for (const auto& peer : peers) {
+    peer->move(frame);
     pairs.clear();
-    peer.all_pairs(pairs);
-  });
-  std::printf("two spheres of %zu triangles, centres %.2f apart: %zu pairs\n", mesh.triangles.size(), apart, expected.size());
-  for (std::size_t i = 0; i < peers.size(); ++i) {
-    pairs.clear();
-    peers[i]->all_pairs(pairs);
+    peer->all_pairs(pairs);
     make_unique(pairs);
     TrianglePairs common;
     std::set_intersection(pairs.begin(), pairs.end(), expected.begin(), expected.end(), std::back_inserter(common));
-    print_times(peers[i]->name(), times[i], times[0]);
-    std::printf(", pairs equal %zu of %zu, %zu wrong\n", common.size(), expected.size(), pairs.size() - common.size());
+    if (pairs.size() != common.size()) note += peer->name() + " tells " + std::to_string(pairs.size() - common.size()) + " wrong ";
+    methods.push_back({.name = peer->name(),
+                       .run =
+                           [&pairs, repeats, p = peer.get()] {
+                             for (std::size_t i = 0; i < repeats; ++i) {
+                               pairs.clear();
+                               p->all_pairs(pairs);
+                             }
+                           },
+                       .equal = common.size(),
+                       .of = expected.size()});
   }
   const Ours& ours = static_cast<const Ours&>(*peers[0]);
-  std::printf("        %u nodes, %u candidates, %zu above the filter\n", ours.cost().nodes, ours.cost().candidates,
-              ours.above_filter());
+  note += std::to_string(ours.cost().candidates) + " candidates, " + std::to_string(ours.above_filter()) + " above the filter";
+  measure(options, {scene, mesh.triangles.size(), "all pairs", repeats, note}, methods);
 }
 
-/// Poses at which the bunny just touches the terrain, or just not, or stands in it.
-void bunny_over_terrain(const char* name, const TriangleMesh& bunny, const TriangleMesh& hills, std::mt19937_64& random) {
+/// Places over the terrain at which the mesh touches it, or just not, or stands in it.
+std::vector<Frame> frames_over(const TriangleMesh& hills, const TriangleMesh& bunny, std::mt19937_64& random) {
   std::uniform_real_distribution<double> across(-0.4, 0.4), height(-0.2, 0.8), turn(0, 2 * std::numbers::pi);
-  const Peers peers = all_peers(hills, bunny);
   Aabb bounds;
   for (const Vec3& vertex : bunny.vertices) bounds.extend(vertex);
   const double tall = (bounds.high - bounds.low).maxCoeff();
@@ -281,70 +212,37 @@ void bunny_over_terrain(const char* name, const TriangleMesh& bunny, const Trian
     place[2] = (*nearest)[2] + tall * height(random) - bounds.low[2] * 0.5;
     frames.push_back(frame_of(Pose{.position = place, .rotation = rotation}));
   }
+  return frames;
+}
+
+void over_terrain(const Options& options, const char* scene, const TriangleMesh& bunny, std::mt19937_64& random) {
+  if (!options.wants(scene, "any pair")) return;
+  const TriangleMesh hills = scenes::terrain(512, 20, 7);
+  const std::vector<Frame> frames = frames_over(hills, bunny, random);
+  const Peers peers = all_peers(hills, bunny);
   std::vector<bool> expected;
   for (const Frame& frame : frames) expected.push_back(!by_force(hills, bunny, frame).empty());
-  std::vector<std::vector<double>> sums(peers.size(), std::vector<double>(kRepeats, 0));
-  std::vector<std::size_t> right(peers.size(), 0);
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    for (const auto& peer : peers) peer->move(frames[k]);
-    bool answer = false;
-    const auto times = measured(peers, [&](MeshPairPeer& peer) { answer = peer.any(); });
-    for (std::size_t i = 0; i < peers.size(); ++i) {
-      for (int repeat = 0; repeat < kRepeats; ++repeat) sums[i][static_cast<std::size_t>(repeat)] += times[i][static_cast<std::size_t>(repeat)] / 24;
-      right[i] += peers[i]->any() == expected[k] ? 1 : 0;
+  std::vector<Method> methods;
+  for (const auto& peer : peers) {
+    std::size_t right = 0;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      peer->move(frames[k]);
+      right += peer->any() == expected[k] ? 1 : 0;
     }
+    methods.push_back({.name = peer->name(),
+                       .run =
+                           [&frames, p = peer.get()] {
+                             for (const Frame& frame : frames) {
+                               p->move(frame);
+                               p->any();
+                             }
+                           },
+                       .equal = right,
+                       .of = frames.size()});
   }
-  std::printf("%s: %zu triangles on a terrain of %zu, any, mean of %zu poses, %ld of them touching\n", name,
-              bunny.triangles.size(), hills.triangles.size(), frames.size(),
-              static_cast<long>(std::count(expected.begin(), expected.end(), true)));
-  for (std::size_t i = 0; i < peers.size(); ++i) {
-    print_times(peers[i]->name(), sums[i], sums[0]);
-    std::printf(", answers equal %zu of %zu\n", right[i], frames.size());
-  }
-}
-
-void ours_alone(std::uint32_t around, double apart) {
-  const TriangleMesh mesh = globe(around);
-  Ours ours(mesh, mesh);
-  ours.move(frame_of(Pose{.position = apart * Vec3(0.48, 0.64, 0.6), .rotation = Quat(0.8, 0.1, 0.5, 0.3).normalized()}));
-  TrianglePairs pairs;
-  const double start = thread_seconds();
-  int rounds = 0;
-  for (; thread_seconds() - start < 2; ++rounds) {
-    pairs.clear();
-    ours.all_pairs(pairs);
-  }
-  std::printf("%.1f us, %zu pairs, %u nodes, %u candidates\n", 2e6 / rounds, pairs.size(), ours.cost().nodes,
-              ours.cost().candidates);
-}
-
-/// The exact test alone, on the pairs that the walk offers and on those whose bounds merely overlap.
-void exact_test_alone(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> at(-1, 1);
-  const auto corner = [&](double size) {
-    const double x = at(random), y = at(random);
-    return Vec3(size * Vec3(x, y, at(random)));
-  };
-  std::vector<std::pair<Triangle, Triangle>> crossing, parted;
-  while (crossing.size() < 2000 || parted.size() < 2000) {
-    const Triangle a{corner(1), corner(1), corner(1)};
-    const Triangle b{corner(1), corner(1), corner(1)};
-    if (!collided::overlaps(bounds_of(a), bounds_of(b))) continue;
-    auto& kind = collided::overlaps(a, b).yes() ? crossing : parted;
-    if (kind.size() < 2000) kind.emplace_back(a, b);
-  }
-  for (const auto& [name, pairs] : {std::pair("crossing", &crossing), std::pair("parted, bounds overlapping", &parted)}) {
-    std::size_t yes = 0;
-    std::vector<double> times;
-    for (int repeat = 0; repeat < kRepeats; ++repeat) {
-      times.push_back(microseconds([&] {
-        for (const auto& [a, b] : *pairs) yes += collided::overlaps(a, b).yes();
-      }));
-    }
-    const Spread time = spread_of(times);
-    std::printf("exact triangle pair, %s: %.1f ns [%.1f, %.1f]%s\n", name, time.median / 2, time.low / 2, time.high / 2,
-                yes == 1 ? " " : "");
-  }
+  const auto touching = std::count(expected.begin(), expected.end(), true);
+  measure(options, {scene, bunny.triangles.size(), "any pair", frames.size(), std::to_string(touching) + " poses touch"},
+          methods);
 }
 
 }  // namespace
@@ -352,16 +250,14 @@ void exact_test_alone(std::mt19937_64& random) {
 
 int main(int argc, char** argv) {
   using namespace collided;
+  const bench::Options options = bench::read_options(argc, argv);
   std::mt19937_64 random = oracle::seeded(20260120);
-  const unsigned long largest = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 256;
-  if (argc > 2) return bench::ours_alone(static_cast<std::uint32_t>(largest), std::strtod(argv[2], nullptr)), 0;
-  bench::exact_test_alone(random);
-  for (std::uint32_t around = 16; around <= largest; around *= 2) {
-    for (const double apart : {0.5, 1.9}) bench::two_spheres(around, apart, random);
+  for (std::uint32_t around = 16; around <= (options.quick ? 64 : 256); around *= 2) {
+    bench::two_spheres(options, around, "spheres deep", 0.5, random);
+    bench::two_spheres(options, around, "spheres edge", 1.9, random);
   }
+  bench::over_terrain(options, "ball on hills", scenes::icosphere(5, 0.5), random);
   const TriangleMesh bunny = bench::read_obj("/usr/share/glmark2/models/bunny.obj");
-  const TriangleMesh hills = scenes::terrain(512, 20, 7);
-  bench::bunny_over_terrain("icosphere", scenes::icosphere(5, 0.5), hills, random);
-  if (!bunny.triangles.empty()) bench::bunny_over_terrain("bunny", bunny, hills, random);
+  if (!bunny.triangles.empty()) bench::over_terrain(options, "bunny on hills", bunny, random);
   return 0;
 }

@@ -1,8 +1,6 @@
-// Closest hits along single rays, one thread: our tree beside Embree's default, in turn in one run. A ratio is
-// Embree's time over ours, median and range of the repeats; above 1 we are faster. "certainty" is the plain test's time
-// over the exact one's in the same walk: what certainty costs.
-
-#include <embree3/rtcore.h>
+// Rays, one thread: closest hits alone and in batches, and any hit, beside Embree default, robust, packets, stream and
+// occluded and CGAL with exact predicates, in turn in one run. "plain tests" is our walk with what it tells decided in
+// plain double: what certainty costs. The note says on what rung of the ladder rays were decided.
 
 #include <algorithm>
 #include <array>
@@ -15,9 +13,13 @@
 #include <span>
 
 #include "server/broad_phase/bsp_tree.hpp"
+#include "server/exact_phase/precision.hpp"
 #include "server/exact_phase/ray_cast.hpp"
-#include "tests/bench/clock.hpp"
+#include "tests/bench/embree_scene.hpp"
 #include "tests/bench/obj.hpp"
+#include "tests/bench/ray_peers.hpp"
+#include "tests/bench/ray_scenes.hpp"
+#include "tests/bench/rows.hpp"
 #include "tests/oracle/plain_ray.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
@@ -26,21 +28,12 @@ namespace collided::bench {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr int kRepeats = 5;
-constexpr std::size_t kStretch = 8192;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Answer {
   std::uint32_t triangle = kNone;
   double s = kInfinity;
 };
-
-/// Of this thread's processor time, so that a busy machine does not count.
-double seconds(const std::function<void()>& work) {
-  const double start = thread_seconds();
-  work();
-  return thread_seconds() - start;
-}
 
 double wall_seconds(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
@@ -75,11 +68,24 @@ double keep_closest(void* context, std::uint32_t triangle, const Triangle& corne
   return *s;
 }
 
+double keep_any(void* context, std::uint32_t triangle, const Triangle& corners, double limit) {
+  auto& closest = *static_cast<Closest*>(context);
+  RayHit hit;
+  if (!cast_ray(closest.ray, corners, hit).yes()) return limit;
+  closest.best.triangle = triangle;
+  return -1;
+}
+
 Answer shoot(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, BspTree::RayTriangle decide,
              WalkCost& cost) {
   Closest closest{ray, ray.direction.norm(), {}};
-  tree.walk_ray(ray, kInfinity, 0, mesh, decide, &closest, cost);
+  tree.walk_ray_nearest(ray, kInfinity, mesh, decide, &closest, cost);
   return closest.best;
+}
+
+bool meets_any(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
+  Closest closest{ray, 1, {}};
+  return tree.meet_ray(ray, kInfinity, mesh, keep_any, &closest, cost) != BspTree::kNoTriangle;
 }
 
 /// A whole stretch at once, its walks in turn.
@@ -91,9 +97,9 @@ class Batch {
     closest_.reserve(rays.size());
     for (const Ray& ray : rays) {
       closest_.push_back({ray, ray.direction.norm(), {}});
-      tasks_.push_back({&ray, kInfinity, &closest_.back(), &cost_});
+      tasks_.push_back({.ray = &ray, .limit = kInfinity, .context = &closest_.back(), .cost = &cost_});
     }
-    tree.walk_rays(tasks_, mesh, keep_closest_exactly);
+    tree.walk_rays(tasks_, mesh, BspTree::RayGoal::nearest, keep_closest_exactly);
     for (std::size_t i = 0; i < rays.size(); ++i) answers[i] = closest_[i].best;
   }
 
@@ -107,19 +113,8 @@ class Batch {
 
 class Embree {
  public:
-  explicit Embree(const TriangleMesh& mesh) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
-    const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
-    for (const Vec3& vertex : mesh.vertices) {
-      for (int axis = 0; axis < 3; ++axis) *vertices++ = static_cast<float>(vertex[axis]);
-    }
-    auto* corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
-    for (const TriangleCorners& triangle : mesh.triangles) corners = std::copy(triangle.begin(), triangle.end(), corners);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
+  Embree(const TriangleMesh& mesh, RTCSceneFlags flags)
+      : device_(rtcNewDevice(nullptr)), scene_(embree_scene(device_, mesh, flags)) {
     build_s = wall_seconds([&] { rtcCommitScene(scene_); });
   }
   ~Embree() {
@@ -136,6 +131,30 @@ class Embree {
     rtcIntersect1(scene_, &context, &hit);
     return answer(hit);
   }
+  bool occluded(const Ray& ray) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRay asked = question(ray).ray;
+    rtcOccluded1(scene_, &context, &asked);
+    return asked.tfar < 0;
+  }
+  /// Eight at a time, told that they are coherent.
+  void shoot_packets(std::span<const Ray> rays, Answer* answers) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (std::size_t begin = 0; begin < rays.size(); begin += 8) {
+      const std::size_t count = std::min<std::size_t>(8, rays.size() - begin);
+      alignas(32) int valid[8] = {};
+      alignas(32) RTCRayHit8 packet;
+      for (std::size_t i = 0; i < count; ++i) put(question(rays[begin + i]), i, valid, packet);
+      rtcIntersect8(valid, scene_, &context, &packet);
+      for (std::size_t i = 0; i < count; ++i) {
+        const bool is_hit = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+        answers[begin + i] = is_hit ? Answer{packet.hit.primID[i], static_cast<double>(packet.ray.tfar[i])} : Answer{};
+      }
+    }
+  }
   void shoot_stream(std::span<const Ray> rays, Answer* answers) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -148,6 +167,23 @@ class Embree {
   double build_s = 0;
 
  private:
+  static void put(const RTCRayHit& one, std::size_t i, int* valid, RTCRayHit8& packet) {
+    valid[i] = -1;
+    packet.ray.org_x[i] = one.ray.org_x;
+    packet.ray.org_y[i] = one.ray.org_y;
+    packet.ray.org_z[i] = one.ray.org_z;
+    packet.ray.dir_x[i] = one.ray.dir_x;
+    packet.ray.dir_y[i] = one.ray.dir_y;
+    packet.ray.dir_z[i] = one.ray.dir_z;
+    packet.ray.tnear[i] = 0;
+    packet.ray.tfar[i] = one.ray.tfar;
+    packet.ray.time[i] = 0;
+    packet.ray.mask[i] = one.ray.mask;
+    packet.ray.id[i] = 0;
+    packet.ray.flags[i] = 0;
+    packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
   static RTCRayHit question(const Ray& ray) {
     RTCRayHit hit{};
     hit.ray.org_x = static_cast<float>(ray.origin[0]);
@@ -177,13 +213,6 @@ Vec3 to_float(const Vec3& v) {
   Vec3 rounded;
   for (int axis = 0; axis < 3; ++axis) rounded[axis] = static_cast<double>(static_cast<float>(v[axis]));
   return rounded;
-}
-
-Vec3 on_sphere(std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  const double x = normal(random);
-  const double y = normal(random);
-  return Vec3(x, y, normal(random)).normalized();
 }
 
 Aabb bounds_of(const TriangleMesh& mesh) {
@@ -255,6 +284,18 @@ bool same(const Answer& a, const Answer& b) {
   return a.triangle != kNone && b.triangle != kNone && std::abs(a.s - b.s) <= 1e-5 * (std::abs(a.s) + std::abs(b.s));
 }
 
+/// Of every thousand rays how many triangles were decided in double with its bound, and how many exactly; the rest was
+/// decided in floats.
+std::string rungs_of(std::size_t rays, const WalkCost& cost, const RungCounts& before) {
+  const RungCounts& now = kernel::rungs;
+  char text[128];
+  const double per = 1000.0 / static_cast<double>(rays);
+  std::snprintf(text, sizeof text, "of 1000 rays %.1f nodes, %.1f tests in double, %.3f exact",
+                per * static_cast<double>(cost.nodes), per * static_cast<double>(cost.candidates),
+                per * static_cast<double>(now.uncertain - before.uncertain + now.sharpened - before.sharpened));
+  return text;
+}
+
 struct Agreement {
   std::size_t equal = 0;
   std::size_t ours_right = 0;  // of the unequal ones that were looked at
@@ -277,98 +318,155 @@ Agreement compare(const TriangleMesh& mesh, const std::vector<Ray>& rays, const 
   return agreement;
 }
 
-struct Ratio {
-  std::array<double, kRepeats> of{};
-
-  void print(const char* name) {
-    std::sort(of.begin(), of.end());
-    std::printf("%s %.2f [%.2f, %.2f]  ", name, of[kRepeats / 2], of.front(), of.back());
+/// One mesh in both, and what is asked of it.
+class Bench {
+ public:
+  Bench(const Options& options, std::string scene, const TriangleMesh& mesh)
+      : options_(options), scene_(std::move(scene)), mesh_(mesh), tree_(BspTree::build(mesh)),
+        embree_(mesh, RTC_SCENE_FLAG_NONE), robust_(mesh, RTC_SCENE_FLAG_ROBUST) {
+    const double mesh_bytes =
+        static_cast<double>(mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(TriangleCorners));
+#ifdef COLLIDED_BENCH_CGAL
+    // Its rows take minutes in a scene of a million.
+    if (options.quick || mesh.triangles.size() < 400'000) exact_ = cgal_ray_peer(mesh);
+#endif
+    bytes_each_ = (static_cast<double>(tree_.report().bytes) + mesh_bytes) / static_cast<double>(mesh.triangles.size());
   }
+  void run(const std::string& kind, const std::vector<Ray>& rays);
+
+ private:
+  void alone(const std::string& name, const std::vector<Ray>& rays);
+  void together(const std::string& name, const std::vector<Ray>& rays);
+  void any(const std::string& name, const std::vector<Ray>& rays);
+  Work work(const std::string& name, const std::vector<Ray>& rays, const std::string& note) const {
+    return {scene_, mesh_.triangles.size(), name, rays.size(), note};
+  }
+
+  const Options& options_;
+  std::string scene_;
+  const TriangleMesh& mesh_;
+  BspTree tree_;
+  Embree embree_;
+  Embree robust_;
+  double bytes_each_ = 0;
+  std::unique_ptr<ExactRayPeer> exact_;
+  std::vector<Answer> ours_;
+  std::string rungs_;
 };
 
-void run(const char* kind, const BspTree& tree, Embree& embree, const TriangleMesh& mesh,
-         const std::vector<Ray>& rays) {
-  std::vector<Answer> ours(rays.size());
-  std::vector<Answer> plain(rays.size());
-  std::vector<Answer> theirs(rays.size());
-  Ratio exact_ratio;
-  Ratio plain_ratio;
-  Ratio certainty_ratio;
-  Ratio batch_ratio;
-  Ratio stream_ratio;
-  Batch batch;
-  std::vector<Answer> batched(rays.size());
-  double our_best = kInfinity;
-  double their_best = kInfinity;
+void Bench::run(const std::string& kind, const std::vector<Ray>& rays) {
   WalkCost cost;
-  for (int repeat = 0; repeat < kRepeats; ++repeat) {
-    cost = {};
-    WalkCost unread;
-    double our_s = 0;
-    double plain_s = 0;
-    double their_s = 0;
-    double batch_s = 0;
-    double stream_s = 0;
-    // In turn in short stretches, so that whatever else the machine does falls on all.
-    for (std::size_t begin = 0; begin < rays.size(); begin += kStretch) {
-      const std::size_t end = std::min(begin + kStretch, rays.size());
-      our_s += seconds([&] {
-        for (std::size_t i = begin; i < end; ++i) ours[i] = shoot(tree, mesh, rays[i], keep_closest_exactly, cost);
-      });
-      their_s += seconds([&] {
-        for (std::size_t i = begin; i < end; ++i) theirs[i] = embree.shoot(rays[i]);
-      });
-      plain_s += seconds([&] {
-        for (std::size_t i = begin; i < end; ++i) plain[i] = shoot(tree, mesh, rays[i], keep_closest, unread);
-      });
-      const std::span<const Ray> stretch = std::span(rays).subspan(begin, end - begin);
-      batch_s += seconds([&] { batch.shoot(tree, mesh, stretch, &batched[begin]); });
-      stream_s += seconds([&] { embree.shoot_stream(stretch, &plain[begin]); });
-    }
-    exact_ratio.of[repeat] = their_s / our_s;
-    plain_ratio.of[repeat] = their_s / plain_s;
-    certainty_ratio.of[repeat] = plain_s / our_s;
-    batch_ratio.of[repeat] = their_s / batch_s;
-    stream_ratio.of[repeat] = stream_s / batch_s;
-    if (!std::equal(ours.begin(), ours.end(), batched.begin(), [](const Answer& a, const Answer& b) {
-          return a.triangle == b.triangle && a.s == b.s;
-        })) {
-      std::printf("  THE BATCH ANSWERS OTHERWISE\n");
-    }
-    our_best = std::min(our_best, our_s);
-    their_best = std::min(their_best, their_s);
-  }
-  const auto count = static_cast<double>(rays.size());
-  const Agreement agreement = compare(mesh, rays, ours, theirs);
-  std::printf("  %-8s ", kind);
-  exact_ratio.print("exact");
-  plain_ratio.print("plain");
-  certainty_ratio.print("certainty");
-  batch_ratio.print("batch");
-  stream_ratio.print("batch to stream");
-  std::printf(
-      "exact %.2f Mrays/s, Embree %.2f   nodes %.1f candidates %.2f a ray   answers equal %zu of %zu (of the others, "
-      "ours confirmed by force: %zu of %zu)\n",
-      count / our_best / 1e6, count / their_best / 1e6, cost.nodes / count, cost.candidates / count, agreement.equal,
-      rays.size(), agreement.ours_right, agreement.looked_at);
+  const RungCounts before = kernel::rungs;
+  ours_.clear();
+  for (const Ray& ray : rays) ours_.push_back(shoot(tree_, mesh_, ray, keep_closest_exactly, cost));
+  rungs_ = rungs_of(rays.size(), cost, before);
+  if (options_.wants(scene_, "closest, " + kind)) alone("closest, " + kind, rays);
+  if (options_.wants(scene_, "batch, " + kind)) together("batch, " + kind, rays);
+  if (options_.wants(scene_, "any, " + kind)) any("any, " + kind, rays);
 }
 
-void run_scene(const char* name, const TriangleMesh& mesh, int side, std::mt19937_64& random) {
+void Bench::alone(const std::string& name, const std::vector<Ray>& rays) {
+  std::vector<Answer> found(rays.size());
+  const auto by = [&](auto ask) {
+    return [&rays, &found, ask] {
+      for (std::size_t i = 0; i < rays.size(); ++i) found[i] = ask(rays[i]);
+    };
+  };
+  const auto ours = [this](BspTree::RayTriangle decide) {
+    return [this, decide](const Ray& ray) {
+      WalkCost unread;
+      return shoot(tree_, mesh_, ray, decide, unread);
+    };
+  };
+  std::vector<Method> methods{{.name = "collided", .run = by(ours(keep_closest_exactly)), .bytes_each = bytes_each_}};
+  methods.push_back({.name = "Embree default", .run = by([this](const Ray& ray) { return embree_.shoot(ray); })});
+  methods.push_back({.name = "Embree robust", .run = by([this](const Ray& ray) { return robust_.shoot(ray); })});
+  methods.push_back({.name = "collided, plain tests", .run = by(ours(keep_closest))});
+  if (exact_) {
+    methods.push_back({.name = "CGAL exact predicates", .run = by([this](const Ray& ray) {
+                         const std::uint32_t triangle = exact_->nearest(ray);
+                         if (triangle == kNone) return Answer{};
+                         return Answer{triangle, oracle::plain_ray(ray, mesh_.triangle(triangle)).value_or(kInfinity)};
+                       })});
+  }
+  std::string note = rungs_;
+  for (Method& method : methods) {
+    method.run();
+    const Agreement agreement = compare(mesh_, rays, ours_, found);
+    method.equal = agreement.equal;
+    method.of = rays.size();
+    if (method.name != "Embree default") continue;
+    note += "; of " + std::to_string(agreement.looked_at) + " that Embree answers otherwise force confirms " +
+           std::to_string(agreement.ours_right);
+  }
+  measure(options_, work(name, rays, note), methods);
+}
+
+void Bench::together(const std::string& name, const std::vector<Ray>& rays) {
+  static constexpr std::size_t kBatch = 8192;
+  std::vector<Answer> found(rays.size());
+  Batch batch;
+  const auto in_batches = [&](auto ask) {
+    return [&rays, &found, ask] {
+      for (std::size_t begin = 0; begin < rays.size(); begin += kBatch) {
+        ask(std::span(rays).subspan(begin, std::min(kBatch, rays.size() - begin)), &found[begin]);
+      }
+    };
+  };
+  std::vector<Method> methods{
+      {.name = "collided",
+       .run = in_batches([&](std::span<const Ray> some, Answer* to) { batch.shoot(tree_, mesh_, some, to); }),
+       .bytes_each = bytes_each_}};
+  methods.push_back(
+      {.name = "Embree packets",
+       .run = in_batches([&](std::span<const Ray> some, Answer* to) { embree_.shoot_packets(some, to); })});
+  methods.push_back({.name = "Embree stream",
+                     .run = in_batches([&](std::span<const Ray> some, Answer* to) { embree_.shoot_stream(some, to); })});
+  for (Method& method : methods) {
+    method.run();
+    for (std::size_t i = 0; i < rays.size(); ++i) method.equal += same(found[i], ours_[i]) ? 1 : 0;
+    method.of = rays.size();
+  }
+  measure(options_, work(name, rays, "8192 a batch"), methods);
+}
+
+void Bench::any(const std::string& name, const std::vector<Ray>& rays) {
+  std::vector<char> found(rays.size());
+  std::vector<Method> methods{{.name = "collided",
+                               .run =
+                                   [&] {
+                                     WalkCost unread;
+                                     for (std::size_t i = 0; i < rays.size(); ++i) {
+                                       found[i] = meets_any(tree_, mesh_, rays[i], unread);
+                                     }
+                                   },
+                               .bytes_each = bytes_each_}};
+  methods.push_back({.name = "Embree occluded", .run = [&] {
+                       for (std::size_t i = 0; i < rays.size(); ++i) found[i] = embree_.occluded(rays[i]);
+                     }});
+  for (Method& method : methods) {
+    method.run();
+    for (std::size_t i = 0; i < rays.size(); ++i) method.equal += found[i] == (ours_[i].triangle != kNone) ? 1 : 0;
+    method.of = rays.size();
+  }
+  WalkCost cost;
+  const RungCounts before = kernel::rungs;
+  for (const Ray& ray : rays) meets_any(tree_, mesh_, ray, cost);
+  measure(options_, work(name, rays, rungs_of(rays.size(), cost, before)), methods);
+}
+
+void run_scene(const Options& options, const std::string& name, TriangleMesh mesh, std::mt19937_64& random) {
   if (mesh.triangles.empty()) {
-    std::printf("%s: not here, left out\n", name);
+    std::printf("%s: not here, left out\n", name.c_str());
     return;
   }
-  const BspTree tree = BspTree::build(mesh);
-  Embree embree(mesh);
-  const BspReport& report = tree.report();
-  const auto count = static_cast<double>(mesh.triangles.size());
-  const double mesh_bytes = static_cast<double>(mesh.vertices.size() * sizeof(Vec3)) / count + sizeof(TriangleCorners);
-  std::printf("%s: %zu triangles, build %.2f s (Embree %.2f), %.1f bytes a triangle + mesh %.1f, depth %u, %.2f a leaf\n",
-              name, mesh.triangles.size(), report.build_s, embree.build_s, static_cast<double>(report.bytes) / count,
-              mesh_bytes, report.depth, static_cast<double>(report.references) / report.leaves);
-  run("camera", tree, embree, mesh, camera_rays(mesh, side));
-  run("surface", tree, embree, mesh, surface_rays(mesh, side * side, random));
-  run("random", tree, embree, mesh, random_rays(mesh, side * side, random));
+  // Both sides get coordinates that are floats.
+  for (Vec3& vertex : mesh.vertices) vertex = to_float(vertex);
+  const int side = options.quick ? 128 : 512;
+  Bench bench(options, name, mesh);
+  bench.run("camera", camera_rays(mesh, side));
+  bench.run("surface", surface_rays(mesh, side * side, random));
+  bench.run("random", random_rays(mesh, side * side, random));
 }
 
 }  // namespace
@@ -376,14 +474,18 @@ void run_scene(const char* name, const TriangleMesh& mesh, int side, std::mt1993
 
 int main(int argc, char** argv) {
   using namespace collided;
+  const bench::Options options = bench::read_options(argc, argv);
   std::mt19937_64 random = oracle::seeded(20240607);
-  const int side = argc > 1 ? std::atoi(argv[1]) : 512;
-  TriangleMesh bunny = bench::read_obj("/usr/share/glmark2/models/bunny.obj");
-  TriangleMesh terrain = scenes::terrain(707, 1000, random());
-  // Both sides get coordinates that are floats.
-  for (Vec3& vertex : terrain.vertices) vertex = bench::to_float(vertex);
-  for (Vec3& vertex : bunny.vertices) vertex = bench::to_float(vertex);
-  bench::run_scene("bunny", bunny, side, random);
-  bench::run_scene("terrain", terrain, side, random);
+  bench::run_scene(options, "bunny", bench::read_obj("/usr/share/glmark2/models/bunny.obj"), random);
+  bench::run_scene(options, "city", bench::city(options.quick ? 50 : 150, random), random);
+  bench::run_scene(options, "interior", bench::interior(options.quick ? 6 : 14, random), random);
+  bench::run_scene(options, "needles", bench::needles(options.quick ? 50'000 : 300'000, random), random);
+  bench::run_scene(options, "terrain", scenes::terrain(options.quick ? 200 : 707, 1000, random()), random);
+  if (!options.quick && options.wants("growth", "growth")) {
+    // Four times the triangles each: 100k, 400k, 1.6 M, 6.4 M.
+    for (const std::uint32_t cells : {224u, 447u, 894u, 1789u}) {
+      bench::run_scene(options, "growth", scenes::terrain(cells, 1000, 7), random);
+    }
+  }
   return 0;
 }

@@ -1,13 +1,19 @@
 // What the service costs beside its transport: round trips of single rays, and the share of a core that moving objects
 // take. Talks to a running server.
-// usage: service_bench rtt COUNT | service_bench movers COUNT HZ SECONDS SERVER_PID   [--domain N] [--namespace NAME]
+// usage: service_bench rtt COUNT | movers COUNT HZ SECONDS SERVER_PID | steps   [--domain N] [--namespace NAME]
+// steps does what its input asks for, line by line, and says how long each took, for a program that compares:
+//   single COUNT              single rays, one after the other
+//   batches SIZE COUNT ASKERS batches of rays, one after the other in each of so many threads
+//   flood SIZE COUNT          single rays while another client has a batch of that size under way all the time
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <iostream>
 #include <random>
 #include <sstream>
 #include <string>
@@ -15,6 +21,8 @@
 #include <vector>
 
 #include <collided/client.hpp>
+
+#include "tests/bench/service_rays.hpp"
 
 namespace {
 
@@ -34,6 +42,10 @@ double cpu_seconds(int pid) {
   double system = 0;
   fields >> user >> system;
   return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+double at(const std::vector<double>& sorted, double share) {
+  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
 template <class T>
@@ -61,9 +73,8 @@ int round_trips(collided::Client& client, int count) {
   }
   std::sort(times.begin(), times.end());
   std::sort(in_server.begin(), in_server.end());
-  const auto at = [&](double share) { return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))]; };
-  std::printf("rtt rays=%d p50_us=%.1f p90_us=%.1f p99_us=%.1f max_us=%.1f in_server_p50_us=%.1f\n", count, at(0.5), at(0.9), at(0.99), at(1),
-              in_server[in_server.size() / 2]);
+  std::printf("rtt rays=%d p50_us=%.1f p90_us=%.1f p99_us=%.1f max_us=%.1f in_server_p50_us=%.1f\n", count,
+              at(times, 0.5), at(times, 0.9), at(times, 0.99), at(times, 1), at(in_server, 0.5));
   return 0;
 }
 
@@ -113,6 +124,86 @@ int movers(collided::Client& client, int count, double hz, double seconds, int p
   return 0;
 }
 
+std::vector<collided::RayQuestion> rays(std::size_t count, std::uint64_t seed) {
+  const std::vector<double> numbers = service_rays(count, seed);
+  std::vector<collided::RayQuestion> made;
+  for (std::size_t i = 0; i < numbers.size(); i += 7) {
+    made.push_back({.origin = {numbers[i], numbers[i + 1], numbers[i + 2]},
+                    .direction = {numbers[i + 3], numbers[i + 4], numbers[i + 5]},
+                    .length_m = numbers[i + 6]});
+  }
+  return made;
+}
+
+/// Sorted, in microseconds.
+std::vector<double> singles(collided::Client& client, int count) {
+  const std::vector<collided::RayQuestion> asked = rays(static_cast<std::size_t>(count), 1);
+  std::vector<double> times;
+  for (const collided::RayQuestion& ray : asked) {
+    const auto started = Clock::now();
+    must(client.ask(std::span(&ray, 1)));
+    times.push_back(microseconds(Clock::now() - started));
+  }
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+void say_singles(const std::vector<double>& times) {
+  std::printf("%.3f %.3f %.3f %.3f\n", at(times, 0.5), at(times, 0.9), at(times, 0.99), at(times, 1));
+}
+
+/// Wall time in microseconds.
+double batches(collided::Client& client, int size, int count, int askers) {
+  std::vector<std::vector<collided::RayQuestion>> asked;
+  for (int i = 0; i < askers; ++i) asked.push_back(rays(static_cast<std::size_t>(size), 1 + i));
+  std::vector<std::thread> threads;
+  const auto started = Clock::now();
+  for (int i = 0; i < askers; ++i) {
+    threads.emplace_back([&, i] {
+      collided::Answers answers;
+      for (int round = 0; round < count; ++round) {
+        answers = must(client.ask(std::span<const collided::RayQuestion>(asked[static_cast<std::size_t>(i)]),
+                                  {.timeout = std::chrono::seconds(60)}, std::move(answers)));
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  return microseconds(Clock::now() - started);
+}
+
+void flooded(collided::Client& client, const collided::ConnectOptions& connect, int size, int count) {
+  collided::Client other = must(collided::Client::connect(connect));
+  std::atomic<bool> over{false};
+  std::atomic<int> rounds{0};
+  std::thread flood([&] {
+    while (!over.load()) {
+      batches(other, size, 1, 1);
+      ++rounds;
+    }
+  });
+  while (rounds.load() == 0) std::this_thread::yield();
+  say_singles(singles(client, count));
+  over.store(true);
+  flood.join();
+}
+
+int steps(collided::Client& client, const collided::ConnectOptions& connect) {
+  std::string line;
+  while (std::getline(std::cin, line)) {
+    std::istringstream words(line);
+    std::string what;
+    int first = 0;
+    int second = 0;
+    int third = 1;
+    words >> what >> first >> second >> third;
+    if (what == "single") say_singles(singles(client, first));
+    if (what == "batches") std::printf("%.3f\n", batches(client, first, second, third));
+    if (what == "flood") flooded(client, connect, first, second);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int count, char** words) {
@@ -128,11 +219,12 @@ int main(int count, char** words) {
       plain.push_back(word);
     }
   }
-  if (plain.size() < 2) {
-    std::fprintf(stderr, "usage: service_bench rtt COUNT | movers COUNT HZ SECONDS SERVER_PID  [--domain N]\n");
+  if (plain.empty() || (plain[0] != "steps" && plain.size() < 2)) {
+    std::fprintf(stderr, "usage: service_bench rtt COUNT | movers COUNT HZ SECONDS SERVER_PID | steps  [--domain N]\n");
     return 2;
   }
   collided::Client client = must(collided::Client::connect(connect));
+  if (plain[0] == "steps") return steps(client, connect);
   if (plain[0] == "rtt") return round_trips(client, std::atoi(plain[1].c_str()));
   if (plain[0] == "movers" && plain.size() == 5) {
     return movers(client, std::atoi(plain[1].c_str()), std::atof(plain[2].c_str()), std::atof(plain[3].c_str()),

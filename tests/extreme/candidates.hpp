@@ -25,8 +25,11 @@ inline Grid grid_of(const std::vector<Aabb>& boxes) {
 inline Pairs pairs_of(const Grid& grid) {
   Pairs all;
   WalkCost cost;
-  grid.pairs([](void* context, std::uint32_t a, std::uint32_t b) { static_cast<Pairs*>(context)->emplace_back(a, b); },
-             &all, cost);
+  const auto collect = [](void* context, std::uint32_t a, std::uint32_t b) {
+    static_cast<Pairs*>(context)->emplace_back(a, b);
+    return true;
+  };
+  grid.pairs(collect, &all, cost);
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -44,7 +47,11 @@ inline Pairs pairs_by_force(const std::vector<Aabb>& boxes) {
 inline std::uint64_t count_pairs(const Grid& grid) {
   std::uint64_t count = 0;
   WalkCost cost;
-  grid.pairs([](void* context, std::uint32_t, std::uint32_t) { ++*static_cast<std::uint64_t*>(context); }, &count, cost);
+  const auto add = [](void* context, std::uint32_t, std::uint32_t) {
+    ++*static_cast<std::uint64_t*>(context);
+    return true;
+  };
+  grid.pairs(add, &count, cost);
   return count;
 }
 

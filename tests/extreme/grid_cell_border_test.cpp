@@ -51,7 +51,7 @@ TEST(ExtremeGridCellBorder, OneStepBesideTheBorderParts) {
 TEST(ExtremeGridCellBorder, CornersOnTheGridsOwnBordersAreFoundFromBothSides) {
   grid::Levels levels;
   levels.rebuild(std::vector<Aabb>(100, extreme::cube({0, 0, 0}, 1)));
-  const double cell_m = levels.levels.at(0).cell_m;
+  const double cell_m = levels.levels.at(0).cell_m[0];
   std::vector<Aabb> boxes;
   for (int i = 0; i < 7 * 7 * 27; ++i) {
     Vec3 low = cell_m * Vec3(i % 7 - 3, i / 7 % 7 - 3, 0);

@@ -47,7 +47,7 @@ TEST(ExtremeGridLatticeRay, WithinAPlaneOfCellBorders) {
 TEST(ExtremeGridLatticeRay, ThroughTheCornersOfTheGridsOwnCells) {
   grid::Levels levels;
   levels.rebuild(lattice({0, 0, 0}));
-  const double cell_m = levels.levels.at(0).cell_m;
+  const double cell_m = levels.levels.at(0).cell_m[0];
   for (const double first : {0.0, -4.0, -8.0}) {
     std::vector<Aabb> boxes;
     for (int i = 0; i < 512; ++i) {

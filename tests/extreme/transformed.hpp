@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/geometry/mesh.hpp"
 #include "server/geometry/ray.hpp"
 #include "server/geometry/shapes.hpp"
 
@@ -20,6 +21,14 @@ struct Scaling {
   Sphere operator()(const Sphere& s) const { return {(*this)(s.center), (*this)(s.radius_m)}; }
   Box operator()(const Box& b) const { return {(*this)(b.center), b.axes, (*this)(b.half_m)}; }
   Capsule operator()(const Capsule& c) const { return {(*this)(c.a), (*this)(c.b), (*this)(c.radius_m)}; }
+  Cylinder operator()(const Cylinder& c) const { return {(*this)(c.a), (*this)(c.b), (*this)(c.radius_m)}; }
+  Cone operator()(const Cone& c) const { return {(*this)(c.apex), (*this)(c.base), (*this)(c.radius_m)}; }
+  Ellipsoid operator()(const Ellipsoid& e) const { return {(*this)(e.center), e.axes, (*this)(e.half_m)}; }
+  Hull operator()(const Hull& hull) const {
+    TriangleMesh mesh = *hull.mesh;
+    for (Vec3& vertex : mesh.vertices) vertex = (*this)(vertex);
+    return {std::make_shared<const TriangleMesh>(std::move(mesh)), hull.rotation, (*this)(hull.position)};
+  }
   Triangle operator()(const Triangle& t) const { return {(*this)(t.a), (*this)(t.b), (*this)(t.c)}; }
   Ray operator()(const Ray& r) const { return {(*this)(r.origin), (*this)(r.direction), (*this)(r.length_m)}; }
 };

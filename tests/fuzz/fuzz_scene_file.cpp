@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "server/broad_phase/bsp_tree.hpp"
 #include "server/intake/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
@@ -27,7 +28,10 @@ std::vector<std::string> fuzz_seeds() {
   std::vector<std::string> seeds;
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("fuzz_" + std::to_string(::getpid()) + ".cscene");
-  for (const Scene& scene : {small, embedded_scene()}) {
+  Scene with_index = small;
+  const auto index = std::make_shared<const std::vector<std::byte>>(BspTree::build(small.mesh).saved(small.mesh));
+  with_index.index = with_index.objects[0].index = {*index, index};
+  for (const Scene& scene : {small, with_index, embedded_scene()}) {
     save_scene(path.string(), scene);
     std::ifstream file(path, std::ios::binary);
     seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/geometry/convex_hull.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::oracle {
@@ -54,6 +55,18 @@ class MixedWorld {
     world.add_scene(scene, indexed);
   }
 
+  Primitive convex_of_kind(int kind) {
+    switch (kind) {
+      case 0: return Capsule{point(0.4), point(0.4), uniform(0.05, 0.3)};
+      case 1: return Cylinder{point(0.4), point(0.4), uniform(0.05, 0.3)};
+      case 2: return Cone{point(0.4), point(0.4), uniform(0.05, 0.3)};
+      case 3: return Ellipsoid{.center = point(0.2), .half_m = {0.1, uniform(0.1, 0.5), 0.3}};
+      default: break;
+    }
+    const std::vector<Vec3> points{point(0.5), point(0.5), point(0.5), point(0.5), point(0.5), point(0.5)};
+    return Hull{std::make_shared<const TriangleMesh>(*convex_hull(points))};
+  }
+
   void add(int i) {
     ObjectDefinition definition;
     definition.name = "object" + std::to_string(i);
@@ -68,7 +81,7 @@ class MixedWorld {
     if (i % 5 == 1 || i % 5 == 4) {
       definition.shape.primitives.push_back(Box{.center = point(0.2), .half_m = {0.1, uniform(0.1, 0.5), 0.3}});
     }
-    if (i % 5 == 2) definition.shape.primitives.push_back(Capsule{point(0.4), point(0.4), uniform(0.05, 0.3)});
+    if (i % 5 == 2) definition.shape.primitives.push_back(convex_of_kind(i / 5 % 5));
     definition.filter.group = i % 7 == 0 ? 1 : 0;
     definition.moving = i % 9 != 0;
     const auto defined = world.define(definition);

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "server/geometry/convex_hull.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/geometry/ray.hpp"
 #include "server/geometry/shapes.hpp"
@@ -56,6 +57,34 @@ class RandomShapes {
       box.axes << 0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 1;  // 3-4-5: not quite orthonormal in double
     }
     return box;
+  }
+  /// Ends apart, which the kinds with an axis need.
+  Cylinder cylinder() {
+    Cylinder cylinder{point(), point(), size()};
+    while (cylinder.a == cylinder.b) cylinder.b = point();
+    return cylinder;
+  }
+  Cone cone() {
+    const Cylinder like = cylinder();
+    return {like.a, like.b, like.radius_m};
+  }
+  Ellipsoid ellipsoid() {
+    const Box like = box();
+    Ellipsoid ellipsoid{like.center, like.axes, like.half_m};
+    for (double& half : ellipsoid.half_m) {
+      while (half == 0) half = size();
+    }
+    return ellipsoid;
+  }
+  /// Of six points; in families of few coordinates tried until they span space.
+  Hull hull() {
+    std::optional<TriangleMesh> mesh;
+    while (!mesh) {
+      std::vector<Vec3> points;
+      for (int i = 0; i < 6; ++i) points.push_back(point());
+      mesh = convex_hull(points);
+    }
+    return {std::make_shared<const TriangleMesh>(std::move(*mesh))};
   }
   Ray ray(bool limited) {
     Ray ray{point(), point() - point()};

@@ -87,6 +87,7 @@ const std::pair<const char*, Study> kStudies[] = {
     {"simplification", report::study_simplification},
     {"extremes", report::study_extremes},
     {"decisions", report::study_decisions},
+    {"index", report::study_index},
 };
 
 }  // namespace

@@ -42,6 +42,11 @@ const Column kColumns[] = {
      [](const Row& r) {
        return std::isnan(r.ns) ? std::string("-") : short_number(r.ns_low, 3) + " .. " + short_number(r.ns_high, 3);
      }},
+    {"nodes", [](const Row& r) { return short_number(r.nodes, 3); }},
+    {"tests", [](const Row& r) { return short_number(r.tests, 3); }},
+    {"references a triangle", [](const Row& r) { return short_number(r.references, 3); }},
+    {"bytes a triangle", [](const Row& r) { return short_number(r.bytes, 3); }},
+    {"build, ms", [](const Row& r) { return short_number(r.build_ms, 3); }},
     {"n", [](const Row& r) { return count_text(r.n); }},
     {"missed", [](const Row& r) { return count_text(r.missed); }},
     {"false", [](const Row& r) { return count_text(r.false_hits); }},

@@ -50,6 +50,7 @@ void write_rows(const std::filesystem::path& file, const std::vector<Row>& rows,
   std::ofstream out(file);
   out << "study,scene,series,label,knob,error_max,error_p50,bound_ratio,bound_max,ns,ns_low,ns_high,n,missed,false,"
          "undecided,note,"
+         "nodes,tests,references,bytes,build_ms,"
          "machine,commit,seed,command\n";
   for (const Row& r : rows) {
     for (const std::string* text : {&r.study, &r.scene, &r.series, &r.label}) out << quoted(*text) << ',';
@@ -57,8 +58,9 @@ void write_rows(const std::filesystem::path& file, const std::vector<Row>& rows,
          {r.knob, r.error_max, r.error_p50, r.bound_ratio, r.bound_max, r.ns, r.ns_low, r.ns_high}) {
       out << full_number(value) << ',';
     }
-    out << r.n << ',' << r.missed << ',' << r.false_hits << ',' << r.undecided << ',' << quoted(r.note) << ','
-        << quoted(from.machine) << ',' << quoted(from.commit) << ',' << from.seed << ',' << quoted(from.command)
+    out << r.n << ',' << r.missed << ',' << r.false_hits << ',' << r.undecided << ',' << quoted(r.note) << ',';
+    for (const double value : {r.nodes, r.tests, r.references, r.bytes, r.build_ms}) out << full_number(value) << ',';
+    out << quoted(from.machine) << ',' << quoted(from.commit) << ',' << from.seed << ',' << quoted(from.command)
         << '\n';
   }
 }

@@ -37,6 +37,11 @@ struct Row {
   long false_hits = 0;
   long undecided = 0;
   std::string note{};
+  double nodes = kUnknown;       // of an index that a question visits
+  double tests = kUnknown;       // exact tests of a question
+  double references = kUnknown;  // of an index, a triangle
+  double bytes = kUnknown;       // of an index, a triangle
+  double build_ms = kUnknown;    // of an index
 };
 
 void write_rows(const std::filesystem::path& file, const std::vector<Row>& rows, const Provenance& from);

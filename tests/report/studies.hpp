@@ -25,6 +25,9 @@ std::vector<Row> study_simplification(const Setting& setting);
 std::vector<Row> study_extremes(const Setting& setting);
 /// Rays aimed at edges and vertices: how often the yes or no is wrong.
 std::vector<Row> study_decisions(const Setting& setting);
+/// The product's tree beside the lecture's two plain forms, over triangle counts.
+std::vector<Row> study_index(const Setting& setting);
+
 /// The bunny of glmark2-data with its coordinates rounded to float, so that float programs get the same question; an
 /// icosphere where it is not installed.
 struct NamedMesh {

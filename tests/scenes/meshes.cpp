@@ -121,6 +121,14 @@ TriangleMesh scattered(std::uint32_t count, double size_m, std::uint64_t seed) {
   return mesh;
 }
 
+TriangleMesh slanted(std::uint32_t count, double size_m, std::uint64_t seed) {
+  TriangleMesh mesh = scattered(count, size_m, seed);
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
+    mesh.vertices[i + 2] = mesh.vertices[i] + Vec3(0.01 * size_m, 0, 0);
+  }
+  return mesh;
+}
+
 TriangleMesh degenerate(std::uint32_t count, std::uint64_t seed) {
   Random random(seed);
   std::uniform_int_distribution<int> kind(0, 5);

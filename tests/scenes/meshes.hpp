@@ -19,6 +19,9 @@ TriangleMesh box(const Vec3& half_m, const Vec3& center = Vec3::Zero());
 /// Triangles without order: corners within `size_m` of centres in the cube [-1, 1]^3.
 TriangleMesh scattered(std::uint32_t count, double size_m, std::uint64_t seed);
 
+/// The same, each corner c within a hundredth of corner a: long, thin and askew, so that their boxes are mostly empty.
+TriangleMesh slanted(std::uint32_t count, double size_m, std::uint64_t seed);
+
 /// Sizes over six decades, needles, slivers, points, segments and repeated triangles, in [-1, 1]^3.
 TriangleMesh degenerate(std::uint32_t count, std::uint64_t seed);
 

@@ -151,6 +151,35 @@ TEST_F(ClientAsk, HundredThousandRaysKeepTheirOrder) {
   EXPECT_EQ(*std::max_element(chunks.begin(), chunks.end()), wire_contract::kMaxQuestionsPerChunk);
 }
 
+// Memory that served before holds other hits, of more or fewer answers: nothing of them may show.
+TEST_F(ClientAsk, AnswersInTheMemoryOfEarlierOnesAreThoseOfAFreshRequest) {
+  Answers kept;
+  for (const int count : {2'500, 40, 1'000, 1'001}) {
+    std::vector<RayQuestion> rays;
+    for (int i = 0; i < count; ++i) {
+      rays.push_back(ray_from((i + count) % 3 == 0 ? -1 : i + 0.5));
+    }
+    const Result<Answers> fresh = client_->ask(rays);
+    Result<Answers> again = client_->ask(rays, AskOptions{}, std::move(kept));
+    ASSERT_TRUE(fresh && again);
+    ASSERT_EQ(again->answers.size(), rays.size());
+    EXPECT_EQ(again->version, fresh->version);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const Answer& a = again->answers[i];
+      const Answer& b = fresh->answers[i];
+      ASSERT_EQ(a.verdict, b.verdict) << i;
+      ASSERT_EQ(a.hits.size(), b.hits.size()) << i;
+      for (std::size_t hit = 0; hit < a.hits.size(); ++hit) {
+        ASSERT_EQ(a.hits[hit].distance_m, b.hits[hit].distance_m) << i;
+        ASSERT_EQ(a.hits[hit].object, b.hits[hit].object) << i;
+        ASSERT_EQ(a.hits[hit].object_id, b.hits[hit].object_id) << i;
+        ASSERT_EQ(a.hits[hit].triangle, b.hits[hit].triangle) << i;
+      }
+    }
+    kept = std::move(*again);
+  }
+}
+
 TEST_F(ClientAsk, NoMoreChunksAreUnderWayThanTheWindowHolds) {
   server_.delay_us = 2000;
   const std::vector<RayQuestion> rays(20'500, ray_from(1));

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "server/broad_phase/bsp_tree.hpp"
+#include "server/exact_phase/closest.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
@@ -373,14 +374,29 @@ Numbers near_point(const BspTree& tree, const Vec3& point, double limit_m2, doub
   return all;
 }
 
-/// Within the limit of the triangle's bounds: what a walk over boxes can tell.
+bool box_near(const Aabb& box, const Vec3& point, double limit_m) {
+  return (box.low - point).cwiseMax(point - box.high).cwiseMax(0.0).stableNorm() <= limit_m;
+}
+
+/// Triangles surely within the limit, by the exact phase; boxes spare it the far ones.
 Numbers near_by_force(const TriangleMesh& mesh, const Vec3& point, double limit_m) {
   Numbers all;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Aabb bounds = bounds_of(mesh.triangle(i));
-    if ((bounds.low - point).cwiseMax(point - bounds.high).cwiseMax(0.0).stableNorm() <= limit_m) all.insert(i);
+    const Triangle triangle = mesh.triangle(i);
+    if (!box_near(bounds_of(triangle), point, limit_m * (1 + 1e-9))) continue;
+    const Closest nearest = closest(point, triangle);
+    if (nearest.distance_m + nearest.distance_error_m <= limit_m) all.insert(i);
   }
   return all;
+}
+
+/// Triangles whose bounds are within the limit: what a walk over boxes could tell.
+std::size_t boxes_near(const TriangleMesh& mesh, const Vec3& point, double limit_m) {
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    count += box_near(bounds_of(mesh.triangle(i)), point, limit_m);
+  }
+  return count;
 }
 
 TEST(BroadBspNear, OffersWhatLiesWithinTheLimitAndHardlyMore) {
@@ -392,6 +408,7 @@ TEST(BroadBspNear, OffersWhatLiesWithinTheLimitAndHardlyMore) {
     const BspTree tree = BspTree::build(mesh);
     std::size_t expected_count = 0;
     std::size_t found_count = 0;
+    std::size_t box_count = 0;
     for (int i = 0; i < 300; ++i) {
       const Vec3 point = 1.5 * scale * in_cube(random);
       const double limit_m = 0.2 * scale * std::abs(in_cube(random)[0]);
@@ -400,9 +417,10 @@ TEST(BroadBspNear, OffersWhatLiesWithinTheLimitAndHardlyMore) {
       EXPECT_TRUE(std::includes(found.begin(), found.end(), expected.begin(), expected.end()));
       expected_count += expected.size();
       found_count += found.size();
+      box_count += boxes_near(mesh, point, limit_m);
     }
     EXPECT_GT(expected_count, 0u);
-    EXPECT_LE(found_count, expected_count + 20);
+    EXPECT_LE(found_count, box_count + 20);
   }
 }
 

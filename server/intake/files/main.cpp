@@ -35,6 +35,9 @@ int main(int argument_count, char** arguments) {
   convert->add_option("output", converted.output, "File to write: .cscene")->required();
   convert->add_flag("--center", converted.center, "The middle, in whole metres, becomes 0 0 0");
   convert->add_option("--origin", converted.origin, "This point X,Y,Z becomes 0 0 0");
+  convert->add_option("--index", converted.index, "How the saved index is built: fast, or best for faster questions (fast)")
+      ->check(CLI::IsMember({"fast", "best"}));
+  convert->add_flag("--no-index", converted.no_index, "Save no index; loading builds it");
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {

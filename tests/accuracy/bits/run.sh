@@ -14,5 +14,5 @@ for file in "$source"/server/exact_phase/*.cpp "$source/server/geometry/pose.cpp
   objects="$objects $object"
 done
 # shellcheck disable=SC2086
-"$compiler" $objects -lgmpxx -lgmp -o "$work/bits"
+"$compiler" $objects -lgmpxx -lgmp -lhwy -o "$work/bits"
 "$work/bits" --expect "$hash"

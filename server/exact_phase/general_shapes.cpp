@@ -1,0 +1,98 @@
+#include "server/exact_phase/general_shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/exact_phase/convex_pair.hpp"
+#include "server/exact_phase/membership_kernel.hpp"
+#include "server/exact_phase/polytope_kernel.hpp"
+
+namespace collided {
+namespace {
+
+using kernel::Convex;
+using kernel::ConvexPair;
+
+struct Views {
+  const ShapeView& a;
+  const ShapeView& b;
+};
+
+Convex convex(const ShapeView& view) {
+  return std::visit([](const auto* shape) { return Convex(*shape); }, view);
+}
+
+Verdict holds(const ShapeView& view, const Vec3& point) {
+  return std::visit(
+      [&](const auto* shape) {
+        if constexpr (std::is_same_v<decltype(shape), const Hull*>) {
+          return Verdict{kernel::polytopes_meet(Convex(Sphere{point, 0}), Convex(*shape)), Level::rational};
+        } else {
+          return kernel::climb([&]<class N>() { return kernel::holds_point<N>(*shape, point); });
+        }
+      },
+      view);
+}
+
+Verdict both_hold(const void* raw, const Vec3& point) {
+  const Views& views = *static_cast<const Views*>(raw);
+  const Verdict a = holds(views.a, point);
+  if (!a.yes()) return a;
+  const Verdict b = holds(views.b, point);
+  return {b.decision, std::max(a.level, b.level)};
+}
+
+/// Rationals alone.
+Decision surely_holds(const ShapeView& view, const Vec3& point) {
+  return std::visit(
+      [&](const auto* shape) {
+        if constexpr (std::is_same_v<decltype(shape), const Hull*>) {
+          return kernel::polytopes_meet(Convex(Sphere{point, 0}), Convex(*shape));
+        } else {
+          return kernel::holds_point<Dyadic>(*shape, point);
+        }
+      },
+      view);
+}
+
+Verdict surely_both_hold(const void* raw, const Vec3& point) {
+  const Views& views = *static_cast<const Views*>(raw);
+  return {kernel::both(surely_holds(views.a, point), surely_holds(views.b, point)), Level::rational};
+}
+
+}  // namespace
+
+Verdict overlaps_in_general(const ShapeView& a, const ShapeView& b) {
+  const Views views{a, b};
+  const Verdict verdict = kernel::sets_overlap({convex(a), convex(b), both_hold, &views});
+  if (verdict.decision != Decision::undecided) return verdict;
+  // Both orders are tried, so that the order asked in is not to be seen.
+  return kernel::sets_overlap({convex(b), convex(a), both_hold, &views});
+}
+
+Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b) {
+  const Views views{a, b};
+  return kernel::sets_overlap_by_rationals({convex(a), convex(b), surely_both_hold, &views});
+}
+
+Contact contact_in_general(const ShapeView& a, const ShapeView& b) {
+  const Views views{a, b};
+  return kernel::contact_of({convex(a), convex(b), both_hold, &views});
+}
+
+Closest closest_in_general(const Vec3& point, const ShapeView& shape) {
+  const Sphere at{point, 0};
+  const ShapeView point_view = &at;
+  const Views views{shape, point_view};
+  const ConvexPair pair{convex(shape), Convex(at), both_hold, &views};
+  if (kernel::sets_overlap(pair).yes()) return {0, 0, point, kernel::contact_of(pair).normal, 0};
+  const kernel::Separation apart = kernel::separation_of(pair);
+  Closest result{apart.distance_m, apart.error_m, apart.on_a, apart.normal};
+  // The nearest point of a convex set is within sqrt(h^2 - l^2) of any of its points at distance h, if it is at l or more.
+  const double high = apart.distance_m + apart.error_m;
+  const double low = std::max(apart.distance_m - apart.error_m, 0.0);
+  result.point_error_m = std::sqrt((high - low) * (high + low)) * (1 + 0x1p-48) + apart.point_error_m;
+  return result;
+}
+
+}  // namespace collided

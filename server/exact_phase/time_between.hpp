@@ -1,0 +1,16 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace collided::kernel {
+
+/// A time strictly between, if there is one: by value when the two are close, by exponent when they are far apart, so
+/// that a contact at 1e-300 is as few steps away as one at a half.
+inline double time_between(double low, double high) {
+  if (high <= 2 * low) return low + (high - low) / 2;
+  const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+  return std::bit_cast<double>(bits(low) + (bits(high) - bits(low)) / 2);
+}
+
+}  // namespace collided::kernel

@@ -1,0 +1,70 @@
+#include <ode/ode.h>
+
+#include "tests/bench/clock.hpp"
+#include "tests/bench/overlap_peers.hpp"
+
+namespace collided::bench {
+namespace {
+
+/// Its trimesh collider: contacts, merged, so that only yes and no can be compared.
+class Ode final : public OverlapPeer {
+ public:
+  explicit Ode(const TriangleMesh& mesh) {
+    dInitODE2(0);
+    for (const Vec3& vertex : mesh.vertices) {
+      for (int axis = 0; axis < 3; ++axis) vertices_.push_back(static_cast<dReal>(vertex[axis]));
+    }
+    for (const TriangleCorners& t : mesh.triangles) corners_.insert(corners_.end(), t.begin(), t.end());
+    const double start = thread_seconds();
+    data_ = dGeomTriMeshDataCreate();
+#ifdef dDOUBLE
+    dGeomTriMeshDataBuildDouble(data_, vertices_.data(), 3 * sizeof(dReal), static_cast<int>(mesh.vertices.size()),
+                                corners_.data(), static_cast<int>(corners_.size()), 3 * sizeof(dTriIndex));
+#else
+    dGeomTriMeshDataBuildSingle(data_, vertices_.data(), 3 * sizeof(dReal), static_cast<int>(mesh.vertices.size()),
+                                corners_.data(), static_cast<int>(corners_.size()), 3 * sizeof(dTriIndex));
+#endif
+    mesh_ = dCreateTriMesh(nullptr, data_, nullptr, nullptr, nullptr);
+    sphere_ = dCreateSphere(nullptr, 1);
+    box_ = dCreateBox(nullptr, 1, 1, 1);
+    build_s = thread_seconds() - start;
+  }
+  ~Ode() override {
+    for (const dGeomID geometry : {mesh_, sphere_, box_}) dGeomDestroy(geometry);
+    dGeomTriMeshDataDestroy(data_);
+    dCloseODE();
+  }
+  std::string name() const override { return "ODE"; }
+  bool only_any() const override { return true; }
+
+  long sphere(const Vec3& center, double radius_m, bool any) override {
+    dGeomSphereSetRadius(sphere_, static_cast<dReal>(radius_m));
+    return collide(sphere_, center, any);
+  }
+  long box(const Vec3& center, const Vec3& half_m, bool any) override {
+    const auto edge = [&](int axis) { return static_cast<dReal>(2 * half_m[axis]); };
+    dGeomBoxSetLengths(box_, edge(0), edge(1), edge(2));
+    return collide(box_, center, any);
+  }
+
+ private:
+  long collide(dGeomID geometry, const Vec3& c, bool any) {
+    dGeomSetPosition(geometry, static_cast<dReal>(c[0]), static_cast<dReal>(c[1]), static_cast<dReal>(c[2]));
+    if (!any) return kCannot;
+    dContactGeom contact;
+    return dCollide(mesh_, geometry, 1 | static_cast<int>(CONTACTS_UNIMPORTANT), &contact, sizeof contact) > 0 ? 1 : 0;
+  }
+
+  std::vector<dReal> vertices_;
+  std::vector<dTriIndex> corners_;
+  dTriMeshDataID data_ = nullptr;
+  dGeomID mesh_ = nullptr;
+  dGeomID sphere_ = nullptr;
+  dGeomID box_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<OverlapPeer> ode_peer(const TriangleMesh& mesh) { return std::make_unique<Ode>(mesh); }
+
+}  // namespace collided::bench

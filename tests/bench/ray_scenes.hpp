@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+#include "server/geometry/mesh.hpp"
+
+namespace collided::bench {
+
+Vec3 on_sphere(std::mt19937_64& random);
+
+/// Buildings of five faces on a square of streets, heights over a decade, on a ground of two triangles.
+TriangleMesh city(std::uint32_t blocks, std::mt19937_64& random);
+
+/// Long thin triangles in every direction.
+TriangleMesh needles(std::uint32_t count, std::mt19937_64& random);
+
+/// A floor of rooms x rooms rooms with doors between them, furniture of boxes and a lamp of many triangles in each.
+TriangleMesh interior(std::uint32_t rooms, std::mt19937_64& random);
+
+}  // namespace collided::bench

@@ -1,0 +1,67 @@
+#include <algorithm>
+#include <atomic>
+#include <vector>
+
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+class ServerCrowd : public testing_support::ServerTest {
+ protected:
+  static RayQuestion ray(int i) {
+    const double turn = 0.001 * (i % 1'000);
+    return {.origin = {0.5 + turn, 0.5, 1.5}, .direction = {turn - 0.5, 0.3 - turn, -0.2}};
+  }
+  /// Sorted, in milliseconds.
+  static std::vector<double> ask_singles(Client& client, int count) {
+    std::vector<double> times_ms;
+    for (int i = 0; i < count; ++i) {
+      const RayQuestion question = ray(i);
+      const auto started = Clock::now();
+      EXPECT_TRUE(client.ask(std::span(&question, 1)));
+      times_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - started).count());
+    }
+    std::sort(times_ms.begin(), times_ms.end());
+    return times_ms;
+  }
+};
+
+// One thread answers batches of several clients that always have some more to ask; who asks a single ray waits for at
+// most a moment of it. Behind the batches in the queue it would wait for four chunks of each: the floods' whole rest.
+TEST_F(ServerCrowd, ASingleQuestionDoesNotWaitBehindAnothersBatches) {
+  start({"--threads", "1"});
+  Client client = connect();
+  const std::vector<double> alone_ms = ask_singles(client, 300);
+  std::vector<RayQuestion> many;
+  for (int i = 0; i < 100'000; ++i) many.push_back(ray(i));
+  std::atomic<bool> over{false};
+  std::atomic<int> batches{0};
+  std::vector<Client> flooders;
+  for (int i = 0; i < 3; ++i) flooders.push_back(connect());
+  std::vector<std::thread> threads;
+  for (Client& flooder : flooders) {
+    threads.emplace_back([&] {
+      while (!over.load()) {
+        const Result<Answers> answers = flooder.ask(std::span<const RayQuestion>(many), {.timeout = 60s});
+        EXPECT_TRUE(answers) << answers.error().message;
+        ++batches;
+      }
+    });
+  }
+  while (batches.load() < 3) std::this_thread::sleep_for(1ms);
+  const int before = batches.load();
+  const std::vector<double> beside_ms = ask_singles(client, 300);
+  over.store(true);
+  for (std::thread& thread : threads) thread.join();
+  std::printf("single ray: alone p50 %.3f ms p99 %.3f ms; beside three floods p50 %.3f ms p99 %.3f ms, %d batches meanwhile\n",
+              alone_ms[150], alone_ms[297], beside_ms[150], beside_ms[297], batches.load() - before);
+  EXPECT_LT(beside_ms[150], 2.0) << "the usual one is answered by the reading thread, at once";
+  EXPECT_LT(beside_ms[297], 50.0) << "a machine with fewer processors than threads may have it wait for a turn";
+}
+
+}  // namespace
+}  // namespace collided
