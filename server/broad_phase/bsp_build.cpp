@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "server/broad_phase/bsp_collapse.hpp"
+#include "server/broad_phase/bsp_likeliest.hpp"
 #include "server/broad_phase/bsp_pieces.hpp"
 #include "server/broad_phase/bsp_primitive.hpp"
 #include "server/broad_phase/bsp_split.hpp"
@@ -77,13 +79,6 @@ Node empty_node() {
   return node;
 }
 
-/// The cuts that made a node's children, in order: child `left` was cut along an axis, its upper part became `right`.
-struct Cut {
-  int left;
-  int right;
-  int axis;
-};
-
 /// Near to far for each octant of directions. A child's list starts with itself; undoing the cuts from the last to the
 /// first joins the lists of their two sides, nearer side first.
 void set_order(const Cut (&cuts)[kWidth], int child_count, Node& node) {
@@ -122,6 +117,12 @@ class Builder {
     if (range.size() <= kWidth) {
       watch_.placed(range.size(), callers_thread);
       return add_leaf(range, piece);
+    }
+    if (range.size() <= Collapse::kMostPrimitives && depth + Collapse::kMostDepth <= kMaxHeuristicDepth) {
+      Collapse collapse;
+      collapse.cut(primitives_, range);
+      watch_.placed(range.size(), callers_thread);
+      return add_collapsed(collapse, Collapse::kRoot, depth, piece);
     }
     Range children[kWidth];
     Cut cuts[kWidth];
@@ -170,6 +171,22 @@ class Builder {
       ++count;
     }
     return count;
+  }
+
+  Ref add_collapsed(const Collapse& collapse, int part, std::uint32_t depth, Piece& piece) const {
+    piece.depth = std::max(piece.depth, depth + 1);
+    if (collapse.is_leaf(part)) return add_leaf(collapse.range(part), piece);
+    int children[kWidth];
+    Cut cuts[kWidth];
+    const int count = collapse.children(part, children, cuts);
+    const auto index = static_cast<std::uint32_t>(piece.nodes.size());
+    piece.nodes.push_back(empty_node());
+    set_order(cuts, count, piece.nodes.back());
+    for (int i = 0; i < count; ++i) {
+      const Ref ref = add_collapsed(collapse, children[i], depth + 1, piece);
+      set_child(piece.nodes[index], i, collapse.range(children[i]).bounds, ref);
+    }
+    return index;
   }
 
   Ref add_leaf(const Range& range, Piece& piece) const {
@@ -344,6 +361,7 @@ Layout build_layout(const TriangleMesh& mesh, const BspOptions& options, BspRepo
   primitives = {};
   join(pieces, jobs, roots, threads, layout);
   set_root_box(all, layout);
+  set_likeliest_orders(layout, threads);
   if (options.progress) options.progress(1);
   return layout;
 }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <mutex>
+#include <string_view>
 #include <vector>
 
 #include "server/broad_phase/bsp_pieces.hpp"
@@ -58,7 +59,14 @@ struct LeafPlace {
 bool names_each_child_once(std::uint32_t order) {
   unsigned seen = 0;
   for (int i = 0; i < kWidth; ++i) seen |= 1u << (order >> (3 * i) & 7u);
-  return seen == 0xff && order >> (3 * kWidth) == 0;
+  return seen == 0xff;
+}
+
+bool has_good_orders(const Node& node) {
+  bool all = names_each_child_once(node.likeliest());
+  for (const std::uint32_t order : node.order) all = all && names_each_child_once(order);
+  for (int i = 3; i < kWidth; ++i) all = all && node.order[i] >> (3 * kWidth) == 0;
+  return all;
 }
 
 class Check {
@@ -66,14 +74,12 @@ class Check {
   Check(const Layout& layout, const TriangleMesh& mesh, unsigned threads)
       : layout_(layout), mesh_(mesh), threads_(threads), places_(layout.leaves.size()) {}
 
-  std::string run(BspReport& report) {
+  std::string_view run(BspReport& report) {
     depth_.assign(layout_.nodes.size(), 0);
-    std::string flaw = check_root();
-    for (std::size_t i = 0; i < layout_.nodes.size() && flaw.empty(); ++i) flaw = check_node(i);
-    if (flaw.empty() && hung_leaves_ != layout_.leaves.size()) flaw = "a leaf hangs nowhere";
-    if (flaw.empty()) flaw = check_leaves();
-    if (flaw.empty()) flaw = check_triangles();
-    if (!flaw.empty()) return flaw;
+    for (const auto step : {&Check::check_root, &Check::check_nodes, &Check::check_leaves, &Check::check_triangles}) {
+      std::string_view flaw = (this->*step)();
+      if (!flaw.empty()) return flaw;
+    }
     report.depth = deepest_ + 1;
     report.nodes = static_cast<std::uint32_t>(layout_.nodes.size());
     report.leaves = static_cast<std::uint32_t>(layout_.leaves.size());
@@ -84,7 +90,7 @@ class Check {
   }
 
  private:
-  std::string check_root() {
+  std::string_view check_root() {
     Box root;
     for (int axis = 0; axis < 3; ++axis) {
       root.low[axis] = layout_.root_low[axis];
@@ -101,7 +107,7 @@ class Check {
   }
 
   /// Notes a child and that nobody else has it. first: the least number that an inner child may have.
-  std::string hang(Ref ref, const Box& box, std::uint32_t depth, std::size_t first) {
+  std::string_view hang(Ref ref, const Box& box, std::uint32_t depth, std::size_t first) {
     if (depth + 1 > kMaxDepth) return "a path is too deep";
     deepest_ = std::max(deepest_, depth);
     if (is_leaf(ref)) {
@@ -132,29 +138,35 @@ class Check {
     return {};
   }
 
-  std::string check_node(std::size_t number) {
+  std::string_view check_nodes() {
+    for (std::size_t i = 0; i < layout_.nodes.size(); ++i) {
+      std::string_view flaw = check_node(i);
+      if (!flaw.empty()) return flaw;
+    }
+    return hung_leaves_ == layout_.leaves.size() ? "" : "a leaf hangs nowhere";
+  }
+
+  std::string_view check_node(std::size_t number) {
     if (number != 0 && depth_[number] == 0) return "a node hangs nowhere";
     const Node& node = layout_.nodes[number];
-    for (const std::uint32_t order : node.order) {
-      if (!names_each_child_once(order)) return "an order does not name each child once";
-    }
+    if (!has_good_orders(node)) return "an order does not name each child once";
     for (int slot = 0; slot < kWidth; ++slot) {
       if (node.child[slot] == kNothing) continue;
-      std::string flaw = hang(node.child[slot], box_of(node, slot), depth_[number] + 1u, number + 1);
+      std::string_view flaw = hang(node.child[slot], box_of(node, slot), depth_[number] + 1u, number + 1);
       if (!flaw.empty()) return flaw;
     }
     return {};
   }
 
   /// What each leaf says of its triangles is what the mesh says.
-  std::string check_leaves() {
+  std::string_view check_leaves() {
     constexpr std::size_t kRun = 4096;
     std::mutex mutex;
-    std::string flaw;
+    std::string_view flaw;
     is_held_.assign(mesh_.triangles.size(), 0);
     in_runs(threads_, places_.size(), kRun, [&](std::size_t begin, std::size_t end) {
       std::vector<PartialReference> partial;
-      std::string own_flaw;
+      std::string_view own_flaw;
       for (std::size_t i = begin; i < end && own_flaw.empty(); ++i) own_flaw = check_leaf(i, partial);
       const std::lock_guard lock(mutex);
       if (flaw.empty()) flaw = own_flaw;
@@ -163,7 +175,7 @@ class Check {
     return flaw;
   }
 
-  std::string check_leaf(std::size_t number, std::vector<PartialReference>& partial) {
+  std::string_view check_leaf(std::size_t number, std::vector<PartialReference>& partial) {
     const Leaf& leaf = layout_.leaves[number];
     const LeafPlace& place = places_[number];
     Leaf expected{};
@@ -183,7 +195,7 @@ class Check {
   }
 
   /// Every triangle is in a leaf that holds it, or each of its pieces is in one that has it.
-  std::string check_triangles() {
+  std::string_view check_triangles() {
     std::sort(partial_.begin(), partial_.end(),
               [](const PartialReference& a, const PartialReference& b) { return a.triangle < b.triangle; });
     std::uint64_t before = 0;
@@ -227,7 +239,7 @@ class Check {
 }  // namespace
 
 std::string flaw_of(const Layout& layout, const TriangleMesh& mesh, unsigned threads, BspReport& report) {
-  return Check(layout, mesh, threads).run(report);
+  return std::string(Check(layout, mesh, threads).run(report));
 }
 
 }  // namespace collided::bsp

@@ -12,7 +12,7 @@ namespace {
 
 constexpr char kMagic[8] = {'C', 'B', 'S', 'P', 'T', 'R', 'E', 'E'};
 /// Grows with every change of what bytes mean; a tree of another version is built anew.
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kByteOrder = 0x01020304;
 
 struct Header {

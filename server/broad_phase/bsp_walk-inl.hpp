@@ -122,29 +122,23 @@ struct Slabs {
   }
 };
 
-/// Children of a node in the node's order for an octant. waiting: those that the ray may meet, the lowest bit first;
-/// bit i stands for child i modulo 8.
+/// Children of a node in the order of the walk. waiting: those that the ray may meet, the lowest bit first.
 struct alignas(32) Frame {
   float entry[kWidth];
   Ref child[kWidth];
   unsigned waiting;
 };
-HWY_INLINE unsigned place_of(unsigned waiting) { return static_cast<unsigned>(__builtin_ctz(waiting)) % kWidth; }
+HWY_INLINE unsigned place_of(unsigned waiting) { return static_cast<unsigned>(__builtin_ctz(waiting)); }
 
-/// Which way a walk takes through a node: near to far, or leaves first, where the first triangle met will do: a leaf is
-/// one step and often the last.
-enum class Way { near_first, leaves_first };
-template <Way kWay>
-HWY_INLINE unsigned in_turn(unsigned met, unsigned leaves) {
-  return kWay == Way::near_first ? met : (met & leaves) | (met & ~leaves) << kWidth;
-}
+/// Which way a walk takes through a node: near to far, or, where any triangle will do, to the likeliest first.
+enum class Way { near_first, likeliest_first };
 
 /// Writes the children of a node and returns those that the ray may meet at a parameter in [0, limit], as in
 /// Frame::waiting.
 template <Way kWay>
 HWY_INLINE unsigned met_children(const Node& node, const Slabs& slabs, float limit, Frame& frame) {
   const RayFrame& ray = slabs.ray;
-  const std::uint32_t order = node.order[ray.octant];
+  const std::uint32_t order = kWay == Way::near_first ? node.order[ray.octant] : node.likeliest();
   HWY_ALIGN float unordered[kWidth];
   unsigned mask = 0;
   for (int part = 0; part < kParts; ++part) {
@@ -170,23 +164,19 @@ HWY_INLINE unsigned met_children(const Node& node, const Slabs& slabs, float lim
       enter = hn::TableLookupLanes(enter, places);
       leave = hn::TableLookupLanes(leave, places);
       hn::Store(enter, kFloats, frame.entry);
-      static_assert(kLeafBit == 1u << 31);
-      const auto is_leaf_child = hn::BroadcastSignBit(hn::BitCast(hn::RebindToSigned<Floats>(), children));
-      return in_turn<kWay>(bits_of(hn::Le(enter, leave)), bits_of(hn::MaskFromVec(hn::BitCast(kFloats, is_leaf_child))));
+      return bits_of(hn::Le(enter, leave));
     }
     hn::Store(enter, kFloats, unordered + first);
     mask |= bits_of(hn::Le(enter, leave)) << first;
   }
   unsigned ordered = 0;
-  unsigned leaves = 0;
   for (unsigned i = 0; i < kWidth; ++i) {
     const unsigned child = order >> (3 * i) & 7u;
     frame.entry[i] = unordered[child];
     frame.child[i] = node.child[child];
     ordered |= (mask >> child & 1u) << i;
-    leaves |= (is_leaf(node.child[child]) ? 1u : 0u) << i;
   }
-  return in_turn<kWay>(ordered, leaves);
+  return ordered;
 }
 
 HWY_INLINE Lanes largest_component(Lanes a, Lanes b, Lanes c) {

@@ -100,22 +100,12 @@ class Packet {
     for (std::size_t i = 0; i < tasks_.size(); ++i) tasks_[i].cost->nodes += static_cast<std::uint32_t>(visited_[i]);
   }
 
-  /// The children that some ray meets, the next on top.
+  /// The children that some ray meets, the next on top: in the order that each of the rays would take alone.
   HWY_INLINE std::size_t push_children(const Node& node, const RayFrame& first, std::size_t size) {
-    const std::uint32_t order = node.order[first.octant];
-    if constexpr (kGoal == Goal::any) {
-      size = push_some(node, first, order, size, [](Ref ref) { return !is_leaf(ref); });
-      return push_some(node, first, order, size, [](Ref ref) { return is_leaf(ref); });
-    }
-    return push_some(node, first, order, size, [](Ref) { return true; });
-  }
-
-  template <class Wanted>
-  HWY_INLINE std::size_t push_some(const Node& node, const RayFrame& first, std::uint32_t order, std::size_t size,
-                                   const Wanted& is_wanted) {
+    const std::uint32_t order = kGoal == Goal::any ? node.likeliest() : node.order[first.octant];
     for (int place = kWidth; place-- > 0;) {
       const unsigned child = order >> (3 * place) & 7u;
-      if (node.child[child] == kNothing || !is_wanted(node.child[child])) continue;
+      if (node.child[child] == kNothing) continue;
       Waiting& waiting = stack_[size];
       bool is_met = false;
       for (int part = 0; part < kParts; ++part) {
