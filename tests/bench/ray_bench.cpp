@@ -1,5 +1,6 @@
 // Rays, one thread: closest hits alone and in batches, and any hit, beside Embree default, robust, packets, stream and
-// occluded and CGAL with exact predicates, in turn in one run. "plain tests" is our walk with what it tells decided in
+// occluded and CGAL with exact predicates, in turn in one run. Ours walks the index that the server builds ("best").
+// "plain tests" is our walk with what it tells decided in
 // plain double: what certainty costs. The note says on what rung of the ladder rays were decided.
 
 #include <algorithm>
@@ -322,7 +323,7 @@ Agreement compare(const TriangleMesh& mesh, const std::vector<Ray>& rays, const 
 class Bench {
  public:
   Bench(const Options& options, std::string scene, const TriangleMesh& mesh)
-      : options_(options), scene_(std::move(scene)), mesh_(mesh), tree_(BspTree::build(mesh)),
+      : options_(options), scene_(std::move(scene)), mesh_(mesh), tree_(BspTree::build(mesh, {.progress = {}, .cancelled = {}, .form = BspForm::best})),
         embree_(mesh, RTC_SCENE_FLAG_NONE), robust_(mesh, RTC_SCENE_FLAG_ROBUST) {
     const double mesh_bytes =
         static_cast<double>(mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(TriangleCorners));
