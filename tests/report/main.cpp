@@ -88,6 +88,7 @@ const std::pair<const char*, Study> kStudies[] = {
     {"extremes", report::study_extremes},
     {"decisions", report::study_decisions},
     {"index", report::study_index},
+    {"growth", report::study_growth},
 };
 
 }  // namespace

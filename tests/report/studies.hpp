@@ -27,6 +27,8 @@ std::vector<Row> study_extremes(const Setting& setting);
 std::vector<Row> study_decisions(const Setting& setting);
 /// The product's tree beside the lecture's two plain forms, over triangle counts.
 std::vector<Row> study_index(const Setting& setting);
+/// Time against triangles, rays a batch, threads and moving objects.
+std::vector<Row> study_growth(const Setting& setting);
 
 /// The bunny of glmark2-data with its coordinates rounded to float, so that float programs get the same question; an
 /// icosphere where it is not installed.
