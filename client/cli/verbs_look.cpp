@@ -48,6 +48,9 @@ class StatusCommand : public Command {
     printer.line(fmt::format("poses {} applied, {} dropped  ·  questions {} answered, {} refused, {} undecided", format_count(status.poses_applied),
                              format_count(status.poses_dropped), format_count(status.questions_answered), format_count(status.questions_refused),
                              format_count(status.undecided_answers)));
+    if (status.contacts_truncated) {
+      printer.line(printer.paint(Paint::bad, "contacts are missing: the last step found more than it may tell (max_contacts)"));
+    }
     for (const PublisherInfo& publisher : status.publishers) {
       const std::string state = publisher.lost ? printer.paint(Paint::bad, "lost, ") : std::string();
       printer.line(fmt::format("publisher {}  {}silent for {}", printable(publisher.name), state, format_duration(publisher.silent)));
@@ -75,6 +78,7 @@ class StatusCommand : public Command {
             {"objects", std::uint64_t{status.objects}},
             {"moving", std::uint64_t{status.moving}},
             {"contacts", std::uint64_t{status.contacts}},
+            {"contacts_truncated", status.contacts_truncated},
             {"poses_applied", status.poses_applied},
             {"poses_dropped", status.poses_dropped},
             {"questions_answered", status.questions_answered},

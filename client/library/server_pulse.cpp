@@ -49,6 +49,7 @@ ServerStatus decode_status(const wire::Status& status) {
   decoded.world_time = nanoseconds(status.world_time_ns);
   decoded.last_event_sequence = status.last_event_sequence;
   decoded.contacts = status.contact_count;
+  decoded.contacts_truncated = status.contacts_truncated != 0;
   decoded.scenes = lines(status.scenes);
   decoded.static_triangles = status.static_triangles;
   decoded.objects = status.object_count;

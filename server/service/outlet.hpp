@@ -22,6 +22,7 @@ struct StatusColumns {
   std::uint64_t last_event_sequence = 0;
   std::uint32_t contact_count = 0;
   std::uint64_t contact_hash = 0;
+  bool contacts_truncated = false;
   std::string scenes;
   std::uint64_t static_triangles = 0;
   std::uint32_t object_count = 0;

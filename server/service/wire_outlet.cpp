@@ -92,6 +92,7 @@ void WireOutlet::write_status(const StatusColumns& status) {
   status_->last_event_sequence = status.last_event_sequence;
   status_->contact_count = status.contact_count;
   status_->contact_hash = status.contact_hash;
+  status_->contacts_truncated = status.contacts_truncated ? 1 : 0;
   status_->state = static_cast<std::uint8_t>(status.state);
   static_cast<void>(dds::set_text(status_->scenes, fitting_lines(status.scenes, sizeof status_->scenes)));
   status_->static_triangles = status.static_triangles;

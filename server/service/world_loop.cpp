@@ -229,6 +229,7 @@ void WorldLoop::write_status(ServerState state) {
   status_.last_event_sequence = around_.world.last_event_sequence();
   status_.contact_count = static_cast<std::uint32_t>(around_.world.contacts().size());
   status_.contact_hash = contact_hash_;
+  status_.contacts_truncated = newest->contacts_truncated;
   status_.poses_applied = counts.poses_applied;
   status_.poses_dropped =
       counts.poses_late + counts.poses_unknown + counts.poses_refused + inbox.poses_superseded + inbox.poses_dropped;

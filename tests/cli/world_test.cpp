@@ -130,6 +130,9 @@ TEST_F(World, StatusNamesServerSceneAndPublishers) {
             "scene warehouse  1 204 118 triangles  ·  0 objects, 0 moving  ·  0 open contacts  ·  world 0\n"
             "poses 0 applied, 0 dropped  ·  questions 0 answered, 0 refused, 0 undecided\n"
             "publisher lift_plc  lost, silent for 4 s\n");
+  fake::server().status.contacts_truncated = true;
+  EXPECT_NE(at_terminal("status").out.find("contacts are missing"), std::string::npos);
+  EXPECT_NE(collide("status --json").out.find("\"contacts_truncated\":true"), std::string::npos);
 }
 
 TEST_F(World, TheConnectionComesFromFlagsThenTheEnvironment) {

@@ -84,6 +84,7 @@ class BookKeeper : public Outlet {
 
 class WorldLoopTest : public ::testing::Test {
  protected:
+  explicit WorldLoopTest(const WorldOptions& options = {}) : world(options) {}
   ~WorldLoopTest() override { stop(); }
   void start(const LoopOptions& options = {}) {
     loop = std::make_unique<WorldLoop>(
@@ -124,7 +125,7 @@ class WorldLoopTest : public ::testing::Test {
     sample->velocities.clear();
     inbox.push(std::move(sample));
   }
-  World world{WorldOptions{}};
+  World world;
   WorldClock clock;
   Inbox inbox;
   BookKeeper books;
@@ -148,6 +149,20 @@ TEST_F(WorldLoopTest, ManyEventsComeInSeveralFrames) {
   EXPECT_EQ(books.shards.size(), wire_contract::kContactShards);
   EXPECT_EQ(books.status.contact_count, 1'770U);
   EXPECT_EQ(books.status.state, ServerState::ready);
+}
+
+class FullWorldLoopTest : public WorldLoopTest {
+ protected:
+  FullWorldLoopTest() : WorldLoopTest(WorldOptions{.max_contacts = 10}) {}
+};
+
+TEST_F(FullWorldLoopTest, TheStatusSaysThatContactsAreMissing) {
+  for (std::uint32_t number = 0; number < 3; ++number) define(number, {0, 0, 0});
+  start();
+  EXPECT_TRUE(books.wait([&] { return books.status.contact_count == 3; }));
+  EXPECT_FALSE(books.status.contacts_truncated);
+  for (std::uint32_t number = 3; number < 60; ++number) define(number, {0, 0, 0});
+  EXPECT_TRUE(books.wait([&] { return books.status.contacts_truncated; }));
 }
 
 TEST_F(WorldLoopTest, StoppingEndsWhatHolds) {

@@ -313,6 +313,7 @@ struct ServerStatus {
   std::chrono::nanoseconds world_time{0};
   std::uint64_t last_event_sequence = 0;
   std::uint32_t contacts = 0;
+  bool contacts_truncated = false;  // there are more than the server may tell (its max_contacts)
   std::vector<std::string> scenes;
   std::uint64_t static_triangles = 0;
   std::uint32_t objects = 0;
