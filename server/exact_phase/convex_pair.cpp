@@ -46,9 +46,9 @@ Decision quick_decision(const ConvexPair& pair, const Proposal& proposal) {
   const double error_m = support_error_m(pair);
   if (proposal.encloses) return ball_inside(proposal.corner) > error_m ? Decision::yes : Decision::undecided;
   if (proposal.nearest.isZero(0)) return Decision::undecided;
-  if (push_along(Vec3(-proposal.nearest), pair.a, pair.b).high() < 0) return Decision::no;
   const double apart_m = proposal.nearest.stableNorm() * (1 + 8 * kRoundoff) + error_m;
-  return apart_m < balls_m(pair) * (1 - 4 * kRoundoff) ? Decision::yes : Decision::undecided;
+  if (apart_m < balls_m(pair) * (1 - 4 * kRoundoff)) return Decision::yes;
+  return push_along(Vec3(-proposal.nearest), pair.a, pair.b).high() < 0 ? Decision::no : Decision::undecided;
 }
 
 /// Planes and points that the search came by, for sets with round parts.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <variant>
 
+#include "server/exact_phase/ball_filter.hpp"
 #include "server/exact_phase/general_shapes.hpp"
 #include "server/exact_phase/nearest_filter.hpp"
 #include "server/exact_phase/overlap_kernel.hpp"
@@ -25,10 +26,14 @@ Verdict overlaps(const Sphere& a, const Sphere& b) {
 }
 
 Verdict overlaps(const Sphere& a, const Box& b) {
+  const Decision quick = quickly_overlaps(a, b);
+  if (quick != Decision::undecided) return {quick, Level::filter};
   return climb([&]<class N>() { return sets_meet<N>(a, b); });
 }
 
 Verdict overlaps(const Sphere& a, const Capsule& b) {
+  const Decision quick = quickly_overlaps(a, b);
+  if (quick != Decision::undecided) return {quick, Level::filter};
   return climb([&]<class N>() { return sets_meet<N>(a, b); });
 }
 

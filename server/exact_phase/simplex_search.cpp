@@ -98,6 +98,12 @@ double clearance_m(const Convex& a, const Convex& b) {
   return (a.ball_m + b.ball_m + kSupportValueError * size + kDiscSeenFlat * (a.disc_m + b.disc_m)) * (1 + 16 * kRoundoff);
 }
 
+/// Nearer than this to the origin, a point of the difference set is within the balls by more than any rounding.
+double near_m(const Convex& a, const Convex& b) {
+  const double size = a.reach_m + b.reach_m + (a.carrier[0] - b.carrier[0]).cwiseAbs().sum();
+  return std::max(0.0, (a.ball_m + b.ball_m) * (1 - 32 * kRoundoff) - 2 * kSupportError * size);
+}
+
 }  // namespace
 
 DifferencePoint difference_support(const Vec3& n, const Convex& a, const Convex& b) {
@@ -128,9 +134,10 @@ Proposal nearest_proposal(const Convex& a, const Convex& b, Seek seek) {
   proposal.count = 1;
   proposal.nearest = proposal.corner[0].w;
   const double clear2 = clearance_m(a, b) * clearance_m(a, b);
+  const double near2 = near_m(a, b) * near_m(a, b);
   for (int step = 0; step < kMostSteps; ++step) {
     const double distance2 = proposal.nearest.squaredNorm();
-    if (distance2 == 0) return proposal;
+    if (distance2 == 0 || (seek == Seek::plane && distance2 < near2)) return proposal;
     const DifferencePoint next = difference_support(-proposal.nearest, a, b);
     const double along = proposal.nearest.dot(next.w);
     if (seek == Seek::plane && along > 0 && along * along * (1 - 16 * kRoundoff) > clear2 * distance2) {

@@ -30,7 +30,8 @@ struct Proposal {
 /// What a search is for.
 enum class Seek {
   distance,  // the nearest point, as sharp as double gives it
-  plane,     // any plane that has the sets on two sides: `nearest` is its normal as soon as there is one
+  plane,     // any plane that has the sets on two sides: `nearest` is its normal as soon as there is one; or any point
+             // of the difference set that the balls reach over
 };
 
 /// The nearest point of the difference set to the origin. At most kMostSteps steps.

@@ -3,7 +3,9 @@
 #include <cmath>
 
 #include "server/exact_phase/ball_filter.hpp"
+#include "server/exact_phase/ladder.hpp"
 #include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/overlap_kernel.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided {
@@ -39,6 +41,56 @@ TEST(BallFilter, NeverPartsWhatMeets) {
     ASSERT_FALSE(kernel::surely_apart({.start = from, .end = a.center, .radius_m = a.radius_m}, b));
   }
   EXPECT_GT(touching, 50'000) << "the scenes must be worth testing";
+}
+
+Mat3 turned(std::mt19937_64& random) {
+  const Vec3 axis = any(random);
+  return Eigen::AngleAxisd(3 * axis.norm(), axis.normalized()).toRotationMatrix();
+}
+
+/// A ball that touches, misses or cuts the shape by about `by` of its size at a point of it.
+Sphere ball_at(const Vec3& point, const Vec3& outward, double by, std::mt19937_64& random) {
+  const double radius = 0.1 + std::abs(any(random)[0]);
+  return {.center = point + (radius + by) * outward.normalized(), .radius_m = radius};
+}
+
+/// Nothing, or a part in 10^7 to 10^17 either way.
+double about_nothing(std::mt19937_64& random) {
+  const double size = std::pow(10.0, -7 - static_cast<double>(random() % 11));
+  return random() % 4 == 0 ? 0 : random() % 2 == 0 ? size : -size;
+}
+
+// Near touching, at faces, edges and corners, on every scale; axes as they come from poses, and some that are skew.
+TEST(BallFilter, DecidesBoxesAndCapsulesAsRationalsDo) {
+  std::mt19937_64 random = oracle::seeded(73);
+  int decided = 0;
+  int open = 0;
+  const auto check = [&](const Sphere& ball, const auto& other, const char* name, int i) {
+    const Decision quick = kernel::quickly_overlaps(ball, other);
+    (quick == Decision::undecided ? open : decided) += 1;
+    if (quick == Decision::undecided) return;
+    EXPECT_EQ(quick, kernel::sets_meet<Dyadic>(ball, other)) << name << ' ' << i;
+  };
+  for (int i = 0; i < 20'000; ++i) {
+    const double scale = std::ldexp(1.0, static_cast<int>(random() % 300) - 150);
+    Box box{.center = any(random), .axes = turned(random), .half_m = any(random).cwiseAbs()};
+    if (i % 7 == 0) box.axes.col(0) += 1e-3 * any(random);
+    Vec3 side = any(random);
+    for (double& x : side) x = random() % 2 == 0 ? std::copysign(1.0, x) : x;
+    const Vec3 outward = side.unaryExpr([](double x) { return std::abs(x) == 1 ? x : 0.0; });
+    if (outward.isZero()) continue;
+    Sphere ball = ball_at(box.center + box.axes * box.half_m.cwiseProduct(side), box.axes * outward, about_nothing(random), random);
+    const Vec3 a = any(random);
+    Capsule capsule{.a = a, .b = a + any(random), .radius_m = 0.5};
+    Sphere other = ball_at(a + 0.5 * outward.normalized(), outward, about_nothing(random), random);
+    for (double* length : {&ball.radius_m, &other.radius_m, &capsule.radius_m}) *length *= scale;
+    for (Vec3* point : {&ball.center, &other.center, &capsule.a, &capsule.b, &box.center, &box.half_m}) *point *= scale;
+    check(ball, box, "box", i);
+    check(other, capsule, "capsule", i);
+  }
+  std::printf("near touching: %d decided, %d left open\n", decided, open);
+  EXPECT_GT(decided, 10'000);
+  EXPECT_GT(open, 1'000) << "the scenes must be worth testing";
 }
 
 // Centre on the way, grazing: the nearest point is inside the way.
