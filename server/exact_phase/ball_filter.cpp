@@ -20,7 +20,9 @@ Decision quickly_overlaps(const Sphere& ball, const Box& box) {
   const double gap_m2 = gap.squaredNorm();
   const double radius_m2 = ball.radius_m * ball.radius_m;
   const double largest_m2 = way.squaredNorm() + box.half_m.squaredNorm() + radius_m2;
-  if (!in_plain_range(largest_m2) || !(box.axes.squaredNorm() < 4)) return Decision::undecided;
+  // Axes about as they come from poses; those that do not span space are the ladder's to refuse.
+  const bool spans = box.axes.squaredNorm() < 4 && std::abs(box.axes.determinant()) > 0.5;
+  if (!in_plain_range(largest_m2) || !spans) return Decision::undecided;
   const double slack_m2 = kBallsApartSlack * largest_m2;
   if (gap_m2 < radius_m2 - slack_m2) return Decision::yes;
   // How far the ball's middle is beyond the box along the gap, times the gap's length.
