@@ -45,11 +45,11 @@ Problem problem_at(Sweep sweep, double x, std::uint64_t seed, bool quick) {
   if (sweep == Sweep::polygons) problem.polygons = static_cast<std::size_t>(x);
   if (sweep == Sweep::size) problem.relative_size = x;
   // Contacts of few spheres are rare: many frames tell how rare.
-  if (!quick && problem.objects * problem.polygons <= 300'000) problem.frames = 96;
+  if (!quick && problem.objects <= 1'000) problem.frames = problem.objects <= 50 ? 192 : 48;
   return problem;
 }
 
-double quantile(std::vector<double>& sorted, double share) {
+double quantile(const std::vector<double>& sorted, double share) {
   const auto at = static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5);
   return sorted[at];
 }
@@ -59,16 +59,13 @@ class Run {
  public:
   Run(const Recording& recording, Method& method) : recording_(recording), method_(method) {}
 
-  double timed_frame(std::size_t number) {
-    const double start = bench::thread_seconds();
-    method_.frame(recording_.poses[number]);
-    return bench::thread_seconds() - start;
-  }
-  void measure(double enough_s) {
+  /// False as soon as a frame takes longer than most_s.
+  bool measure(double enough_s, double most_s) {
     const std::size_t count = recording_.poses.size();
     double spent_s = 0;
     for (std::size_t i = 0; i < count; ++i) {
       take(i, spent_s);
+      if (seconds.back() > most_s) return false;
       pairs.push_back(method_.pairs());
       candidates += static_cast<double>(method_.candidates()) / static_cast<double>(count);
       if (const auto polygons = method_.polygon_pairs()) {
@@ -79,6 +76,7 @@ class Run {
       for (std::size_t i = 0; i < count; ++i) take(round % 2 == 0 ? count - 1 - i : i, spent_s);
     }
     std::sort(seconds.begin(), seconds.end());
+    return true;
   }
 
   std::vector<double> seconds;
@@ -88,7 +86,9 @@ class Run {
 
  private:
   void take(std::size_t number, double& spent_s) {
-    seconds.push_back(timed_frame(number));
+    const double start = bench::thread_seconds();
+    method_.frame(recording_.poses[number]);
+    seconds.push_back(bench::thread_seconds() - start);
     spent_s += seconds.back();
   }
 
@@ -130,8 +130,7 @@ class Study {
   /// False where a frame takes too long.
   bool measure(const Recording& recording, Method& method, std::vector<ObjectPairs>& first, Point& point) const {
     Run run(recording, method);
-    if (run.timed_frame(0) > (options_.quick ? 0.05 : 2)) return false;
-    run.measure(options_.quick ? 0 : 0.2);
+    if (!run.measure(options_.quick ? 0 : 0.2, options_.quick ? 0.05 : 2)) return false;
     if (first.empty()) first = run.pairs;
     point.method = method.name();
     point.repeats = run.seconds.size();

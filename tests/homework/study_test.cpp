@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "tests/homework/study.hpp"
+#include <cmath>
+#include <map>
+
+#include "tests/homework/homework_page.hpp"
 
 namespace collided::homework {
 namespace {
@@ -71,6 +74,61 @@ TEST(HomeworkStudy, TheJudgeKnowsWhoIsWrong) {
     for (std::uint32_t j = i + 1; j < 20; ++j) all.push_back({i, j});
   }
   EXPECT_EQ(judge(recording, recording.poses[0], truth, all).wrong, all.size() - truth.size());
+}
+
+Point made_up(Sweep sweep, double x, const std::string& method, double us) {
+  Point point;
+  point.sweep = sweep;
+  point.x = x;
+  point.polygons = sweep == Sweep::polygons ? static_cast<std::size_t>(x) : 256;
+  point.method = method;
+  point.repeats = 20;
+  point.median_us = point.p95_us = point.mean_us = us;
+  point.contacts = 1;
+  point.candidates = 2;
+  return point;
+}
+
+/// Exponents: objects, polygons, size below 0.2 and above.
+void add_method(std::vector<Point>& points, const std::string& method, double objects, double polygons, double small, double large) {
+  for (const double n : {1, 5, 20, 50}) points.push_back(made_up(Sweep::objects, n, method, std::pow(n, objects)));
+  for (const double n : {16, 64, 256, 1024}) points.push_back(made_up(Sweep::polygons, n, method, std::pow(n, polygons)));
+  for (const double size : {0.05, 0.1, 0.2}) points.push_back(made_up(Sweep::size, size, method, std::pow(size / 0.2, small)));
+  for (const double size : {0.3, 0.5}) points.push_back(made_up(Sweep::size, size, method, std::pow(size / 0.2, large)));
+}
+
+// B15, B21: verdicts follow from exponents, both ways.
+TEST(HomeworkClaims, AreTrueOrFalseAsTheExponentsSay) {
+  std::vector<Point> points;
+  add_method(points, "Collided, all polygons", 1, 0.2, 1, 3);
+  add_method(points, "simple prototype", 2, 2.5, 3, 1);
+  std::map<std::string, std::string> verdict;
+  for (const Claim& claim : claims(points)) verdict[claim.text + "/" + claim.method] = claim.verdict;
+  EXPECT_EQ(verdict["more objects take more time (1 to 50)/simple prototype"], "true");
+  EXPECT_EQ(verdict["polygons matter less than objects/Collided, all polygons"], "true");
+  EXPECT_EQ(verdict["polygons matter less than objects/simple prototype"], "false");
+  EXPECT_EQ(verdict["size bites from 0.2 on/Collided, all polygons"], "true");
+  EXPECT_EQ(verdict["size bites from 0.2 on/simple prototype"], "false");
+  EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: objects/Collided, all polygons"], "true");
+  EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: polygons/Collided, all polygons"], "true");
+  EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: size/Collided, all polygons"], "not decided");
+}
+
+TEST(HomeworkPage, HasADrawingForEverySweepAndSaysWhatIsLost) {
+  std::vector<Point> points;
+  add_method(points, "Collided", 1, 0.2, 1, 3);
+  const Parts parts = measure_parts(1, true);
+  EXPECT_GT(parts.detection_us, 0);
+  EXPECT_GT(parts.response_us, 0);
+  int drawings = 0;
+  bool lost = false;
+  for (const report::Figure& figure : homework_figures(points, parts, {}, "/nonexistent")) {
+    EXPECT_EQ(figure.body.find("nan"), std::string::npos) << figure.id;
+    if (figure.body.find("<svg") != std::string::npos) ++drawings;
+    lost = lost || figure.body.find("no values in its figures 2 to 7") != std::string::npos;
+  }
+  EXPECT_EQ(drawings, 4);
+  EXPECT_TRUE(lost);
 }
 
 }  // namespace
