@@ -25,6 +25,12 @@ double glyph_width(char c) {
   return 0.63;
 }
 
+std::string joined(const std::vector<std::pair<double, double>>& points) {
+  std::string path;
+  for (const auto& [x, y] : points) path += (path.empty() ? "" : " ") + pixels(x) + "," + pixels(y);
+  return path;
+}
+
 }  // namespace
 
 double text_width(std::string_view text, double size_px) {
@@ -107,11 +113,15 @@ void Canvas::line(double x0, double y0, double x1, double y1, const char* color,
 void Canvas::polyline(const std::vector<std::pair<double, double>>& points, const char* color, double width,
                       const char* dash) {
   if (points.size() < 2) return;
-  std::string path;
-  for (const auto& [x, y] : points) path += (path.empty() ? "" : " ") + pixels(x) + "," + pixels(y);
-  body_ += "<polyline fill=\"none\" stroke-linejoin=\"round\"" + attribute("points", path) +
+  body_ += "<polyline fill=\"none\" stroke-linejoin=\"round\"" + attribute("points", joined(points)) +
            attribute("stroke", color) + attribute("stroke-width", width) +
            (dash ? attribute("stroke-dasharray", dash) : "") + "/>\n";
+}
+
+void Canvas::polygon(const std::vector<std::pair<double, double>>& points, const std::string& color) {
+  if (points.size() < 3) return;
+  body_ += "<polygon stroke-width=\"0.3\" stroke-linejoin=\"round\"" + attribute("points", joined(points)) +
+           attribute("fill", color) + attribute("stroke", color) + "/>\n";
 }
 
 void Canvas::rectangle(const Rectangle& r, const char* fill, const char* stroke) {

@@ -59,6 +59,8 @@ class Canvas {
   void line(double x0, double y0, double x1, double y1, const char* color, double width, const char* dash = nullptr);
   void polyline(const std::vector<std::pair<double, double>>& points, const char* color, double width,
                 const char* dash = nullptr);
+  /// Closed and filled, its edges in the same colour, so that neighbours leave no gap.
+  void polygon(const std::vector<std::pair<double, double>>& points, const std::string& color);
   void rectangle(const Rectangle& r, const char* fill, const char* stroke = nullptr);
   void text(double x, double y, std::string_view content, double size_px, Anchor anchor, const char* color = kInk,
             bool bold = false);

@@ -35,25 +35,18 @@ void touch_mesh(const Primitive& a, const IndexedMesh& mesh, const Frame& frame,
   });
 }
 
-/// Both trees are descended at once, b's seen from a's frame: twice the placing of one.
 void touch_meshes(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
-  const IndexedMesh& mesh_a = *a.info->mesh;
-  const IndexedMesh& mesh_b = *b.info->mesh;
   struct Context {
     PlacedTriangles of_a;
     PlacedTriangles of_b;
     Touch& touch;
-  } context{{*mesh_a.mesh, *a.frame}, {*mesh_b.mesh, *b.frame}, touch};
+  } context{{*a.info->mesh->mesh, *a.frame}, {*b.info->mesh->mesh, *b.frame}, touch};
   const auto candidate = [](void* raw, std::uint32_t triangle_a, std::uint32_t triangle_b) {
     Context& c = *static_cast<Context*>(raw);
     touch_parts(c.of_a.at(triangle_a), triangle_a, c.of_b.at(triangle_b), triangle_b, c.touch);
     return !c.touch.done();
   };
-  const Mat3 back = a.frame->rotation.transpose();
-  const Vec3 between = b.frame->position - a.frame->position;
-  const double slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
-                                             mesh_a.radius_m + mesh_b.radius_m);
-  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m, candidate, &context, cost);
+  walk_mesh_pairs(a, b, candidate, &context, cost);
 }
 
 /// a's mesh against b's primitives: the exact phase has the primitive first, so the contact is turned round.
@@ -82,6 +75,17 @@ void touch_mesh_primitives(const Placed& a, const Placed& b, Touch& touch, WalkC
 double placement_slack(const Frame& frame, double distance_m, double reach_m) {
   const double largest_m = frame.position.lpNorm<1>() + distance_m + 2 * reach_m;
   return kPlacementRoundoffs * kRoundoff * largest_m + std::numeric_limits<double>::min();
+}
+
+/// Both trees are descended at once, b's seen from a's frame: twice the placing of one.
+void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate candidate, void* context, WalkCost& cost) {
+  const IndexedMesh& mesh_a = *a.info->mesh;
+  const IndexedMesh& mesh_b = *b.info->mesh;
+  const Mat3 back = a.frame->rotation.transpose();
+  const Vec3 between = b.frame->position - a.frame->position;
+  const double slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
+                                             mesh_a.radius_m + mesh_b.radius_m);
+  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m, candidate, context, cost);
 }
 
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame) {

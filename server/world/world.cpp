@@ -4,17 +4,12 @@
 #include <cmath>
 
 #include "server/geometry/float_environment.hpp"
+#include "server/world/indexed_mesh.hpp"
 #include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
 
 namespace collided {
 namespace {
-
-double radius_of(const TriangleMesh& mesh) {
-  double radius_m = 0;
-  for (const Vec3& vertex : mesh.vertices) radius_m = std::max(radius_m, vertex.stableNorm());
-  return radius_m * (1 + 0x1p-48);  // outward over the roundings of the norm
-}
 
 /// The saved index where there is one and it is fit, else one built anew.
 BspTree index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::string& name, const BspOptions& options,
@@ -26,14 +21,6 @@ BspTree index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::s
                        "; it is built anew");
   }
   return BspTree::build(mesh, options);
-}
-
-std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMesh> mesh, BspTree tree) {
-  auto indexed = std::make_shared<IndexedMesh>();
-  indexed->radius_m = radius_of(*mesh);
-  indexed->mesh = std::move(mesh);
-  indexed->tree = std::move(tree);
-  return indexed;
 }
 
 Refusal name_taken(const std::string& name, const ObjectInfo* holder) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Fails on an include that runs against the arrows:
 #   geometry <- intake, broad_phase, exact_phase <- world <- service <- main;  client -> idl, never server.
-#   intake/files is the program that checks and converts files.
+#   vcollide, the engine in a caller's process, stands beside service. intake/files is the program that checks and converts files.
 # usage: check.sh REPOSITORY_ROOT
 set -euo pipefail
 cd "${1:?repository root}"
@@ -13,6 +13,7 @@ declare -A may=(
   [server/broad_phase]="server/broad_phase server/geometry"
   [server/exact_phase]="server/exact_phase server/geometry"
   [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry idl"
+  [server/vcollide]="server/world server/exact_phase server/broad_phase server/geometry"
   [server/service]="server/service server/world server/exact_phase server/broad_phase server/intake server/geometry idl"
   [client]="client collided idl"
   [idl]="idl"

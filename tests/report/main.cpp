@@ -9,9 +9,9 @@
 #include <fstream>
 #include <map>
 #include <stdexcept>
-#include <thread>
 
 #include "tests/report/figures.hpp"
+#include "tests/report/provenance.hpp"
 #include "tests/report/studies.hpp"
 
 namespace {
@@ -26,15 +26,6 @@ struct Arguments {
   report::Setting setting;
   report::Provenance from;
 };
-
-std::string machine() {
-  std::ifstream file("/proc/cpuinfo");
-  std::string model = "unknown processor";
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("model name")) model = line.substr(line.find(':') + 2);
-  }
-  return fmt::format("{}, {} cores, g++ {}", model, std::thread::hardware_concurrency(), __VERSION__);
-}
 
 Arguments parse(int argc, char** argv) {
   Arguments a;
@@ -60,7 +51,7 @@ Arguments parse(int argc, char** argv) {
     }
   }
   if (a.out.empty()) throw std::invalid_argument("--out DIR is missing");
-  a.from.machine = machine();
+  a.from.machine = report::machine();
   a.from.seed = a.setting.seed;
   a.from.quick = a.setting.quick;
   if (a.from.command.empty()) a.from.command = fmt::format("collided_report --seed {}", a.setting.seed);
@@ -69,13 +60,6 @@ Arguments parse(int argc, char** argv) {
 
 /// Denormals on, rounding to nearest: what every bound assumes.
 bool arithmetic_is_sound() { return (_mm_getcsr() & 0xe040u) == 0; }
-
-std::string today() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  char text[40];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", std::gmtime(&now));
-  return text;
-}
 
 using Study = std::vector<report::Row> (*)(const report::Setting&);
 const std::pair<const char*, Study> kStudies[] = {
@@ -113,7 +97,7 @@ int main(int argc, char** argv) {
     report::write_rows(a.out + "/rows.csv", rows, a.from);
     const report::Tables tables{rows, report::pinned(report::pair_cells(a.setting.seed, a.setting.quick ? 8 : 48)),
                                 report::read_csv(a.census), report::read_csv(a.response)};
-    std::ofstream(a.out + "/index.html") << report::page(report::figures(tables), a.from, today());
+    std::ofstream(a.out + "/index.html") << report::page(report::figures(tables), a.from, report::today());
     fmt::print("{}/index.html\n", a.out);
   } catch (const std::exception& error) {
     fmt::print(stderr, "error: {}\n", error.what());

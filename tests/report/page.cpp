@@ -77,17 +77,19 @@ std::string rows_table(const std::vector<Row>& rows) {
   return html + "</tbody></table>\n";
 }
 
-std::string page(const std::vector<Figure>& figures, const Provenance& from, const std::string& date) {
-  std::string html =
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>Collided: error against run "
-      "time</title>"
-      "<meta name=\"viewport\" content=\"width=device-width\"/>\n<style>" +
-      std::string(kStyle) +
-      "</style></head>\n<body>\n"
-      "<h1>Collided: error against run time</h1>\n"
-      "<p>What an answer costs, and how wrong it may be. Times are processor time of one thread, the median of repeats "
-      "that ran in turn with every other method of the figure, with their range; errors are against rational or "
-      "100-digit truth. <span class=\"ours\">Ours is in this colour.</span> A cell without data says so.</p>\n";
+Heading report_heading() {
+  return {"Collided: error against run time",
+          "What an answer costs, and how wrong it may be. Times are processor time of one thread, the median of repeats "
+          "that ran in turn with every other method of the figure, with their range; errors are against rational or "
+          "100-digit truth. <span class=\"ours\">Ours is in this colour.</span> A cell without data says so."};
+}
+
+std::string page(const std::vector<Figure>& figures, const Provenance& from, const std::string& date,
+                 const Heading& heading) {
+  const std::string title = escaped(heading.title);
+  std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>" + title +
+                     "</title><meta name=\"viewport\" content=\"width=device-width\"/>\n<style>" + std::string(kStyle) +
+                     "</style></head>\n<body>\n<h1>" + title + "</h1>\n<p>" + heading.introduction + "</p>\n";
   html += "<p class=\"from\">" + escaped(from.machine) + " · commit " + escaped(from.commit) + " · seed " +
           std::to_string(from.seed) + " · " + escaped(date) +
           (from.quick ? " · <b>quick form: few questions</b>" : "") + "<br/>command: <code>" + escaped(from.command) +

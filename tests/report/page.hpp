@@ -16,8 +16,16 @@ struct Figure {
   std::string rows{};   // the numbers behind a drawing, folded away
 };
 
+/// What stands above the figures.
+struct Heading {
+  std::string title;
+  std::string introduction;  // HTML
+};
+Heading report_heading();
+
 /// The page, self-contained: contents, figures in order, where everything comes from.
-std::string page(const std::vector<Figure>& figures, const Provenance& from, const std::string& date);
+std::string page(const std::vector<Figure>& figures, const Provenance& from, const std::string& date,
+                 const Heading& heading = report_heading());
 
 /// A table of rows as HTML; columns without any number are left out.
 std::string rows_table(const std::vector<Row>& rows);
