@@ -4,17 +4,12 @@
 #include <cmath>
 
 #include "server/geometry/float_environment.hpp"
+#include "server/world/indexed_mesh.hpp"
 #include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
 
 namespace collided {
 namespace {
-
-double radius_of(const TriangleMesh& mesh) {
-  double radius_m = 0;
-  for (const Vec3& vertex : mesh.vertices) radius_m = std::max(radius_m, vertex.stableNorm());
-  return radius_m * (1 + 0x1p-48);  // outward over the roundings of the norm
-}
 
 /// The saved index where there is one and it is fit, else one built anew.
 BspTree index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::string& name, const BspOptions& options,
@@ -26,14 +21,6 @@ BspTree index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::s
                        "; it is built anew");
   }
   return BspTree::build(mesh, options);
-}
-
-std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMesh> mesh, BspTree tree) {
-  auto indexed = std::make_shared<IndexedMesh>();
-  indexed->radius_m = radius_of(*mesh);
-  indexed->mesh = std::move(mesh);
-  indexed->tree = std::move(tree);
-  return indexed;
 }
 
 Refusal name_taken(const std::string& name, const ObjectInfo* holder) {
@@ -80,6 +67,9 @@ ObjectId World::State::take_slot() {
     changed.push_back(0);
     movable.push_back(0);
     lone_spheres.emplace_back();
+    has_way.push_back(0);
+    sizes.emplace_back();
+    fast.push_back(0);
     motion.push_back(Motion::none);
     frames_before.emplace_back();
     posed_before_ns.push_back(0);
@@ -214,6 +204,8 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->primitives = definition.shape.primitives;
   s.movable[slot] = id;
   s.lone_spheres[slot] = lone_sphere(*info);
+  s.sizes[slot] = size_of(*info);
+  s.has_way[slot] = 0;
   s.table()[slot] = info;
   s.names.emplace(info->name, id);
   s.poses[slot] = definition.pose;
@@ -256,6 +248,7 @@ bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, Mot
   const std::optional<Sphere>& sphere = lone_spheres[slot];
   bounds[slot] = sphere ? collided::bounds(place(frames[slot], *sphere)) : bounds_of(*(*objects)[slot], frames[slot]);
   posed_ns[slot] = time_ns;
+  has_way[slot] = how == Motion::moved ? 1 : 0;
   mark(slot, how);
   return true;
 }
