@@ -31,6 +31,9 @@ constexpr std::uint64_t kCandidatesAContact = 16;
 /// two that pass through each other go at least their two widths.
 constexpr double kUnsweptShare = 0.5;
 
+/// Tests that the sweep of one pair may take: some 20 ms, that the others wait for.
+constexpr std::uint32_t kSweepTests = 10'000;
+
 /// Candidates that wait while what their first test needs comes from memory: neighbours in space are strangers there.
 struct Waiting {
   static constexpr std::size_t kSize = 32;
@@ -185,7 +188,9 @@ BodyWay Step::body_way(std::uint32_t slot) const {
 
 SweepOptions Step::sweep_options(std::uint32_t mover) const {
   const double way_s = static_cast<double>(s.posed_ns[mover] - s.posed_before_ns[mover]) * 1e-9;
-  return {.width = std::clamp(s.options.sweep_width_s / way_s, 1e-12, 1e-3), .contacts = wishes.contacts};
+  return {.width = std::clamp(s.options.sweep_width_s / way_s, 1e-12, 1e-3),
+          .contacts = wishes.contacts,
+          .most_tests = kSweepTests};
 }
 
 void Step::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way) {

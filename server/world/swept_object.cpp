@@ -107,7 +107,6 @@ void Search::look(const TimeSpan& span, std::size_t few, double motion_m, double
 
 /// What lists candidates until there are too many.
 struct Listing {
-  const Search* search;
   std::vector<PartPair>& found;
   std::size_t most;
   bool is_all = true;
@@ -139,7 +138,7 @@ void Search::primitive_and_mesh(const PartOnWay& primitive, const SweptBody& oth
       const Search& search;
       const TimeSpan& span;
       bool triangles_are_b;
-    } context{{this, found, most}, *this, span, primitive_is_a};
+    } context{{found, most}, *this, span, primitive_is_a};
     const auto candidate = [](void* raw, std::uint32_t triangle) {
       Context& c = *static_cast<Context*>(raw);
       return c.search.is_settled(c.triangles_are_b ? triangle : kNoTriangle, c.span) || c.add({0, triangle});
@@ -166,7 +165,7 @@ void Search::meshes() {
     struct Context : Listing {
       const Search& search;
       const TimeSpan& span;
-    } context{{this, found, most}, *this, span};
+    } context{{found, most}, *this, span};
     const auto candidate = [](void* raw, std::uint32_t triangle_b, std::uint32_t triangle_a) {
       Context& c = *static_cast<Context*>(raw);
       return c.search.is_settled(triangle_b, c.span) || c.add({triangle_a, triangle_b});
