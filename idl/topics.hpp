@@ -12,11 +12,11 @@ namespace collided::wire_contract {
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 
-enum class QueryKind : std::uint8_t { hello, ray, sphere, box, near, command };
-/// The kinds that are answered about the world, and their names.
+enum class QueryKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep };
+/// The kinds that are answered about the world from numbers alone; a sweep has a shape too.
 inline constexpr QueryKind kWorldQuestions[] = {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near};
 inline const char* name_of(QueryKind kind) {
-  static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command"};
+  static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command", "sweep"};
   return kNames[static_cast<std::uint8_t>(kind)];
 }
 enum class RayMode : std::uint8_t { closest, any, all };
@@ -36,6 +36,7 @@ inline constexpr std::uint32_t kRayNumbers = 7;
 inline constexpr std::uint32_t kSphereNumbers = 4;
 inline constexpr std::uint32_t kBoxNumbers = 10;
 inline constexpr std::uint32_t kNearNumbers = 4;
+inline constexpr std::uint32_t kSweepNumbers = 14;
 /// 0 for what is no question about the world.
 inline constexpr std::uint32_t numbers_of(QueryKind kind) {
   switch (kind) {
@@ -43,13 +44,14 @@ inline constexpr std::uint32_t numbers_of(QueryKind kind) {
     case QueryKind::sphere: return kSphereNumbers;
     case QueryKind::box: return kBoxNumbers;
     case QueryKind::near: return kNearNumbers;
+    case QueryKind::sweep: return kSweepNumbers;
     default: return 0;
   }
 }
 inline constexpr std::uint32_t kPoseNumbers = 7;
 inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;
-inline constexpr std::uint32_t kEventNumbers = 10;
+inline constexpr std::uint32_t kEventNumbers = 13;
 inline constexpr std::uint32_t kContactNumbers = 8;
 
 /// Limits that the border checks; beyond them a sample is refused with the number, never cut in silence.

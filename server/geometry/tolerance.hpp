@@ -113,6 +113,13 @@ inline constexpr double kNearestError = 48 * kRoundoff;
 /// ExtremeTriangleFilter.AgreesWithRationalsAtTheFilterBoundary fails.
 inline constexpr double kOrientationError = 52 * kRoundoff;
 
+/// How far a point placed at a frame of a body's way lies from the way, relative to the sum of the position's largest
+/// coordinates at both ends and of the point's distance from the frame's origin: the position takes two products and a
+/// sum (4 u), a turn from axis and angle 12 u an entry, its product with the first rotation 6 u, so 32 u of the distance
+/// over three coordinates, and placing 6 u; the ends themselves are off by as much. No unit.
+/// At zero, ExactBodyWay.WhatIsFreeMeetsNothingAtAnyFrameOfTheWay fails.
+inline constexpr double kWayError = 96 * kRoundoff;
+
 /// Bound on the rounding of the plain 2-D orientation determinant, relative to the sum of its two products: Shewchuk's
 /// ccwerrboundA, (3 + 16 u) u. No unit. At zero, IntakePlanar.NearlyStraightTurnsAreExact fails.
 inline constexpr double kTurnError = (3 + 16 * kRoundoff) * kRoundoff;

@@ -79,6 +79,7 @@ void EventColumns::add(const Event& event) {
   append(numbers, event.of.contact);
   numbers.push_back(event.bracket_low_s);
   numbers.push_back(event.bracket_high_s);
+  numbers.insert(numbers.end(), event.relative_velocity.begin(), event.relative_velocity.end());
   named.add_id(event.of.a);
   named.add_id(event.of.b);
 }

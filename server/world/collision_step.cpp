@@ -27,6 +27,13 @@ constexpr std::size_t kWalksForAllPairs = 16;
 /// A step tests so many candidates for each contact that it may find: shapes that are apart cost time, never memory.
 constexpr std::uint64_t kCandidatesAContact = 16;
 
+/// An object that goes farther in a step than this share of its least width may leave behind what it passed through:
+/// two that pass through each other go at least their two widths.
+constexpr double kUnsweptShare = 0.5;
+
+/// Tests that the sweep of one pair may take: some 20 ms, that the others wait for.
+constexpr std::uint32_t kSweepTests = 10'000;
+
 /// Candidates that wait while what their first test needs comes from memory: neighbours in space are strangers there.
 struct Waiting {
   static constexpr std::size_t kSize = 32;
@@ -74,12 +81,22 @@ struct Step {
   bool has_lower_id(std::uint32_t slot, std::uint32_t than) const {
     return s.generations[slot] != s.generations[than] ? s.generations[slot] < s.generations[than] : slot < than;
   }
-  std::optional<Sweep> sweep_between(std::uint32_t mover, std::uint32_t other);
+  bool is_fast(std::uint32_t slot) const;
+  BodyWay body_way(std::uint32_t slot) const;
+  SweepOptions sweep_options(std::uint32_t mover) const;
+  std::optional<SweptTouch> sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover);
+  std::optional<SweptTouch> sweep_sphere(std::uint32_t mover, std::uint32_t other);
+  SweptTouch sweep_bodies(std::uint32_t first, std::uint32_t second);
+  void sweep_scene_parts(std::uint32_t mover, const StaticScene& scene);
+  void sweep_sphere_parts(const MovingSphere& way, const ObjectInfo& mover, const StaticScene& scene);
+  bool is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const;
+  SweptTouch& part_sweep(std::uint32_t part);
   void test_pair(std::uint32_t first, std::uint32_t second);
   void test_scene(std::uint32_t mover, const StaticScene& scene);
   void test_mesh_against(const Placed& a, const StaticScene& scene);
-  void report(ObjectId a, ObjectId b, const Touch& touch, const Sweep* sweep, std::uint32_t mover);
-  void set_bracket(FoundContact& found, const Sweep* sweep, std::uint32_t mover) const;
+  void report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
+  void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
+  Vec3 velocity_at(const Vec3& point, std::uint32_t slot, double time) const;
 };
 
 /// Contacts of removed objects end before anything else is looked at: their slots may be used again from now on.
@@ -131,7 +148,12 @@ void Step::index_movers() {
   s.balls.resize(s.bounds.size());
   for (const std::uint32_t slot : s.moved_slots) {
     const std::optional<MovingSphere> way = way_of(slot);
-    if (way) s.swept_bounds[slot].extend(bounds(*way));
+    s.fast[slot] = is_fast(slot) ? 1 : 0;
+    if (way) {
+      s.swept_bounds[slot].extend(bounds(*way));
+    } else if (s.fast[slot] != 0) {
+      s.swept_bounds[slot].extend(bounds(*(*s.objects)[slot], body_way(slot), s.sizes[slot].reach_m));
+    }
     set_ball(slot, way);
   }
   if (!next.grid || next.grid.use_count() > 1) next.grid = std::make_shared<Grid>();
@@ -145,6 +167,30 @@ std::optional<MovingSphere> Step::way_of(std::uint32_t slot) const {
   return MovingSphere{.start = place(s.frames_before[slot], sphere->center),
                       .end = place(s.frames[slot], sphere->center),
                       .radius_m = sphere->radius_m};
+}
+
+bool Step::is_fast(std::uint32_t slot) const {
+  if (s.motion[slot] != Motion::moved || !(*s.objects)[slot]) return false;
+  const MoverSize& size = s.sizes[slot];
+  return longest_way_m(s.frames_before[slot], s.frames[slot], size.reach_m) > kUnsweptShare * size.least_width_m;
+}
+
+/// The way of any object in this step; a lone sphere's is that of its centre.
+BodyWay Step::body_way(std::uint32_t slot) const {
+  const Frame& before = s.motion[slot] == Motion::moved ? s.frames_before[slot] : s.frames[slot];
+  if (!s.lone_spheres[slot]) return {before, s.frames[slot]};
+  BodyWay way{s.frames[slot], s.frames[slot]};
+  const Vec3& center = s.lone_spheres[slot]->center;
+  way.from.position = place(before, center) - (place(s.frames[slot], center) - s.frames[slot].position);
+  way.travel = way.to.position - way.from.position;
+  return way;
+}
+
+SweepOptions Step::sweep_options(std::uint32_t mover) const {
+  const double way_s = static_cast<double>(s.posed_ns[mover] - s.posed_before_ns[mover]) * 1e-9;
+  return {.width = std::clamp(s.options.sweep_width_s / way_s, 1e-12, 1e-3),
+          .contacts = wishes.contacts,
+          .most_tests = kSweepTests};
 }
 
 void Step::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way) {
@@ -206,29 +252,64 @@ void Step::test_scene(std::uint32_t mover, const StaticScene& scene) {
   if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) {
     test_mesh_against(a, scene);
   }
-  const std::optional<MovingSphere> way = way_of(mover);
-  if (way) {
-    // Parts that are met on the way but not at its end need a place in the list too.
-    visit_scene(scene, bounds(*way), walk, allowed, [&](std::uint32_t, std::uint32_t part, const Triangle&) {
-      s.part_touches.of(part);
-      return true;
-    });
+  s.part_sweeps.clear();
+  if (const std::optional<MovingSphere> way = way_of(mover)) {
+    sweep_sphere_parts(*way, *a.info, scene);
+  } else if (s.fast[mover] != 0) {
+    sweep_scene_parts(mover, scene);
   }
+  // Parts that are met on the way but not at its end need a place in the list too.
+  for (const PartSweep& sweep : s.part_sweeps) s.part_touches.of(sweep.part);
   for (PartTouch& found : s.part_touches.list()) {
-    const ObjectId part_id = scene.part_objects[found.part];
     s.cost.exact_tests += found.touch.exact_tests;
-    std::optional<Sweep> sweep;
-    if (way && !s.ledger.holds(std::min(a.info->id, part_id), std::max(a.info->id, part_id))) {
-      sweep = Sweep{.mover = *way, .width = s.options.sweep_width};
-      const Part& part = scene.parts[found.part];
-      visit_scene(scene, bounds(*way), walk, [&](std::uint32_t p) { return p == found.part; },
-                  [&](std::uint32_t triangle, std::uint32_t, const Triangle& b) {
-                    sweep_part(*sweep, b, triangle - part.first_triangle);
-                    return true;
-                  });
-    }
-    report(a.info->id, part_id, found.touch, sweep ? &*sweep : nullptr, mover);
+    const auto sweep = std::find_if(s.part_sweeps.begin(), s.part_sweeps.end(),
+                                    [&](const PartSweep& of) { return of.part == found.part; });
+    report(a.info->id, scene.part_objects[found.part], found.touch,
+           sweep != s.part_sweeps.end() ? &sweep->touch : nullptr, mover);
   }
+}
+
+/// Contacts that hold need no time.
+bool Step::is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const {
+  const ObjectId id = scene.part_objects[part];
+  return may_meet(mover.filter, scene.parts[part].filter) && !s.ledger.holds(std::min(mover.id, id), std::max(mover.id, id));
+}
+
+SweptTouch& Step::part_sweep(std::uint32_t part) {
+  if (s.part_sweeps.empty() || s.part_sweeps.back().part != part) {
+    const auto found = std::find_if(s.part_sweeps.begin(), s.part_sweeps.end(),
+                                    [&](const PartSweep& sweep) { return sweep.part == part; });
+    if (found != s.part_sweeps.end()) return found->touch;
+    s.part_sweeps.push_back({.part = part, .touch = {}});
+  }
+  return s.part_sweeps.back().touch;
+}
+
+void Step::sweep_sphere_parts(const MovingSphere& way, const ObjectInfo& mover, const StaticScene& scene) {
+  SphereSweep sweep{.mover = way, .width = s.options.sweep_width};
+  visit_scene(scene, bounds(way), walk, [&](std::uint32_t part) { return is_sweepable(mover, scene, part); },
+              [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
+                sweep.found = part_sweep(part);
+                sweep_part(sweep, corners, triangle - scene.parts[part].first_triangle);
+                part_sweep(part) = sweep.found;
+                return true;
+              });
+}
+
+void Step::sweep_scene_parts(std::uint32_t mover, const StaticScene& scene) {
+  struct Context {
+    Step& step;
+    const ObjectInfo& mover;
+    const StaticScene& scene;
+  } context{*this, *(*s.objects)[mover], scene};
+  const auto touch_of = [](void* raw, std::uint32_t triangle) -> SweptTouch* {
+    const Context& c = *static_cast<Context*>(raw);
+    const std::uint32_t part = c.scene.part_of(triangle);
+    return c.step.is_sweepable(c.mover, c.scene, part) ? &c.step.part_sweep(part) : nullptr;
+  };
+  const SweptBody body(context.mover, body_way(mover));
+  if (!sweep_scene(body, SweptBody(scene), sweep_options(mover), walk, touch_of, &context)) ++s.cost.sweeps_skipped;
+  for (PartSweep& sweep : s.part_sweeps) sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
 }
 
 void Step::test_mesh_against(const Placed& a, const StaticScene& scene) {
@@ -364,39 +445,58 @@ void Step::test_pair(std::uint32_t first, std::uint32_t second) {
   touch.wanted = wishes.contacts;
   if (overlaps(a.bounds, b.bounds)) touch_objects(a, b, touch, walk);
   s.cost.exact_tests += touch.exact_tests;
-  std::optional<Sweep> sweep;
+  std::optional<SweptTouch> sweep;
   std::uint32_t mover = first;
-  if (!s.ledger.holds(a.info->id, b.info->id)) {
-    sweep = sweep_between(first, second);
-    if (!sweep) {
-      sweep = sweep_between(second, first);
-      mover = second;
-      if (sweep) sweep->contact.normal = -sweep->contact.normal;
-    }
-  }
+  if (!s.ledger.holds(a.info->id, b.info->id)) sweep = sweep_between(first, second, mover);
   report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr, has_moved(mover) ? mover : first + second - mover);
 }
 
+/// A lone sphere is swept whatever its speed, exactly, past anything that does not turn fast; other pairs where one of
+/// the two is fast.
+std::optional<SweptTouch> Step::sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover) {
+  if (s.motion[first] == Motion::placed || s.motion[second] == Motion::placed) return std::nullopt;
+  const auto turns_fast = [&](std::uint32_t slot) {
+    return s.fast[slot] != 0 && !s.lone_spheres[slot] && s.frames_before[slot].rotation != s.frames[slot].rotation;
+  };
+  if (!turns_fast(first) && !turns_fast(second)) {
+    if (std::optional<SweptTouch> found = sweep_sphere(first, second)) return found;
+    mover = second;
+    if (const std::optional<SweptTouch> found = sweep_sphere(second, first)) return turned_round(*found);
+  }
+  mover = s.fast[first] != 0 ? first : second;
+  if (s.fast[mover] == 0) return std::nullopt;
+  return sweep_bodies(first, second);
+}
+
+SweptTouch Step::sweep_bodies(std::uint32_t first, std::uint32_t second) {
+  SweptTouch touch;
+  const SweptBody a(*(*s.objects)[first], body_way(first));
+  const SweptBody b(*(*s.objects)[second], body_way(second));
+  sweep(a, b, sweep_options(s.fast[first] != 0 ? first : second), walk, touch);
+  return touch;
+}
+
 /// The mover's way as seen from the other object, which keeps its last orientation: its displacement is taken off.
-std::optional<Sweep> Step::sweep_between(std::uint32_t mover, std::uint32_t other) {
+std::optional<SweptTouch> Step::sweep_sphere(std::uint32_t mover, std::uint32_t other) {
   const std::optional<Sphere>& sphere = s.lone_spheres[mover];
-  if (!sphere || s.motion[mover] == Motion::placed || s.motion[other] == Motion::placed) return std::nullopt;
+  if (!sphere) return std::nullopt;
   const bool other_moved = s.motion[other] == Motion::moved;
   const Frame& before = s.motion[mover] == Motion::moved ? s.frames_before[mover] : s.frames[mover];
-  Sweep sweep{.mover = {.start = place(before, sphere->center),
+  SphereSweep sweep{.mover = {.start = place(before, sphere->center),
                         .end = place(s.frames[mover], sphere->center),
                         .radius_m = sphere->radius_m},
               .width = s.options.sweep_width};
   if (other_moved) sweep.mover.start += s.frames[other].position - s.frames_before[other].position;
   sweep_object(sweep, placed(other), walk);
-  return sweep;
+  return sweep.found;
 }
 
 /// For contacts first, for the time between: began now, began and parted on the way, or nothing new.
-void Step::report(ObjectId a, ObjectId b, const Touch& touch, const Sweep* sweep, std::uint32_t mover) {
+void Step::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover) {
   if (sweep != nullptr) {
     ++s.cost.swept;
     s.cost.exact_tests += sweep->exact_tests;
+    if (sweep->undecided && !sweep->yes && !touch.yes) ++s.cost.sweeps_skipped;
   }
   if (touch.undecided && !touch.yes) ++s.cost.undecided;
   const bool passed = sweep != nullptr && sweep->yes && !touch.yes;
@@ -405,13 +505,22 @@ void Step::report(ObjectId a, ObjectId b, const Touch& touch, const Sweep* sweep
   ++s.cost.contacts;
   FoundContact found{.a = a, .b = b, .a_triangle = touch.a_triangle, .b_triangle = touch.b_triangle,
                      .contact = passed ? sweep->contact : touch.contact};
-  if (passed) found.b_triangle = sweep->triangle;
+  if (passed) {
+    found.a_triangle = sweep->a_triangle;
+    found.b_triangle = sweep->b_triangle;
+  }
   if (found.b < found.a) {
     std::swap(found.a, found.b);
     std::swap(found.a_triangle, found.b_triangle);
     found.contact.normal = -found.contact.normal;
   }
   set_bracket(found, sweep, mover);
+  const bool is_told = wishes.persisted || !s.ledger.holds(found.a, found.b);
+  if (wishes.contacts && is_told) {
+    const double time = passed ? sweep->bracket.high : 1;
+    const Vec3& point = found.contact.point;
+    found.relative_velocity = velocity_at(point, slot_of(found.b), time) - velocity_at(point, slot_of(found.a), time);
+  }
   if (passed) {
     s.ledger.touched_and_parted(found);
   } else {
@@ -419,7 +528,7 @@ void Step::report(ObjectId a, ObjectId b, const Touch& touch, const Sweep* sweep
   }
 }
 
-void Step::set_bracket(FoundContact& found, const Sweep* sweep, std::uint32_t mover) const {
+void Step::set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const {
   const double end_s = static_cast<double>(world_time_ns - s.posed_ns[mover]) * 1e-9;
   const double way_s = s.motion[mover] == Motion::moved
                            ? static_cast<double>(s.posed_ns[mover] - s.posed_before_ns[mover]) * 1e-9
@@ -427,6 +536,18 @@ void Step::set_bracket(FoundContact& found, const Sweep* sweep, std::uint32_t mo
   const bool timed = sweep != nullptr && sweep->yes;
   found.bracket_low_s = std::max(0.0, end_s + way_s * (timed ? 1 - sweep->bracket.low : 1.0));
   found.bracket_high_s = std::max(0.0, end_s + way_s * (timed ? 1 - sweep->bracket.high : 0.0));
+}
+
+/// Of the object's point that is there at that time of its last way, m/s.
+Vec3 Step::velocity_at(const Vec3& point, std::uint32_t slot, double time) const {
+  const std::int64_t way_ns = s.posed_ns[slot] - s.posed_before_ns[slot];
+  if (s.has_way[slot] == 0 || way_ns <= 0 || s.posed_before_ns[slot] == kPosedAtStep) return Vec3::Zero();
+  // Whoever has not moved in this step is still under way for as long again as its last way took.
+  if (!has_moved(slot) && world_time_ns - s.posed_ns[slot] > way_ns) return Vec3::Zero();
+  const BodyWay way(s.frames_before[slot], s.frames[slot]);
+  const Vec3 origin = has_moved(slot) ? way.at(time).position : way.to.position;
+  const Vec3 turn = way.turn_rad * way.axis;
+  return (way.travel + turn.cross(point - origin)) / (static_cast<double>(way_ns) * 1e-9);
 }
 
 /// A contact that was not found again although one of the two moved is over.
@@ -472,7 +593,10 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   s.ledger.finish_step();
   s.ring.publish();
 
-  for (const std::uint32_t slot : s.moved_slots) s.motion[slot] = Motion::none;
+  for (const std::uint32_t slot : s.moved_slots) {
+    s.motion[slot] = Motion::none;
+    s.fast[slot] = 0;
+  }
   s.moved_slots.clear();
   s.free_slots.insert(s.free_slots.end(), s.freed_this_step.begin(), s.freed_this_step.end());
   s.freed_this_step.clear();

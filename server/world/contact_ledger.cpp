@@ -40,7 +40,8 @@ void ContactLedger::touches(const FoundContact& found) {
     events_.push_back({.kind = wire_contract::EventKind::began,
                        .of = open_.back(),
                        .bracket_low_s = found.bracket_low_s,
-                       .bracket_high_s = found.bracket_high_s});
+                       .bracket_high_s = found.bracket_high_s,
+                       .relative_velocity = found.relative_velocity});
     return;
   }
   OpenContact& open = open_[place->second];
@@ -48,17 +49,20 @@ void ContactLedger::touches(const FoundContact& found) {
   open.contact = found.contact;
   open.a_triangle = found.a_triangle;
   open.b_triangle = found.b_triangle;
-  if (persisted_wanted_) events_.push_back({.kind = wire_contract::EventKind::persisted, .of = open});
+  if (!persisted_wanted_) return;
+  events_.push_back({.kind = wire_contract::EventKind::persisted, .of = open, .relative_velocity = found.relative_velocity});
 }
 
 void ContactLedger::touched_and_parted(const FoundContact& found) {
   Event event{.kind = wire_contract::EventKind::began,
               .of = opened(found, world_time_ns_),
               .bracket_low_s = found.bracket_low_s,
-              .bracket_high_s = found.bracket_high_s};
+              .bracket_high_s = found.bracket_high_s,
+              .relative_velocity = found.relative_velocity};
   events_.push_back(event);
   event.kind = wire_contract::EventKind::ended;
   event.reason = wire_contract::EndReason::separated;
+  event.relative_velocity.setZero();
   // It parted some time between the first contact and the end of the step.
   event.bracket_low_s = found.bracket_high_s;
   event.bracket_high_s = 0;

@@ -17,6 +17,7 @@ struct FoundContact {
   Contact contact;
   double bracket_low_s = 0;  // before the step's world time
   double bracket_high_s = 0;
+  Vec3 relative_velocity = Vec3::Zero();  // of b against a at the contact's point
 };
 
 /// The contacts that hold, and the events that change them. Always: per pair began and ended alternate; sequences grow

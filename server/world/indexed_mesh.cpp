@@ -21,4 +21,13 @@ std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMe
   return indexed;
 }
 
+ObjectInfo without_world(const Shape& shape) {
+  ObjectInfo info;
+  info.primitives = shape.primitives;
+  if (shape.mesh) {
+    info.mesh = indexed_mesh(shape.mesh, BspTree::build(*shape.mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
+  }
+  return info;
+}
+
 }  // namespace collided

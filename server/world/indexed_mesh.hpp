@@ -2,11 +2,15 @@
 
 #include <memory>
 
+#include "server/geometry/shape.hpp"
 #include "server/world/object.hpp"
 
 namespace collided {
 
-/// A mesh and the tree that was built of it, as objects share them.
+/// A mesh with the index that was built of it.
 std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMesh> mesh, BspTree tree);
+
+/// A shape that is in no world, as an object without name or place; its mesh is indexed by the calling thread.
+ObjectInfo without_world(const Shape& shape);
 
 }  // namespace collided

@@ -75,9 +75,10 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
                   has_objects ? "" : "a rebuild a step and a walk a question"});
   rows.push_back({"pair search", c.moving > 0, c.moving > 0 ? number(c.moving, "movers") : "nothing moves",
                   c.moving > 0 ? "" : "the whole collision step"});
-  rows.push_back({"swept test", c.lone_spheres > 0,
-                  c.lone_spheres > 0 ? number(c.lone_spheres, "moving spheres") : "no moving sphere",
-                  c.lone_spheres > 0 ? "" : "a second exact test a candidate"});
+  rows.push_back({"swept test", c.moving > 0,
+                  c.moving > 0 ? number(c.lone_spheres, "moving spheres") + "; other movers in steps of more than half their least width"
+                               : "nothing moves",
+                  c.moving > 0 ? "" : "the first contact in time of a candidate"});
   rows.push_back({"mesh x mesh", c.moving_meshes > 0,
                   c.moving_meshes > 0 ? number(c.moving_meshes, "moving meshes") : "no moving mesh",
                   c.moving_meshes > 0 ? "" : "an index a mesh"});

@@ -26,6 +26,7 @@ struct Questions {
   double error_m = 0;                 // distances and depths may be off by this much; yes and no are exact anyway
   Level highest = Level::rational;    // of the ladder; below that, what is not decided is undecided
   std::span<const double> numbers;    // as Query.numbers in collided.idl
+  const ObjectInfo* mover = nullptr;  // of sweeps: what goes from pose to pose, in its own frame
 };
 
 /// Layers and name patterns let the object answer.

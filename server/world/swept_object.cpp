@@ -1,211 +1,239 @@
 #include "server/world/swept_object.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <concepts>
-#include <limits>
-#include <variant>
+#include <utility>
 #include <vector>
 
-#include "server/exact_phase/moving_features.hpp"
-#include "server/exact_phase/moving_solids.hpp"
 #include "server/geometry/aabb.hpp"
-#include "server/geometry/bounded.hpp"
+#include "server/world/touch.hpp"
 
 namespace collided {
 namespace {
 
-/// Above this, a turn is refused.
-constexpr int kMostPieces = 4096;
-constexpr int kMostWindows = 64;
+using wire_contract::kNoTriangle;
 
-struct Target {
-  const TriangleMesh& mesh;
-  const BspTree& tree;
-  const SweepOptions& options;
-  WalkCost& cost;
+/// A piece of the way with no more pairs than this is not cut again; pairs of two meshes cost more to list.
+constexpr std::size_t kPairsAPiece = 8;
+constexpr std::size_t kMeshPairsAPiece = 24;
+/// Nor is one in which nothing moves farther than this part of the smaller one's size: cutting it parts nothing more.
+constexpr double kShortPiece = 0x1p-4;
+
+/// Two bodies' parts that may meet in a piece of the way.
+struct PartPair {
+  std::uint32_t a;
+  std::uint32_t b;
+  auto operator<=>(const PartPair&) const = default;
 };
 
-/// The earliest contact wins; of equal ones that with the lowest numbers.
-void take(FirstTouch& best, const TimeBracket& found, std::uint32_t mover_triangle, std::uint32_t triangle) {
-  const bool earlier = !best.yes || found.high < best.bracket.high ||
-                       (found.high == best.bracket.high &&
-                        std::pair(mover_triangle, triangle) < std::pair(best.mover_triangle, best.triangle));
-  // One with a later end may begin earlier: the bracket holds the first of all.
-  const double low = best.yes ? std::min(best.bracket.low, found.low) : found.low;
-  best.bracket = {low, earlier ? found.high : best.bracket.high};
-  best.yes = true;
-  if (!earlier) return;
-  best.mover_triangle = mover_triangle;
-  best.triangle = triangle;
-}
+/// The search for the first contacts of two bodies. Parts of a are its primitives or its triangles; b has triangles, or
+/// is looked at primitive by primitive.
+class Search {
+ public:
+  Search(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, TouchOf touch_of,
+         void* context)
+      : a_(a), b_(b), options_(options), cost_(cost), touch_of_(touch_of), context_(context) {}
 
-/// Asks about every triangle whose bounds meet those of the way.
-template <class Mover>
-void meet_triangles(const Mover& mover, const Aabb& swept, std::uint32_t mover_triangle, const Target& target,
-                    FirstTouch& best) {
-  struct Context {
-    const Mover& mover;
-    const Target& target;
-    FirstTouch& best;
-    std::uint32_t mover_triangle;
-  } context{mover, target, best, mover_triangle};
-  const auto candidate = [](void* raw, std::uint32_t triangle) {
-    Context& c = *static_cast<Context*>(raw);
-    TimeBracket found;
-    const Triangle other = c.target.mesh.triangle(triangle);
-    Verdict verdict;
-    if constexpr (std::same_as<Mover, MovingTriangle>) {
-      const MovingTriangle resting{{other.a, other.a}, {other.b, other.b}, {other.c, other.c}};
-      verdict = first_contact(c.mover, resting, c.target.options.width, found);
-    } else {
-      verdict = first_contact(c.mover, other, c.target.options.width, found);
-    }
-    ++c.best.exact_tests;
-    c.best.undecided = c.best.undecided || verdict.decision == Decision::undecided;
-    if (verdict.yes()) take(c.best, found, c.mover_triangle, triangle);
-    return true;
-  };
-  target.tree.walk_box(swept, candidate, &context, target.cost);
-}
+  /// `is_one`: every triangle of b counts to the same.
+  bool is_one = false;
 
-/// Bounds of a shape all along its way; each step rounds outward.
-Aabb swept_bounds(Aabb box, const Vec3& from, const Vec3& to) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const Aabb start = box;
-  for (int k = 0; k < 3; ++k) {
-    const double least = std::nextafter(to[k] - from[k], -kInfinity);
-    const double most = std::nextafter(to[k] - from[k], kInfinity);
-    box.low[k] = std::min(start.low[k], std::nextafter(start.low[k] + least, -kInfinity));
-    box.high[k] = std::max(start.high[k], std::nextafter(start.high[k] + most, kInfinity));
+  bool is_exhausted() const { return tests_ >= options_.most_tests; }
+
+  /// All of a with all of b, b's triangles going to touch_of and its primitives to touch_of(kNoTriangle).
+  void run();
+
+ private:
+  template <class Near>
+  void look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near, const auto& meet);
+  void meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay& b, std::uint32_t b_triangle, TimeSpan span);
+  void primitive_and_mesh(const PartOnWay& primitive, const SweptBody& other, bool primitive_is_a);
+  void meshes();
+  bool is_settled(std::uint32_t b_triangle, const TimeSpan& span) const {
+    const SweptTouch* touch = touch_of_(context_, b_triangle);
+    return touch == nullptr || (touch->yes && touch->bracket.high <= span.low);
   }
-  return box;
-}
-
-void sweep_primitive(const ObjectWay& way, const Primitive& primitive, const Target& target, FirstTouch& best) {
-  const auto sweep = [&](const auto& own) {
-    using Shape = std::decay_t<decltype(own)>;
-    const Vec3& from = way.from.position;
-    const Vec3& to = way.to.position;
-    if constexpr (std::same_as<Shape, Sphere>) {
-      // A sphere's centre goes straight even where the object turns only about it.
-      const MovingSphere mover{place(way.from, own.center), place(way.to, own.center), own.radius_m};
-      if (way.from.rotation == way.to.rotation || own.center.isZero(0)) {
-        const Aabb swept = bounds(Capsule{mover.start, mover.end, mover.radius_m});
-        return meet_triangles(mover, swept, wire_contract::kNoTriangle, target, best);
-      }
-    } else if constexpr (std::same_as<Shape, Box> || std::same_as<Shape, Capsule>) {
-      if (way.from.rotation == way.to.rotation) {
-        const Translated<Shape> mover{place(way.from, own), from, to};
-        const Aabb swept = swept_bounds(bounds(mover.start), from, to);
-        return meet_triangles(mover, swept, wire_contract::kNoTriangle, target, best);
-      }
-    }
-    best.undecided = true;
-  };
-  std::visit(sweep, primitive);
-}
-
-/// The poses at which the pieces begin and end.
-std::vector<Frame> pieces(const ObjectWay& way, double radius_m, const SweepOptions& options, FirstTouch& best) {
-  if (way.from.rotation == way.to.rotation) return {way.from, way.to};
-  const Mat3 turn = way.from.rotation.transpose() * way.to.rotation;
-  const Eigen::AngleAxisd about(turn);
-  // A curve is off its chord, time for time, by at most its acceleration / 8: r angle^2 / 8.
-  const auto deviation_m = [&](int count) {
-    const double angle = about.angle() / count;
-    return radius_m * angle * angle / 8;
-  };
-  int count = 1;
-  while (count < kMostPieces && deviation_m(count) > options.deviation_m) count *= 2;
-  if (deviation_m(count) > options.deviation_m) {
-    best.undecided = true;
-    return {};
+  static PartOnWay triangle_of(const SweptBody& body, std::uint32_t number) {
+    return {body.mesh->triangle(number), body.way};
   }
-  best.deviation_m = std::max(best.deviation_m, deviation_m(count));
-  std::vector<Frame> frames{way.from};
-  for (int i = 1; i < count; ++i) {
-    const double s = static_cast<double>(i) / count;
-    const Mat3 turned = Eigen::AngleAxisd(s * about.angle(), about.axis()).toRotationMatrix();
-    frames.push_back({.rotation = way.from.rotation * turned,
-                      .position = (1 - s) * way.from.position + s * way.to.position});
-  }
-  frames.push_back(way.to);
-  return frames;
+
+  const SweptBody& a_;
+  const SweptBody& b_;
+  const SweepOptions& options_;
+  WalkCost& cost_;
+  TouchOf touch_of_;
+  void* context_;
+  std::uint32_t tests_ = 0;
+};
+
+void Search::meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay& b, std::uint32_t b_triangle,
+                  TimeSpan span) {
+  SweptTouch* touch = touch_of_(context_, b_triangle);
+  if (touch == nullptr) return;
+  if (touch->yes) span.high = std::min(span.high, touch->bracket.high);
+  if (span.high < span.low) return;
+  ++tests_;
+  ++touch->exact_tests;
+  TimeBracket found;
+  const Verdict verdict = first_contact(a, b, span, options_.width, found);
+  touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
+  if (!verdict.yes()) return;
+  if (touch->take(found, a_triangle, b_triangle) && options_.contacts) touch->contact = contact_at(a, b, found.high);
 }
 
-/// A piece's own time to that of the whole way; rounded outward.
-TimeBracket of_whole(const TimeBracket& piece, std::size_t index, std::size_t count) {
-  if (count == 1) return piece;
-  const auto number = static_cast<double>(index);
-  const auto pieces_count = static_cast<double>(count);  // a power of two
-  if (index == 0) return {piece.low / pieces_count, piece.high / pieces_count};
-  return {std::nextafter(number + piece.low, 0.0) / pieces_count,
-          std::min(1.0, std::nextafter(number + piece.high, pieces_count) / pieces_count)};
-}
-
-/// Where a triangle is in a window of time, rounded outward.
-Aabb bounds_in(const MovingTriangle& part, double from, double to) {
-  Aabb box;
-  for (const MovingPoint* p : {&part.a, &part.b, &part.c}) {
-    for (const double t : {from, to}) {
-      for (int k = 0; k < 3; ++k) {
-        const Bounded x = Bounded(1 - t) * Bounded(p->start[k]) + Bounded(t) * Bounded(p->end[k]);
-        box.low[k] = std::min(box.low[k], x.low());
-        box.high[k] = std::max(box.high[k], x.high());
-      }
-    }
-  }
-  return box;
-}
-
-/// Long ways are looked along in windows as long as the mover is large, so that few triangles are asked about and none
-/// beyond the first contact.
-void sweep_piece(const TriangleMesh& mesh, const std::vector<MovingPoint>& vertex, double radius_m, const Target& target,
-                 FirstTouch& best) {
-  double travel_m = 0;
-  for (const MovingPoint& p : vertex) travel_m = std::max(travel_m, (p.end - p.start).cwiseAbs().maxCoeff());
-  int windows = 1;
-  while (windows < kMostWindows && travel_m > radius_m * windows) windows *= 2;
-  for (int window = 0; window < windows; ++window) {
-    const double from = static_cast<double>(window) / windows;
-    const double to = static_cast<double>(window + 1) / windows;
-    if (best.yes && best.bracket.high < from) return;
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const TriangleCorners& corner = mesh.triangles[i];
-      const MovingTriangle part{vertex[corner[0]], vertex[corner[1]], vertex[corner[2]]};
-      meet_triangles(part, bounds_in(part, from, to), i, target, best);
-    }
-  }
-}
-
-void sweep_mesh(const ObjectWay& way, const IndexedMesh& mover, const Target& target, FirstTouch& best) {
-  const std::vector<Frame> frames = pieces(way, mover.radius_m, target.options, best);
-  const TriangleMesh& mesh = *mover.mesh;
-  std::vector<MovingPoint> vertex(mesh.vertices.size());
-  for (std::size_t piece = 0; piece + 1 < frames.size(); ++piece) {
-    for (std::size_t i = 0; i < vertex.size(); ++i) {
-      vertex[i] = {place(frames[piece], mesh.vertices[i]), place(frames[piece + 1], mesh.vertices[i])};
-    }
-    FirstTouch here;
-    sweep_piece(mesh, vertex, mover.radius_m, target, here);
-    best.exact_tests += here.exact_tests;
-    best.undecided = best.undecided || here.undecided;
-    if (!here.yes) continue;
-    take(best, of_whole(here.bracket, piece, frames.size() - 1), here.mover_triangle, here.triangle);
+/// Pieces of the way in order of time. near(span, found) lists the pairs that may meet in it and says whether it listed
+/// them all; motion_m is how far things go in all.
+template <class Near>
+void Search::look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near,
+                  const auto& meet_pair) {
+  if (is_exhausted() || (is_one && is_settled(kNoTriangle, span))) return;
+  std::vector<PartPair> found;
+  const double length = span.high - span.low;
+  const bool is_short = motion_m * length <= kShortPiece * size_m || length < 0x1p-40;
+  const bool is_all = near(span, is_short ? options_.most_tests : few, found);
+  if (!is_all && !is_short) {
+    const double middle = span.low + length / 2;
+    look({span.low, middle}, few, motion_m, size_m, near, meet_pair);
+    look({middle, span.high}, few, motion_m, size_m, near, meet_pair);
     return;
   }
+  if (!is_all) tests_ = options_.most_tests;
+  // A clipped split holds a triangle in two leaves.
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  for (const PartPair& pair : found) {
+    if (is_exhausted()) return;
+    meet_pair(pair, span);
+  }
+}
+
+/// What lists candidates until there are too many.
+struct Listing {
+  std::vector<PartPair>& found;
+  std::size_t most;
+  bool is_all = true;
+
+  bool add(PartPair pair) {
+    if (found.size() >= most) is_all = false;
+    else found.push_back(pair);
+    return is_all;
+  }
+};
+
+/// How far the parts go against each other from the middle of a piece to its ends, along each axis, roundings included.
+Vec3 half_motion(const BodyWay& a, double a_reach_m, const BodyWay& b, double b_reach_m, double length) {
+  const double turn_m = a.turn_rad * a_reach_m + b.turn_rad * b_reach_m;
+  const double error_m = 2 * (a.error_m(a_reach_m) + b.error_m(b_reach_m));
+  return ((a.travel - b.travel).cwiseAbs().array() + turn_m).matrix() * (length / 2 * (1 + 0x1p-40)) + Vec3::Constant(error_m);
+}
+
+void Search::primitive_and_mesh(const PartOnWay& primitive, const SweptBody& other, bool primitive_is_a) {
+  const Aabb own = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(0));
+  const double motion_m = primitive.way->length_m(primitive.reach_m) + other.way.length_m(other.mesh_reach_m);
+  const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
+    const double middle = span.low + (span.high - span.low) / 2;
+    Aabb box = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(middle));
+    const Vec3 motion = half_motion(*primitive.way, primitive.reach_m, other.way, other.mesh_reach_m, span.high - span.low);
+    box.low -= motion;
+    box.high += motion;
+    struct Context : Listing {
+      const Search& search;
+      const TimeSpan& span;
+      bool triangles_are_b;
+    } context{{found, most}, *this, span, primitive_is_a};
+    const auto candidate = [](void* raw, std::uint32_t triangle) {
+      Context& c = *static_cast<Context*>(raw);
+      return c.search.is_settled(c.triangles_are_b ? triangle : kNoTriangle, c.span) || c.add({0, triangle});
+    };
+    other.tree->walk_box(seen_from(other.way.at(middle), box, other.mesh_reach_m), candidate, &context, cost_);
+    return context.is_all;
+  };
+  const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
+    const PartOnWay triangle = triangle_of(other, pair.b);
+    if (primitive_is_a) meet(primitive, kNoTriangle, triangle, pair.b, span);
+    else meet(triangle, pair.b, primitive, kNoTriangle, span);
+  };
+  look({0, 1}, kPairsAPiece, motion_m, (own.high - own.low).maxCoeff(), near, meet_pair);
+}
+
+void Search::meshes() {
+  const double motion_m = a_.way.length_m(a_.mesh_reach_m) + b_.way.length_m(b_.mesh_reach_m);
+  const auto size_of = [](const Aabb& box) { return (box.high - box.low).maxCoeff(); };
+  const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
+    const double middle = span.low + (span.high - span.low) / 2;
+    const Frame a = a_.way.at(middle);
+    const Frame b = b_.way.at(middle);
+    const Vec3 motion = half_motion(a_.way, a_.mesh_reach_m, b_.way, b_.mesh_reach_m, span.high - span.low);
+    struct Context : Listing {
+      const Search& search;
+      const TimeSpan& span;
+    } context{{found, most}, *this, span};
+    const auto candidate = [](void* raw, std::uint32_t triangle_b, std::uint32_t triangle_a) {
+      Context& c = *static_cast<Context*>(raw);
+      return c.search.is_settled(triangle_b, c.span) || c.add({triangle_a, triangle_b});
+    };
+    const Mat3 back = b.rotation.transpose();
+    const Vec3 between = a.position - b.position;
+    const double slack_m = 2 * placement_slack(b, between.lpNorm<1>() + a.position.lpNorm<1>(), a_.mesh_reach_m + b_.mesh_reach_m) +
+                           motion.norm() * (1 + 0x1p-40);
+    b_.tree->walk_pairs(*a_.tree, back * a.rotation, back * between, slack_m, candidate, &context, cost_);
+    return context.is_all;
+  };
+  const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
+    meet(triangle_of(a_, pair.a), pair.a, triangle_of(b_, pair.b), pair.b, span);
+  };
+  look({0, 1}, kMeshPairsAPiece, motion_m, std::min(size_of(a_.tree->bounds()), size_of(b_.tree->bounds())), near, meet_pair);
+}
+
+void Search::run() {
+  const auto has_mesh = [](const SweptBody& body) { return body.mesh != nullptr && !body.mesh->triangles.empty(); };
+  for (const Primitive& own : a_.primitives) {
+    const PartOnWay part(part_of(own), a_.way);
+    for (const Primitive& other : b_.primitives) {
+      meet(part, kNoTriangle, {part_of(other), b_.way}, kNoTriangle, {0, 1});
+    }
+    if (has_mesh(b_)) primitive_and_mesh(part, b_, true);
+  }
+  if (!has_mesh(a_)) return;
+  for (const Primitive& other : b_.primitives) primitive_and_mesh({part_of(other), b_.way}, a_, false);
+  if (has_mesh(b_)) meshes();
 }
 
 }  // namespace
 
-FirstTouch first_touch(const ObjectWay& way, const TriangleMesh& mesh, const BspTree& tree, const SweepOptions& options,
-                       WalkCost& cost) {
-  FirstTouch best;
-  const Target target{mesh, tree, options, cost};
-  for (const Primitive& primitive : way.info->primitives) sweep_primitive(way, primitive, target, best);
-  if (way.info->mesh) sweep_mesh(way, *way.info->mesh, target, best);
-  return best;
+bool SweptTouch::take(const TimeBracket& found, std::uint32_t a, std::uint32_t b) {
+  const bool is_first = !yes || found.high < bracket.high ||
+                        (found.high == bracket.high && std::pair(a, b) < std::pair(a_triangle, b_triangle));
+  // One with a later end may begin earlier: the bracket holds the first of all.
+  const double low = yes ? std::min(bracket.low, found.low) : found.low;
+  bracket = {low, is_first ? found.high : bracket.high};
+  yes = true;
+  if (!is_first) return false;
+  a_triangle = a;
+  b_triangle = b;
+  return true;
+}
+
+SweptBody::SweptBody(const ObjectInfo& info, const BodyWay& on) : way(on), primitives(info.primitives) {
+  if (!info.mesh) return;
+  mesh = info.mesh->mesh.get();
+  tree = &info.mesh->tree;
+  mesh_reach_m = info.mesh->radius_m;
+}
+
+SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.tree) {}
+
+void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptTouch& touch) {
+  const auto one = [](void* raw, std::uint32_t) { return static_cast<SweptTouch*>(raw); };
+  Search search(a, b, options, cost, one, &touch);
+  search.is_one = true;
+  search.run();
+  touch.undecided = touch.undecided || search.is_exhausted();
+}
+
+bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of,
+                 void* context) {
+  Search search(a, scene, options, cost, touch_of, context);
+  search.run();
+  return !search.is_exhausted();
 }
 
 }  // namespace collided

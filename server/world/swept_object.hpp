@@ -1,48 +1,65 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "server/broad_phase/bsp_tree.hpp"
-#include "server/exact_phase/time_of_contact.hpp"
+#include "server/exact_phase/part_on_way.hpp"
 #include "server/geometry/mesh.hpp"
-#include "server/geometry/pose.hpp"
 #include "server/world/object.hpp"
 
 namespace collided {
 
-/// An object on its way from one accepted pose to the next, in the time from 0 to 1.
-///
-/// Without turning, a mesh's vertices go straight between the places that they have at the two poses, and primitives
-/// are moved by t (to - from). A mesh that turns does so at even angular speed about its frame's origin; its way is cut
-/// into so many pieces that no vertex, going straight in each, is ever farther than deviation_m from where it should be
-/// (and the rounding of placing it).
-struct ObjectWay {
-  const ObjectInfo* info = nullptr;
-  Frame from;
-  Frame to;
+/// Something on its way, or resting: the primitives and the mesh of an object, or a scene's triangles.
+struct SweptBody {
+  BodyWay way;
+  std::span<const Primitive> primitives;
+  const TriangleMesh* mesh = nullptr;
+  const BspTree* tree = nullptr;
+  double mesh_reach_m = 0;  // no vertex is farther from the frame's origin
+
+  SweptBody(const ObjectInfo& info, const BodyWay& on);
+  /// Static triangles, in world coordinates.
+  explicit SweptBody(const StaticScene& scene);
+};
+
+/// The first contact found so far.
+struct SweptTouch {
+  bool yes = false;
+  /// Some pair of parts, or all that the search had no room for, is open: another contact may be earlier than this one,
+  /// or there may be one where none was found.
+  bool undecided = false;
+  std::uint32_t exact_tests = 0;
+  /// No contact in [0, low]; contact at high, by the exact test.
+  TimeBracket bracket;
+  std::uint32_t a_triangle = wire_contract::kNoTriangle;
+  std::uint32_t b_triangle = wire_contract::kNoTriangle;
+  Contact contact;  // at bracket.high, normal from a to b
+
+  /// The earliest contact wins; of equal ones that with the lowest numbers. True: it is this one.
+  bool take(const TimeBracket& found, std::uint32_t a, std::uint32_t b);
 };
 
 struct SweepOptions {
-  double width = 1e-6;
-  double deviation_m = 1e-6;
+  double width = 1e-6;  // of the bracket, as a fraction of the way
+  bool contacts = true;
+  /// Pairs of parts that one search may look at; beyond, what is not decided is undecided.
+  std::uint32_t most_tests = 100'000;
 };
 
-/// The first contact of a moving object with static triangles.
-struct FirstTouch {
-  bool yes = false;
-  /// Some part could not be answered: of a kind that is not offered here, turning without being a mesh, or turning
-  /// farther than the pieces allow. No contact found is then no answer.
-  bool undecided = false;
-  /// No contact in [0, low], contact in [low, high]: exact for the straight ways, which deviate by deviation_m.
-  TimeBracket bracket;
-  double deviation_m = 0;
-  std::uint32_t mover_triangle = wire_contract::kNoTriangle;
-  std::uint32_t triangle = wire_contract::kNoTriangle;
-  std::uint32_t exact_tests = 0;
-};
+/// To whom a triangle of b counts: null for nobody. The same for every call with the same triangle.
+using TouchOf = SweptTouch* (*)(void* context, std::uint32_t triangle);
 
-/// Box, capsule, sphere and mesh parts against the triangles of a mesh, both in world coordinates with its index.
-FirstTouch first_touch(const ObjectWay& way, const TriangleMesh& mesh, const BspTree& tree, const SweepOptions& options,
-                       WalkCost& cost);
+/// The first contact of two bodies on their ways. Never late, never missed: the way is cut into pieces that are short
+/// for how much there is to meet, and every pair of parts whose bounds may meet in one is asked for the first contact
+/// in it (part_on_way.hpp).
+///
+/// threads  any; allocates
+void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptTouch& touch);
+
+/// The same for a scene's triangles that count to several: the first contact with each of them. False: the search ended
+/// early, and those without contact are undecided.
+bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of,
+                 void* context);
 
 }  // namespace collided

@@ -67,6 +67,9 @@ ObjectId World::State::take_slot() {
     changed.push_back(0);
     movable.push_back(0);
     lone_spheres.emplace_back();
+    has_way.push_back(0);
+    sizes.emplace_back();
+    fast.push_back(0);
     motion.push_back(Motion::none);
     frames_before.emplace_back();
     posed_before_ns.push_back(0);
@@ -201,6 +204,8 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->primitives = definition.shape.primitives;
   s.movable[slot] = id;
   s.lone_spheres[slot] = lone_sphere(*info);
+  s.sizes[slot] = size_of(*info);
+  s.has_way[slot] = 0;
   s.table()[slot] = info;
   s.names.emplace(info->name, id);
   s.poses[slot] = definition.pose;
@@ -243,6 +248,7 @@ bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, Mot
   const std::optional<Sphere>& sphere = lone_spheres[slot];
   bounds[slot] = sphere ? collided::bounds(place(frames[slot], *sphere)) : bounds_of(*(*objects)[slot], frames[slot]);
   posed_ns[slot] = time_ns;
+  has_way[slot] = how == Motion::moved ? 1 : 0;
   mark(slot, how);
   return true;
 }

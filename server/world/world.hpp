@@ -21,7 +21,8 @@ struct WorldOptions {
   std::uint64_t epoch = 1;
   std::uint32_t max_objects = 100'000;  // static parts and moving objects together
   std::uint32_t max_contacts = 10'000'000;  // that one step may find
-  double sweep_width = 1e-9;            // of the bracket of a first contact, as a fraction of the step
+  double sweep_width = 1e-9;            // of the bracket of a lone sphere's first contact, as a fraction of the step
+  double sweep_width_s = 1e-6;          // of the bracket of any other fast mover's, seconds of world time
 };
 
 struct ObjectDefinition {
@@ -48,6 +49,8 @@ struct StepCost {
   std::uint32_t exact_tests = 0;
   std::uint32_t undecided = 0;
   std::uint32_t swept = 0;
+  /// Pairs with a fast mover whose way could not be searched to its end: a contact between two poses may be missing.
+  std::uint32_t sweeps_skipped = 0;
   std::uint32_t contacts = 0;  // found, those that held before included
   /// There are more than max_contacts, or too many candidates for it: what came after is not told, and all pairs are
   /// looked at again once anything moves. Contacts that are told are right all the same, and so are their ends.

@@ -9,6 +9,7 @@
 
 #include "server/world/contact_ledger.hpp"
 #include "server/world/scene_touch.hpp"
+#include "server/world/sweep.hpp"
 #include "server/world/world.hpp"
 
 namespace collided {
@@ -25,6 +26,12 @@ struct BallWay {
   Vec3 end = Vec3::Zero();
   Vec3 displacement = Vec3::Zero();  // of its frame, where it moved in this step
   double radius_m = -1;              // negative: not one sphere
+};
+
+/// The first contact of a mover with a part of a static scene on its way.
+struct PartSweep {
+  std::uint32_t part = 0;
+  SweptTouch touch;
 };
 
 /// What the writer keeps; the snapshots are copies of the first group. By slot unless said otherwise.
@@ -53,6 +60,10 @@ struct World::State {
   std::vector<ObjectId> movable;  // who may be moved; 0: nobody. Here, since the table's entries lie far apart
   std::vector<std::optional<Sphere>> lone_spheres;  // of objects that are one sphere; here, since every step asks
 
+  std::vector<std::uint8_t> has_way;  // the last two poses are the ends of a way
+  std::vector<MoverSize> sizes;
+  std::vector<std::uint8_t> fast;  // in this step: farther than its size allows to leave unswept
+
   std::vector<Motion> motion;
   std::vector<Frame> frames_before;
   std::vector<std::int64_t> posed_before_ns;
@@ -67,6 +78,7 @@ struct World::State {
   ContactLedger ledger;
   StepCost cost;
   PartTouches part_touches{true};
+  std::vector<PartSweep> part_sweeps;
   std::vector<Aabb> swept_bounds;
   std::vector<BallWay> balls;  // pairs of balls are looked at before anything else of them is
 
