@@ -45,10 +45,11 @@ Aabb bounds(const MovingSphere& mover) {
 void sweep_part(Sweep& sweep, const Triangle& part, std::uint32_t triangle) { sweep_any(sweep, part, triangle); }
 
 void sweep_object(Sweep& sweep, const Placed& other, WalkCost& cost) {
-  for (const Primitive& primitive : other.info->primitives) {
+  visit_primitives_near(*other.info, *other.frame, bounds(sweep.mover), cost, [&](const Primitive& primitive) {
     std::visit([&](const auto& part) { sweep_any(sweep, place(*other.frame, part), wire_contract::kNoTriangle); },
                primitive);
-  }
+    return true;
+  });
   if (!other.info->mesh) return;
   struct Context {
     Sweep& sweep;
