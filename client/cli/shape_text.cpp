@@ -19,6 +19,11 @@ void need_count(std::string_view kind, const std::vector<double>& numbers, std::
 }  // namespace
 
 ShapePart make_shape(std::string_view kind, const std::vector<double>& numbers) {
+  if (kind == "plane") {
+    if (numbers.empty()) return HalfSpaceShape{};
+    need_count(kind, numbers, 3, "a normal, out of what is solid");
+    return HalfSpaceShape{.normal = Vec3(numbers[0], numbers[1], numbers[2])};
+  }
   for (const double number : numbers) {
     const bool fits = number >= 0 && std::isfinite(number);
     if (!fits) throw bad_use(fmt::format("{} {}: must be finite and not below 0", kind, format_number(number)));
@@ -48,8 +53,9 @@ ShapePart make_shape(std::string_view kind, const std::vector<double>& numbers) 
     return EllipsoidShape{.half_m = Vec3(numbers[0], numbers[1], numbers[2]) / 2};
   }
   throw bad_use(fmt::format("no shape '{}'{}", kind,
-                            did_you_mean(kind, {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid"})),
-                "shapes: sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z");
+                            did_you_mean(kind, {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "plane", "points",
+                                    "polyline", "heights"})),
+                kShapeForms);
 }
 
 ShapePart parse_shape(std::string_view text) {

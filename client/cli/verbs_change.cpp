@@ -8,6 +8,7 @@
 #include "client/cli/number.hpp"
 #include "client/cli/progress.hpp"
 #include "client/cli/server_command.hpp"
+#include "client/cli/shape_file.hpp"
 #include "client/cli/shape_text.hpp"
 #include "client/cli/undo.hpp"
 #include "idl/commands.hpp"
@@ -46,19 +47,23 @@ class AddCommand : public Command {
     app.add_option("--layers", layers_, "Layers it is in: bits (1)");
     app.add_option("--mask", mask_, "Layers that it meets: bits (all)");
     app.add_option("--group", group_, "Members of one group other than 0 never meet");
-    app.add_flag("--static", static_, "It will not move");
+    app.add_option("--scale", scale_, "Factor, or X,Y,Z for boxes, ellipsoids, heights");
+    app.add_flag("--static", static_, "It will not move (a plane never does)");
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    if (words_.size() < 2) throw bad_use("a name and a shape are needed", "shapes: sphere R, box X Y Z, capsule R L");
+    if (words_.size() < 2) throw bad_use("a name and a shape are needed", kShapeForms);
     const std::string& name = words_[0];
-    const ShapePart shape = make_shape(words_[1], parse_numbers({words_.begin() + 2, words_.end()}, Measure::length));
+    const ShapePart shape = this->shape(session);
+    // A plane has no end, so it cannot move; nobody needs to say so.
+    const bool moving = !static_ && !std::holds_alternative<HalfSpaceShape>(shape);
     const nlohmann::json arguments{{"name", name},
                                    {"pose", pose_json(parse_pose(at_, rpy_, quat_))},
                                    {"layers", parse_bits(layers_)},
                                    {"mask", parse_bits(mask_)},
                                    {"group", parse_bits(group_)},
-                                   {"moving", !static_}};
+                                   {"scale", scale()},
+                                   {"moving", moving}};
     const nlohmann::json answer = server_command(session, globals, wire::kAdd, arguments, {shape});
     const std::uint64_t version = count_of(answer, "version");
     print_done(session, globals, {{"added", std::string(name)}, {"id", count_of(answer, "id")}, {"world", version}},
@@ -67,7 +72,20 @@ class AddCommand : public Command {
   }
 
  private:
+  ShapePart shape(Session& session) const {
+    const std::vector<std::string> words(words_.begin() + 1, words_.end());
+    if (is_file_kind(words[0])) return read_shape(words, session.io.in);
+    return make_shape(words[0], parse_numbers({words.begin() + 1, words.end()}, Measure::length));
+  }
+  nlohmann::json scale() const {
+    const std::vector<double> factors = parse_numbers({scale_});
+    if (factors.size() == 1) return {factors[0], factors[0], factors[0]};
+    if (factors.size() != 3) throw bad_use(fmt::format("--scale {}: one factor or three are needed", scale_));
+    return {factors[0], factors[1], factors[2]};
+  }
+
   std::vector<std::string> words_;
+  std::string scale_ = "1";
   std::string at_;
   std::string rpy_;
   std::string quat_;
@@ -171,6 +189,7 @@ class LoadCommand : public Command {
     app.add_option("--name", name_, "Name of the scene (the file's stem)");
     app.add_option("--unit", unit_, "Of the file: m, mm, in, ... or metres a unit (m)");
     app.add_option("--up", up_, "Axis of the file that points up: y or z (z)")->check(CLI::IsMember({"y", "z"}));
+    app.add_option("--radius", radius_, "Of the balls about the points of an .xyz file (0)");
     app.add_flag("--strict", strict_, "Refuse what would be mended");
     app.add_flag("--replace", replace_, "Replace the scene of that name");
   }
@@ -181,6 +200,7 @@ class LoadCommand : public Command {
                                    {"name", name_},
                                    {"unit_m", unit_in_metres()},
                                    {"up", up_},
+                                   {"radius_m", parse_finite(radius_, Measure::length)},
                                    {"strict", strict_},
                                    {"replace", replace_}};
     const nlohmann::json answer = load(session, globals, arguments);
@@ -235,6 +255,7 @@ class LoadCommand : public Command {
   std::string name_;
   std::string unit_;
   std::string up_ = "z";
+  std::string radius_ = "0";
   bool strict_ = false;
   bool replace_ = false;
 };

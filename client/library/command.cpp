@@ -80,7 +80,7 @@ Result<std::string> command(Connection& connection, std::string_view name, std::
   }
   std::vector<std::uint8_t> blob;
   if (!shape.empty()) {
-    Result<std::vector<std::uint8_t>> encoded = encode_shape(shape, std::string(name));
+    Result<std::vector<std::uint8_t>> encoded = encode_shape(shape, Vec3::Ones(), std::string(name));
     if (!encoded) {
       return encoded.error();
     }

@@ -125,7 +125,7 @@ Error Publisher::State::unknown(Object object) const {
 }
 
 Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
-  Result<std::vector<std::uint8_t>> shape = client::encode_shape(options.shape, "object '" + options.name + '\'');
+  Result<std::vector<std::uint8_t>> shape = client::encode_shape(options.shape, options.scale, "object '" + options.name + '\'');
   const std::lock_guard lock(mutex_);
   if (auto error = object_fault(options)) {
     return *error;

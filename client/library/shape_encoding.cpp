@@ -1,6 +1,7 @@
 #include "client/library/shape_encoding.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "client/library/errors.hpp"
@@ -96,6 +97,47 @@ std::optional<std::string> part_fault(const MeshShape& mesh) {
   return std::nullopt;
 }
 
+std::optional<std::string> part_fault(const HalfSpaceShape& half_space) {
+  if (auto found = finite_fault(half_space.point, "point")) {
+    return found;
+  }
+  if (auto found = finite_fault(half_space.normal, "normal")) {
+    return found;
+  }
+  return half_space.normal.isZero(0) ? std::optional<std::string>("its normal is zero") : std::nullopt;
+}
+
+std::optional<std::string> part_fault(const HeightFieldShape& field) {
+  if (field.columns < 2 || field.heights_m.size() < 2 * std::size_t{field.columns} || field.heights_m.size() % field.columns != 0) {
+    return "a height field of " + std::to_string(field.heights_m.size()) + " heights in " + std::to_string(field.columns) +
+           " columns; whole rows are needed, at least 2 of 2";
+  }
+  if (!(field.spacing_x_m > 0 && field.spacing_y_m > 0 && std::isfinite(field.spacing_x_m + field.spacing_y_m))) {
+    return "the spacings of a height field must be finite and above 0";
+  }
+  for (std::size_t i = 0; i < field.heights_m.size(); ++i) {
+    if (!std::isfinite(field.heights_m[i])) {
+      return "height " + std::to_string(i) + " is not finite";
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> points_fault(const std::vector<Vec3>& points, double radius_m, std::size_t least) {
+  if (points.size() < least) {
+    return std::to_string(points.size()) + " points; at least " + std::to_string(least) + " are needed";
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (auto found = finite_fault(points[i], "point")) {
+      return *found + " (point " + std::to_string(i) + ')';
+    }
+  }
+  return size_fault(radius_m, "radius");
+}
+
+std::optional<std::string> part_fault(const CloudShape& cloud) { return points_fault(cloud.points, cloud.radius_m, 1); }
+std::optional<std::string> part_fault(const PolylineShape& line) { return points_fault(line.points, line.radius_m, 2); }
+
 struct Parts {
   std::vector<format::Sphere> spheres;
   std::vector<format::Box> boxes;
@@ -104,6 +146,10 @@ struct Parts {
   std::vector<format::Cone> cones;
   std::vector<format::Ellipsoid> ellipsoids;
   std::vector<const HullShape*> hulls;
+  std::vector<format::HalfSpace> half_spaces;
+  std::vector<const CloudShape*> clouds;
+  std::vector<const PolylineShape*> polylines;
+  const HeightFieldShape* height_field = nullptr;
   const MeshShape* mesh = nullptr;
 
   void add(const SphereShape& sphere) { spheres.emplace_back(packed(sphere.center), sphere.radius_m); }
@@ -116,6 +162,11 @@ struct Parts {
   }
   void add(const HullShape& hull) { hulls.push_back(&hull); }
   void add(const MeshShape& one) { mesh = &one; }
+  void add(const HalfSpaceShape& h) { half_spaces.emplace_back(packed(h.point), packed(h.normal)); }
+  void add(const HeightFieldShape& one) { height_field = &one; }
+  void add(const CloudShape& cloud) { clouds.push_back(&cloud); }
+  void add(const PolylineShape& line) { polylines.push_back(&line); }
+  bool has_surface() const { return mesh != nullptr || height_field != nullptr; }
 };
 
 std::vector<double> coordinates_of(const std::vector<Vec3>& points) {
@@ -137,7 +188,26 @@ flatbuffers::Offset<format::Mesh> build_mesh(flatbuffers::FlatBufferBuilder& bui
   return format::CreateMeshDirect(builder, &coordinates, &corners);
 }
 
-std::vector<std::uint8_t> build(const Parts& parts) {
+/// Clouds or polylines.
+template <class Shape>
+flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Points>>> build_points(
+    flatbuffers::FlatBufferBuilder& builder, const std::vector<const Shape*>& shapes) {
+  std::vector<flatbuffers::Offset<format::Points>> tables;
+  for (const Shape* shape : shapes) {
+    const std::vector<double> coordinates = coordinates_of(shape->points);
+    tables.push_back(format::CreatePointsDirect(builder, &coordinates, shape->radius_m));
+  }
+  return tables.empty() ? 0 : builder.CreateVector(tables);
+}
+
+flatbuffers::Offset<format::HeightField> build_field(flatbuffers::FlatBufferBuilder& builder, const HeightFieldShape* field) {
+  if (field == nullptr) {
+    return 0;
+  }
+  return format::CreateHeightFieldDirect(builder, field->columns, field->spacing_x_m, field->spacing_y_m, &field->heights_m);
+}
+
+std::vector<std::uint8_t> build(const Parts& parts, const Vec3& scale) {
   flatbuffers::FlatBufferBuilder builder;
   const auto spheres = parts.spheres.empty() ? 0 : builder.CreateVectorOfStructs(parts.spheres);
   const auto boxes = parts.boxes.empty() ? 0 : builder.CreateVectorOfStructs(parts.boxes);
@@ -153,15 +223,24 @@ std::vector<std::uint8_t> build(const Parts& parts) {
     hull_tables.push_back(format::CreateMeshDirect(builder, &coordinates, &no_corners));
   }
   const auto hulls = hull_tables.empty() ? 0 : builder.CreateVector(hull_tables);
-  builder.Finish(format::CreateShape(builder, spheres, boxes, capsules, mesh, 0, cylinders, cones, ellipsoids, hulls));
+  const auto half_spaces = parts.half_spaces.empty() ? 0 : builder.CreateVectorOfStructs(parts.half_spaces);
+  const auto field = build_field(builder, parts.height_field);
+  const auto clouds = build_points(builder, parts.clouds);
+  const auto polylines = build_points(builder, parts.polylines);
+  const format::Vec3 factors = packed(scale);
+  builder.Finish(format::CreateShape(builder, spheres, boxes, capsules, mesh, 0, cylinders, cones, ellipsoids, hulls,
+                                     half_spaces, field, clouds, polylines, scale == Vec3::Ones() ? nullptr : &factors));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const std::string& where) {
+Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const Vec3& scale, const std::string& where) {
   if (shape.empty()) {
     return bad_input(where + ": its shape has no part");
+  }
+  if (!((scale.array() > 0).all() && scale.allFinite())) {
+    return bad_input(where + ": its scale must be finite and above 0");
   }
   Parts parts;
   for (std::size_t i = 0; i < shape.size(); ++i) {
@@ -169,12 +248,13 @@ Result<std::vector<std::uint8_t>> encode_shape(const Shape& shape, const std::st
     if (reason) {
       return bad_input(where + ": part " + std::to_string(i) + ": " + *reason);
     }
-    if (parts.mesh != nullptr && std::holds_alternative<MeshShape>(shape[i])) {
+    const bool is_surface = std::holds_alternative<MeshShape>(shape[i]) || std::holds_alternative<HeightFieldShape>(shape[i]);
+    if (is_surface && parts.has_surface()) {
       return bad_input(where + ": part " + std::to_string(i) + ": a second mesh; a shape holds at most one");
     }
     std::visit([&](const auto& part) { parts.add(part); }, shape[i]);
   }
-  std::vector<std::uint8_t> bytes = build(parts);
+  std::vector<std::uint8_t> bytes = build(parts, scale);
   if (bytes.size() > kMaxShapeBytes) {
     return bad_input(where + ": its shape takes " + std::to_string(bytes.size()) + " bytes; allowed " +
                          std::to_string(kMaxShapeBytes),

@@ -4,6 +4,7 @@
 
 #include "server/exact_phase/closest_kernel.hpp"
 #include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/half_space.hpp"
 
 namespace collided {
 namespace kernel {

@@ -8,6 +8,7 @@
 
 #include "server/exact_phase/core.hpp"
 #include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/nearest_value.hpp"
 #include "server/exact_phase/overlap.hpp"
 
@@ -255,7 +256,7 @@ Contact contact(const Primitive& a, const Primitive& b) {
       [](const auto& first, const auto& second) {
         using First = std::decay_t<decltype(first)>;
         using Second = std::decay_t<decltype(second)>;
-        if constexpr (kRank<First> <= kRank<Second> || General<First>) return contact(first, second);
+        if constexpr (kRank<First> <= kRank<Second> || General<First> || std::is_same_v<Second, HalfSpace>) return contact(first, second);
         else return flipped(contact(second, first));
       },
       a, b);

@@ -98,9 +98,13 @@ Vec3 Convex::support(const Vec3& n) const {
   return best;
 }
 
+Bounded reach_value(const Convex& set, const Vec3& n, int side, const Vec3& origin) {
+  return farthest_of(reach_along<Bounded>(set, n, side, origin));
+}
+
 Bounded push_along(const Vec3& n, const Convex& a, const Convex& b) {
   const Vec3& origin = b.carrier[0];
-  const Bounded forward = farthest_of(reach_along<Bounded>(a, n, +1, origin)) + farthest_of(reach_along<Bounded>(b, n, -1, origin));
+  const Bounded forward = reach_value(a, n, +1, origin) + reach_value(b, n, -1, origin);
   return forward / sqrt(square(Vector<Bounded>(n)));
 }
 

@@ -123,6 +123,9 @@ Decision parted_along(const Vec3& n, const Convex& a, const Convex& b) {
   return all.result();
 }
 
+/// How far the set reaches along n (side +1) or against it (-1) from the origin, times |n|.
+Bounded reach_value(const Convex& set, const Vec3& n, int side, const Vec3& origin);
+
 /// How far b must move along n, of any length, until the sets only touch, as a length; negative: they are parted.
 Bounded push_along(const Vec3& n, const Convex& a, const Convex& b);
 

@@ -4,6 +4,8 @@
 
 #include "server/exact_phase/closest_kernel.hpp"
 #include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/half_space.hpp"
+#include "server/exact_phase/half_space_kernel.hpp"
 #include "server/exact_phase/overlap_kernel.hpp"
 #include "server/exact_phase/ray_box_kernel.hpp"
 #include "server/exact_phase/ray_quadric_kernel.hpp"
@@ -35,7 +37,8 @@ Decision overlaps(const Primitive& a, const Primitive& b) {
       [](const auto& first, const auto& second) {
         using First = std::decay_t<decltype(first)>;
         using Second = std::decay_t<decltype(second)>;
-        if constexpr (General<First> || General<Second>) return overlaps_by_rationals(&first, &second);
+        if constexpr (std::is_same_v<First, HalfSpace> || std::is_same_v<Second, HalfSpace>) return overlaps_half_space_by_rationals(first, second);
+        else if constexpr (General<First> || General<Second>) return overlaps_by_rationals(&first, &second);
         else if constexpr (requires { sets_meet<Dyadic>(first, second); }) return sets_meet<Dyadic>(first, second);
         else return sets_meet<Dyadic>(second, first);
       },
@@ -45,7 +48,9 @@ Decision overlaps(const Primitive& a, const Primitive& b) {
 Decision overlaps(const Primitive& a, const Triangle& b) {
   return std::visit(
       [&](const auto& solid) {
-        if constexpr (General<std::decay_t<decltype(solid)>>) return overlaps_by_rationals(&solid, &b);
+        using Solid = std::decay_t<decltype(solid)>;
+        if constexpr (std::is_same_v<Solid, HalfSpace>) return overlaps_half_space_by_rationals(solid, b);
+        else if constexpr (General<Solid>) return overlaps_by_rationals(&solid, &b);
         else return sets_meet<Dyadic>(solid, b);
       },
       a);
@@ -68,6 +73,7 @@ Decision cast_ray(const Ray& ray, const Primitive& primitive, RayHit& hit) {
       [&](const auto& solid) {
         using Solid = std::decay_t<decltype(solid)>;
         if constexpr (std::is_same_v<Solid, Hull>) return collided::cast_ray(ray, solid, hit).decision;
+        else if constexpr (std::is_same_v<Solid, HalfSpace>) return kernel::cast_half_space<RationalsAlone>(ray, solid, hit).decision;
         else if constexpr (General<Solid>) return cast_quadric<RationalsAlone>(ray, solid, hit).decision;
         else return cast_solid<RationalsAlone>(ray, solid, hit).decision;
       },
@@ -81,7 +87,9 @@ Closest closest(const Vec3& point, const Triangle& triangle) { return closest_by
 Closest closest(const Vec3& point, const Primitive& primitive) {
   return std::visit(
       [&](const auto& solid) {
-        if constexpr (General<std::decay_t<decltype(solid)>>) return collided::closest(point, solid);
+        using Solid = std::decay_t<decltype(solid)>;
+        if constexpr (std::is_same_v<Solid, HalfSpace>) return kernel::closest_half_space<RationalsAlone>(point, solid);
+        else if constexpr (General<Solid>) return collided::closest(point, solid);
         else return closest_by<RationalsAlone>(point, solid);
       },
       primitive);

@@ -19,6 +19,9 @@ concept General = std::same_as<Shape, Cylinder> || std::same_as<Shape, Cone> || 
 using ShapeView = std::variant<const Sphere*, const Box*, const Capsule*, const Cylinder*, const Cone*, const Ellipsoid*,
                                const Hull*, const Triangle*>;
 
+template <class Shape>
+concept Viewable = std::constructible_from<ShapeView, const Shape*>;
+
 /// As overlaps, contact and closest of the shapes that the views show.
 Verdict overlaps_in_general(const ShapeView& a, const ShapeView& b);
 Contact contact_in_general(const ShapeView& a, const ShapeView& b);
@@ -28,13 +31,13 @@ Closest closest_in_general(const Vec3& point, const ShapeView& shape);
 Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b);
 
 template <class A, class B>
-  requires(General<A> || General<B>)
+  requires(Viewable<A> && Viewable<B> && (General<A> || General<B>))
 Verdict overlaps(const A& a, const B& b) {
   return overlaps_in_general(&a, &b);
 }
 
 template <class A, class B>
-  requires(General<A> || General<B>)
+  requires(Viewable<A> && Viewable<B> && (General<A> || General<B>))
 Contact contact(const A& a, const B& b) {
   return contact_in_general(&a, &b);
 }

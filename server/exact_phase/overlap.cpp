@@ -5,6 +5,7 @@
 
 #include "server/exact_phase/ball_filter.hpp"
 #include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/nearest_filter.hpp"
 #include "server/exact_phase/overlap_kernel.hpp"
 #include "server/exact_phase/separation_filter.hpp"

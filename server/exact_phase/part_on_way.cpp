@@ -1,6 +1,7 @@
 #include "server/exact_phase/part_on_way.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -201,7 +202,16 @@ Verdict decide_graze(const PartOnWay& a, const PartOnWay& b, double low, double 
 }  // namespace
 
 ConvexPart part_of(const Primitive& primitive) {
-  return std::visit([](const auto& shape) { return ConvexPart(shape); }, primitive);
+  return std::visit(
+      [](const auto& shape) -> ConvexPart {
+        if constexpr (std::is_same_v<decltype(shape), const HalfSpace&>) {
+          assert(false);
+          return Sphere{shape.point, 0};
+        } else {
+          return shape;
+        }
+      },
+      primitive);
 }
 
 PartOnWay::PartOnWay(ConvexPart part, const BodyWay& on) : own(std::move(part)), way(&on) {

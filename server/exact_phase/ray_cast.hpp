@@ -41,6 +41,8 @@ Verdict cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit);
 Verdict cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit);
 Verdict cast_ray(const Ray& ray, const Cone& cone, RayHit& hit);
 Verdict cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit);
+/// The exit of a ray that does not leave again is infinite.
+Verdict cast_ray(const Ray& ray, const HalfSpace& half_space, RayHit& hit);
 /// Of its placed faces: convex to the rounding of placing them.
 Verdict cast_ray(const Ray& ray, const Hull& hull, RayHit& hit);
 

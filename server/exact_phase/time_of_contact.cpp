@@ -6,6 +6,7 @@
 #include "server/exact_phase/box_kernel.hpp"
 #include "server/exact_phase/closest.hpp"
 #include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/monotone_bracket.hpp"
 
 namespace collided {
@@ -45,6 +46,16 @@ Decision touched(const MovingSphere& mover, double t, const Capsule& other) {
 template <class N>
 Decision touched(const MovingSphere& mover, double t, const Triangle& other) {
   return segment_near_facet(path_until<N>(mover, t), Facet<N>(other), squared<N>(mover.radius_m, 0));
+}
+
+/// The lower end of the way decides.
+template <class N>
+Decision touched(const MovingSphere& mover, double t, const HalfSpace& other) {
+  const Vector<N> n(other.normal);
+  const Vector<N> start(mover.start);
+  const N ahead = dot(n, start - Vector<N>(other.point));
+  const N least = min(ahead, ahead + N(t) * dot(n, Vector<N>(mover.end) - start));
+  return either(at_most(least, N(0.0)), at_most(least * least, squared<N>(mover.radius_m, 0) * square(n)));
 }
 
 template <class Shape>
@@ -124,6 +135,10 @@ Verdict first_contact(const MovingSphere& mover, const Ellipsoid& other, double 
 }
 
 Verdict first_contact(const MovingSphere& mover, const Hull& other, double width, TimeBracket& bracket) {
+  return bracket_first_contact(mover, other, width, bracket);
+}
+
+Verdict first_contact(const MovingSphere& mover, const HalfSpace& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 

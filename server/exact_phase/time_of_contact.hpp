@@ -27,6 +27,7 @@ Verdict first_contact(const MovingSphere& mover, const Cylinder& other, double w
 Verdict first_contact(const MovingSphere& mover, const Cone& other, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingSphere& mover, const Ellipsoid& other, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingSphere& mover, const Hull& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const HalfSpace& other, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingSphere& mover, const Triangle& other, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingSphere& mover, const Primitive& other, double width, TimeBracket& bracket);
 

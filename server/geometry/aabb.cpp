@@ -122,6 +122,41 @@ Aabb bounds(const Hull& hull) {
   return box;
 }
 
+Aabb bounds(const HalfSpace& half_space) {
+  Aabb box{.low = Vec3::Constant(-kInfinity), .high = Vec3::Constant(kInfinity)};
+  const Vec3& n = half_space.normal;
+  for (int k = 0; k < 3; ++k) {
+    if (n[(k + 1) % 3] != 0 || n[(k + 2) % 3] != 0) continue;
+    if (n[k] > 0) box.high[k] = half_space.point[k];
+    if (n[k] < 0) box.low[k] = half_space.point[k];
+  }
+  return box;
+}
+
+Aabb bounds_within(const HalfSpace& half_space, const Aabb& box) {
+  Aabb rest = box;
+  // Along each axis, as far as the box allows on the others: n_k (x_k - p_k) <= sum of -n_j (x_j - p_j).
+  Vec3 room;
+  for (int k = 0; k < 3; ++k) {
+    const double n = half_space.normal[k];
+    const double nearest = n > 0 ? box.low[k] : box.high[k];
+    // Two roundings of the difference and the product, upward.
+    room[k] = n == 0 ? 0 : -n * (nearest - half_space.point[k]);
+    room[k] += 4 * 0x1p-53 * std::abs(n) * (std::abs(nearest) + std::abs(half_space.point[k])) + 0x1p-1000;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const double n = half_space.normal[k];
+    const double others = room[(k + 1) % 3] + room[(k + 2) % 3];
+    if (n == 0) continue;
+    const double reach = others / std::abs(n);
+    const double slack = 8 * 0x1p-53 * (std::abs(reach) + std::abs(half_space.point[k])) + 0x1p-1000;
+    if (!std::isfinite(reach + slack)) continue;
+    if (n > 0) rest.high[k] = std::min(rest.high[k], half_space.point[k] + reach + slack);
+    else rest.low[k] = std::max(rest.low[k], half_space.point[k] - reach - slack);
+  }
+  return rest;
+}
+
 Aabb bounds(const Triangle& triangle) {
   Aabb box;
   box.extend(triangle.a);

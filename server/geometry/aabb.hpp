@@ -36,8 +36,13 @@ Aabb bounds(const Cylinder& cylinder);
 Aabb bounds(const Cone& cone);
 Aabb bounds(const Ellipsoid& ellipsoid);
 Aabb bounds(const Hull& hull);
+/// Endless but for a normal along an axis, behind which the box ends.
+Aabb bounds(const HalfSpace& half_space);
 Aabb bounds(const Triangle& triangle);
 Aabb bounds(const Primitive& primitive);
+
+/// Contains every point of the half-space that is in the box, which is finite; empty only where there is none.
+Aabb bounds_within(const HalfSpace& half_space, const Aabb& box);
 
 /// Grown by margin_m on each side, rounded outward.
 Aabb grown(const Aabb& box, double margin_m);

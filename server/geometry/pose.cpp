@@ -74,6 +74,12 @@ Ellipsoid place(const Frame& frame, const Ellipsoid& ellipsoid) {
 
 Hull place(const Frame& frame, const Hull& hull) { return {hull.mesh, frame.rotation, frame.position}; }
 
+HalfSpace place(const Frame& frame, const HalfSpace& half_space) {
+  Vec3 normal;
+  for (int row = 0; row < 3; ++row) normal[row] = row_times(frame.rotation, row, half_space.normal);
+  return {place(frame, half_space.point), normal};
+}
+
 Vec3 vertex_of(const Hull& hull, std::size_t number) {
   return place(Frame{hull.rotation, hull.position}, hull.mesh->vertices[number]);
 }

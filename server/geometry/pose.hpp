@@ -34,6 +34,8 @@ Cone place(const Frame& frame, const Cone& cone);
 Ellipsoid place(const Frame& frame, const Ellipsoid& ellipsoid);
 /// A hull in its own frame, as objects have it: one that was placed already cannot be placed again.
 Hull place(const Frame& frame, const Hull& hull);
+/// The normal is turned and rounded like the axes of a box.
+HalfSpace place(const Frame& frame, const HalfSpace& half_space);
 /// A placed hull's vertex: the world point that it is.
 Vec3 vertex_of(const Hull& hull, std::size_t number);
 Triangle place(const Frame& frame, const Triangle& triangle);

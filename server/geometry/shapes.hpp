@@ -10,7 +10,8 @@ namespace collided {
 struct TriangleMesh;
 
 /// The closed point sets that the exact phase decides about, each the exact set that its doubles describe.
-/// All are convex, and solid but for the triangle, which is flat. Zero sizes are legal: points and segments.
+/// All are convex, and solid but for the triangle, which is flat; all but the half-space are bounded. Zero sizes are
+/// legal: points and segments.
 
 struct Sphere {
   Vec3 center;
@@ -60,7 +61,7 @@ struct Hull {
   Vec3 position = Vec3::Zero();
 };
 
-/// {x : normal . (x - point) <= 0}. The normal points out of the ground and need not be of unit length.
+/// {x : normal . (x - point) <= 0}. The normal points out of the ground and need not be of unit length, but not be zero.
 struct HalfSpace {
   Vec3 point;
   Vec3 normal;
@@ -72,6 +73,6 @@ struct Triangle {
   Vec3 c;
 };
 
-using Primitive = std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull>;
+using Primitive = std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, HalfSpace>;
 
 }  // namespace collided

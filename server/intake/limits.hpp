@@ -14,4 +14,7 @@ inline constexpr std::size_t kMaxNameBytes = 255;
 /// Corners of one concave polygon: ear clipping is quadratic, and this many take one to two seconds.
 inline constexpr std::size_t kMaxConcaveCorners = 20'000;
 
+/// Each is a sphere of some 140 bytes with its place in an index.
+inline constexpr std::uint64_t kMaxCloudPoints = 1'000'000;
+
 }  // namespace collided

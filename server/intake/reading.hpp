@@ -48,6 +48,8 @@ Scene read_obj(const Reading& reading);
 Scene read_stl(const Reading& reading);
 Scene read_ply(const Reading& reading);
 Scene read_off(const Reading& reading);
+/// One object, a cloud of points.
+Scene read_xyz(const Reading& reading);
 
 /// Reads, names, scales, turns and examines a file that is already in memory; the ending of `file` says the format.
 Scene load_scene_from_memory(std::span<const char> bytes, const std::string& file, const LoadOptions& options,

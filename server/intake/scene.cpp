@@ -17,13 +17,14 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/scene_index.hpp"
+#include "server/intake/shape_scale.hpp"
 #include "server/intake/single_precision.hpp"
 #include "server/intake/weld.hpp"
 
 namespace collided {
 namespace {
 
-enum class Format { obj, stl, ply, off, scene, other };
+enum class Format { obj, stl, ply, off, xyz, scene, other };
 
 Format format_of(const std::string& file) {
   std::string ending = std::filesystem::path(file).extension().string();
@@ -33,6 +34,7 @@ Format format_of(const std::string& file) {
          : ending == ".stl"    ? Format::stl
          : ending == ".ply"    ? Format::ply
          : ending == ".off"    ? Format::off
+         : ending == ".xyz"    ? Format::xyz
          : ending == ".cscene" ? Format::scene
                                : Format::other;
 }
@@ -45,6 +47,9 @@ std::string scene_name(const std::string& file, const LoadOptions& options) {
 void check_options(const Reading& reading) {
   if (!(reading.options.unit_m > 0 && std::isfinite(reading.options.unit_m))) {
     refuse(reading, fmt::format("unit of {} m, allowed are finite lengths above 0", reading.options.unit_m));
+  }
+  if (!(reading.options.radius_m >= 0 && std::isfinite(reading.options.radius_m))) {
+    refuse(reading, fmt::format("radius {} m, allowed are finite lengths of 0 and more", reading.options.radius_m));
   }
   if (reading.options.up != 'y' && reading.options.up != 'z') {
     refuse(reading, fmt::format("up axis {}, allowed are 'y' and 'z'", quoted({&reading.options.up, 1})));
@@ -65,23 +70,6 @@ TriangleMesh scaled(TriangleMesh mesh, double unit_m) {
     vertex *= unit_m;
   }
   return mesh;
-}
-
-void scale(Sphere& s, double unit_m) { s = {s.center * unit_m, s.radius_m * unit_m}; }
-void scale(Box& b, double unit_m) { b = {b.center * unit_m, b.axes, b.half_m * unit_m}; }
-void scale(Capsule& c, double unit_m) { c = {c.a * unit_m, c.b * unit_m, c.radius_m * unit_m}; }
-void scale(Cylinder& c, double unit_m) { c = {c.a * unit_m, c.b * unit_m, c.radius_m * unit_m}; }
-void scale(Cone& c, double unit_m) { c = {c.apex * unit_m, c.base * unit_m, c.radius_m * unit_m}; }
-void scale(Ellipsoid& e, double unit_m) { e = {e.center * unit_m, e.axes, e.half_m * unit_m}; }
-void scale(Hull& hull, double unit_m) { hull.mesh = std::make_shared<const TriangleMesh>(scaled(*hull.mesh, unit_m)); }
-
-void scale(Shape& shape, double unit_m) {
-  for (Primitive& primitive : shape.primitives) {
-    std::visit([&](auto& one) { scale(one, unit_m); }, primitive);
-  }
-  if (shape.mesh) {
-    shape.mesh = std::make_shared<const TriangleMesh>(scaled(*shape.mesh, unit_m));
-  }
 }
 
 Vec3 turned_up(const Vec3& v) { return {v[0], -v[2], v[1]}; }
@@ -105,7 +93,9 @@ void place(const Reading& reading, Scene& scene) {
   const Quat quarter_turn(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // about x
   for (SceneObject& object : scene.objects) {
     if (unit_m != 1) {
-      scale(object.shape, unit_m);
+      if (const std::string reason = scale(object.shape, Vec3::Constant(unit_m)); !reason.empty()) {
+        refuse(reading, fmt::format("object {}: {}", quoted(std::string_view(object.name)), reason));
+      }
       object.pose.position *= unit_m;
     }
     if (turns) {
@@ -172,11 +162,12 @@ Scene read_mesh(Format format, const Reading& reading) {
       return read_ply(reading);
     case Format::off:
       return read_off(reading);
+    case Format::xyz:
     case Format::scene:
     case Format::other:
       break;
   }
-  refuse(reading, "the ending is none of .obj .stl .ply .off .cscene");
+  refuse(reading, "the ending is none of .obj .stl .ply .off .xyz .cscene");
 }
 
 void finish_mesh(const Reading& reading, Scene& scene) {
@@ -193,6 +184,20 @@ void check_mesh(const Reading& reading, const Scene& scene) {
   }
 }
 
+/// The radius is in metres already.
+Scene load_cloud(const Reading& reading) {
+  Scene scene = read_xyz(reading);
+  scene.name = scene.objects.front().name = scene_name(reading.file, reading.options);
+  place(reading, scene);
+  for (Primitive& point : scene.objects.front().shape.primitives) {
+    std::get<Sphere>(point).radius_m = reading.options.radius_m;
+  }
+  if (reading.options.radius_m == 0) {
+    reading.report.warnings.emplace_back("the points have no radius, so that hardly a ray meets one");
+  }
+  return scene;
+}
+
 Scene load(Format format, Reading reading) {
   check_options(reading);
   tell_progress(reading, 0);
@@ -203,6 +208,9 @@ Scene load(Format format, Reading reading) {
       rename_scene(reading, scene, mended_name(reading.options.name));
     }
     place(reading, scene);
+  } else if (format == Format::xyz) {
+    reading.bytes = without_mark(reading);
+    scene = load_cloud(reading);
   } else {
     reading.bytes = without_mark(reading);
     scene = read_mesh(format, reading);

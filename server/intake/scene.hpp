@@ -59,6 +59,7 @@ struct LoadOptions {
   std::string name{};   // empty: the file's stem
   double unit_m = 1;    // metres per unit of the file
   char up = 'z';        // axis of the file that points up: 'y' is turned to z by (x, y, z) -> (x, -z, y)
+  double radius_m = 0;  // of the balls about a cloud's points
   bool strict = false;  // refuse what would be mended
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;

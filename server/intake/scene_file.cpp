@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "idl/scene_generated.h"
@@ -13,6 +14,7 @@
 #include "server/intake/limits.hpp"
 #include "server/intake/names.hpp"
 #include "server/intake/scene_index.hpp"
+#include "server/intake/shape_scale.hpp"
 #include "server/intake/write_file.hpp"
 
 namespace collided {
@@ -27,6 +29,9 @@ constexpr std::uint64_t kMaxSceneFileBytes = (std::uint64_t{1} << 31) - 1;
 
 /// A hull is tested by all of its corners.
 constexpr std::size_t kMaxHullPoints = 4096;
+
+/// Lengths of normals whose squares and products are far from the ends of the range of double.
+constexpr double kLeastNormal = 1e-30;
 
 /// Scene, object, shape, mesh: an honest buffer goes no deeper.
 constexpr std::uint32_t kMaxDepth = 5;
@@ -85,14 +90,15 @@ class Decoder {
     add_cones(from, shape);
     add_ellipsoids(from, shape);
     add_hulls(from, shape);
-    if (from.mesh() != nullptr) {
-      shape.mesh = std::make_shared<const TriangleMesh>(mesh(*from.mesh()));
-      if (shape.mesh->triangles.empty()) {
-        throw Flaw{"mesh without triangles"};
-      }
-    }
+    add_clouds(from, shape);
+    add_polylines(from, shape);
+    add_half_spaces(from, shape);
+    add_surface(from, shape);
     if (shape.empty()) {
       throw Flaw{"shape of nothing"};
+    }
+    if (from.scale() != nullptr) {
+      apply_scale(point(*from.scale(), "scale"), shape);
     }
     return shape;
   }
@@ -130,13 +136,16 @@ class Decoder {
     }
     byte_budget_ -= count;
   }
-  template <class Struct>
-  std::vector<Struct> take(const flatbuffers::Vector<const Struct*>* vector) {
-    const std::uint64_t count = vector == nullptr ? 0 : vector->size();
+  void spend_primitives(std::uint64_t count) {
     if (count > primitive_budget_) {
       throw Flaw{fmt::format("{} primitives, {} more are allowed", count, primitive_budget_)};
     }
     primitive_budget_ -= count;
+  }
+  template <class Struct>
+  std::vector<Struct> take(const flatbuffers::Vector<const Struct*>* vector) {
+    const std::uint64_t count = vector == nullptr ? 0 : vector->size();
+    spend_primitives(count);
     spend_bytes(count * sizeof(Struct));
     return copied(vector);
   }
@@ -253,6 +262,125 @@ class Decoder {
     }
   }
 
+  /// The points of a cloud or a line.
+  std::vector<Vec3> points(const format::Points& from, const std::string& name) {
+    const auto& numbers = *from.points();
+    if (numbers.size() % 3 != 0 || numbers.size() == 0) {
+      throw Flaw{fmt::format("{}{} coordinates, must be a multiple of 3 above 0", name, numbers.size())};
+    }
+    spend_primitives(numbers.size() / 3);
+    spend_bytes(8 * std::uint64_t{numbers.size()});
+    size(from.radius(), name + "radius");
+    std::vector<Vec3> points(numbers.size() / 3);
+    std::memcpy(points.data()->data(), numbers.Data(), points.size() * sizeof(Vec3));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3& p = points[i];
+      if (!p.allFinite()) {
+        throw Flaw{fmt::format("{}point {} is ({}, {}, {})", name, i, p[0], p[1], p[2])};
+      }
+    }
+    return points;
+  }
+
+  void add_clouds(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.clouds() != nullptr && i < from.clouds()->size(); ++i) {
+      const format::Points& cloud = *from.clouds()->Get(i);
+      for (const Vec3& center : points(cloud, fmt::format("cloud {}: ", i))) {
+        shape.primitives.push_back(Sphere{center, cloud.radius()});
+      }
+    }
+  }
+
+  void add_polylines(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.polylines() != nullptr && i < from.polylines()->size(); ++i) {
+      const format::Points& line = *from.polylines()->Get(i);
+      const std::vector<Vec3> along = points(line, fmt::format("polyline {}: ", i));
+      if (along.size() < 2) {
+        throw Flaw{fmt::format("polyline {}: one point, at least 2 are needed", i)};
+      }
+      for (std::size_t k = 1; k < along.size(); ++k) {
+        shape.primitives.push_back(Capsule{along[k - 1], along[k], line.radius()});
+      }
+    }
+  }
+
+  void add_half_spaces(const format::Shape& from, Shape& shape) {
+    const auto half_spaces = take(from.half_spaces());
+    for (std::size_t i = 0; i < half_spaces.size(); ++i) {
+      const std::string name = fmt::format("half-space {}: ", i);
+      const HalfSpace one{point(half_spaces[i].point(), name + "point"), point(half_spaces[i].normal(), name + "normal")};
+      if (const double length = one.normal.stableNorm(); !(length >= kLeastNormal && length <= 1 / kLeastNormal)) {
+        throw Flaw{fmt::format("{}normal of length {}, allowed {} to {}", name, length, kLeastNormal, 1 / kLeastNormal)};
+      }
+      shape.primitives.push_back(one);
+    }
+    const bool in_company = shape.primitives.size() > 1 || from.mesh() != nullptr || from.height_field() != nullptr;
+    if (!half_spaces.empty() && in_company) {
+      throw Flaw{"a half-space with other parts: it has no end, so it makes an object of its own"};
+    }
+  }
+
+  TriangleMesh height_field(const format::HeightField& from) {
+    const auto& heights = *from.heights();
+    const std::uint64_t columns = from.columns();
+    const std::uint64_t rows = columns == 0 ? 0 : heights.size() / columns;
+    if (columns < 2 || rows < 2 || heights.size() != columns * rows) {
+      throw Flaw{fmt::format("height field of {} heights in {} columns, needed are whole rows, 2 of 2 at least", heights.size(),
+                             columns)};
+    }
+    for (const double spacing : {from.spacing_x(), from.spacing_y()}) {
+      if (!(spacing > 0 && std::isfinite(spacing * static_cast<double>(heights.size())))) {
+        throw Flaw{fmt::format("height field: spacing {} m, allowed are finite lengths above 0", spacing)};
+      }
+    }
+    spend_triangles(2 * (columns - 1) * (rows - 1));
+    spend_bytes(8 * std::uint64_t{heights.size()});
+    TriangleMesh mesh;
+    mesh.vertices.reserve(heights.size());
+    mesh.triangles.reserve(2 * (columns - 1) * (rows - 1));
+    for (std::uint32_t i = 0; i < heights.size(); ++i) {
+      mesh.vertices.emplace_back(static_cast<double>(i % columns) * from.spacing_x(),
+                                 static_cast<double>(i / columns) * from.spacing_y(), heights.Get(i));
+      if (!std::isfinite(heights.Get(i))) {
+        throw Flaw{fmt::format("height field: height {} is {}", i, heights.Get(i))};
+      }
+      if (i % columns == columns - 1 || i / columns == rows - 1) continue;
+      const std::uint32_t above = i + static_cast<std::uint32_t>(columns);
+      mesh.triangles.push_back({i, i + 1, above + 1});
+      mesh.triangles.push_back({i, above + 1, above});
+    }
+    return mesh;
+  }
+
+  void add_surface(const format::Shape& from, Shape& shape) {
+    if (from.mesh() != nullptr && from.height_field() != nullptr) {
+      throw Flaw{"a mesh and a height field; a shape holds one of them"};
+    }
+    if (from.height_field() != nullptr) {
+      shape.mesh = std::make_shared<const TriangleMesh>(height_field(*from.height_field()));
+    }
+    if (from.mesh() == nullptr) return;
+    // Objects that name one mesh share it.
+    std::shared_ptr<const TriangleMesh>& known = meshes_[from.mesh()];
+    if (!known) known = std::make_shared<const TriangleMesh>(mesh(*from.mesh()));
+    if (known->triangles.empty()) {
+      throw Flaw{"mesh without triangles"};
+    }
+    shape.mesh = known;
+  }
+
+  void apply_scale(const Vec3& factor, Shape& shape) {
+    if (factor == Vec3::Ones()) return;
+    if (shape.mesh) {
+      // A copy of its own.
+      spend_triangles(shape.mesh->triangles.size());
+      spend_bytes(8 * 3 * shape.mesh->vertices.size());
+    }
+    if (const std::string reason = scale(shape, factor); !reason.empty()) {
+      throw Flaw{reason};
+    }
+  }
+
   void add_hulls(const format::Shape& from, Shape& shape) {
     for (std::uint32_t i = 0; from.hulls() != nullptr && i < from.hulls()->size(); ++i) {
       const TriangleMesh points = mesh(*from.hulls()->Get(i));
@@ -271,6 +399,7 @@ class Decoder {
   std::uint64_t byte_budget_;
   std::uint64_t triangle_budget_;
   std::uint64_t primitive_budget_;
+  std::unordered_map<const format::Mesh*, std::shared_ptr<const TriangleMesh>> meshes_;
 };
 
 Filter filter_of(const format::Filter* from) {
@@ -411,19 +540,26 @@ class Encoder {
     return format::CreateMesh(builder_, vertices, corners);
   }
 
+  /// Written once for all the objects that have it.
+  flatbuffers::Offset<format::Mesh> shared_mesh(const TriangleMesh* from) {
+    flatbuffers::Offset<format::Mesh>& known = meshes_[from];
+    if (known.IsNull()) known = mesh(*from);
+    return known;
+  }
+
   flatbuffers::Offset<format::Shape> shape(const Shape& from) {
     Parts parts;
     for (const Primitive& primitive : from.primitives) {
       std::visit([&](const auto& one) { add(one, parts); }, primitive);
     }
-    const auto mesh_table = from.mesh ? mesh(*from.mesh) : flatbuffers::Offset<format::Mesh>{};
+    const auto mesh_table = from.mesh ? shared_mesh(from.mesh.get()) : flatbuffers::Offset<format::Mesh>{};
     const auto axes = parts.rotations_suffice ? flatbuffers::Offset<flatbuffers::Vector<const format::Mat3*>>{}
                                               : builder_.CreateVectorOfStructs(parts.axes);
     const auto hulls = parts.hulls.empty() ? flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Mesh>>>{}
                                            : builder_.CreateVector(parts.hulls);
     return format::CreateShape(builder_, optional(parts.spheres), optional(parts.boxes), optional(parts.capsules),
                                mesh_table, axes, optional(parts.cylinders), optional(parts.cones),
-                               optional(parts.ellipsoids), hulls);
+                               optional(parts.ellipsoids), hulls, optional(parts.half_spaces));
   }
 
   void scene(const Scene& from) {
@@ -467,6 +603,7 @@ class Encoder {
     std::vector<format::Cylinder> cylinders;
     std::vector<format::Cone> cones;
     std::vector<format::Ellipsoid> ellipsoids;
+    std::vector<format::HalfSpace> half_spaces;
     std::vector<flatbuffers::Offset<format::Mesh>> hulls;
     bool rotations_suffice = true;
   };
@@ -478,6 +615,7 @@ class Encoder {
   void add(const Ellipsoid& e, Parts& parts) {
     parts.ellipsoids.emplace_back(packed(e.center), packed(e.axes), packed(e.half_m));
   }
+  void add(const HalfSpace& h, Parts& parts) { parts.half_spaces.emplace_back(packed(h.point), packed(h.normal)); }
   void add(const Hull& hull, Parts& parts) { parts.hulls.push_back(mesh(*hull.mesh)); }
   void add(const Box& box, Parts& parts) {
     const Quat rotation = box.axes.determinant() > 0 ? Quat(box.axes).normalized() : Quat::Identity();
@@ -492,6 +630,7 @@ class Encoder {
   }
 
   flatbuffers::FlatBufferBuilder builder_;
+  std::unordered_map<const TriangleMesh*, flatbuffers::Offset<format::Mesh>> meshes_;
 };
 
 std::uint64_t encoded_bytes(const TriangleMesh& mesh) {

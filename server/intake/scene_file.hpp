@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/geometry/shape.hpp"
+#include "server/intake/limits.hpp"
 #include "server/intake/reading.hpp"
 #include "server/intake/scene.hpp"
 
@@ -30,7 +31,7 @@ Scene read_scene_file(const Reading& reading);
 struct ShapeLimits {
   std::uint64_t max_bytes = std::uint64_t{256} << 20;
   std::uint64_t max_triangles = 1'000'000;
-  std::uint64_t max_primitives = 10'000;
+  std::uint64_t max_primitives = kMaxCloudPoints;  // points of clouds and lines too
 };
 
 /// A shape, or why there is none ("sphere 2: radius -1 m, allowed are 0 and more").

@@ -70,6 +70,15 @@ std::uint64_t Arguments::whole(const char* name, std::uint64_t otherwise, std::u
   return value->get<std::uint64_t>();
 }
 
+std::optional<Vec3> Arguments::vector(const char* name) const {
+  const nlohmann::json* value = find(name);
+  if (!value) return std::nullopt;
+  const bool good = value->is_array() && value->size() == 3 &&
+                    std::all_of(value->begin(), value->end(), [](const nlohmann::json& item) { return item.is_number(); });
+  if (!good) refuse(name, "three numbers");
+  return Vec3((*value)[0].get<double>(), (*value)[1].get<double>(), (*value)[2].get<double>());
+}
+
 std::optional<Pose> Arguments::pose(const char* name) const {
   const nlohmann::json* value = find(name);
   if (!value) return std::nullopt;

@@ -28,6 +28,7 @@ class Arguments {
   void allow_only(std::initializer_list<const char*> names) const;
 
   bool has(const char* name) const;
+  std::optional<Vec3> vector(const char* name) const;
   std::string text(const char* name, const std::string& otherwise = {}) const;
   bool truth(const char* name, bool otherwise) const;
   double number(const char* name, double otherwise) const;

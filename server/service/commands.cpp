@@ -7,6 +7,7 @@
 
 #include "idl/commands.hpp"
 #include "server/intake/scene_file.hpp"
+#include "server/intake/shape_scale.hpp"
 #include "server/service/border.hpp"
 #include "server/service/nearest_word.hpp"
 #include "server/service/object_description.hpp"
@@ -201,7 +202,7 @@ std::uint32_t Commands::ended_count() const {
 }
 
 json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving"});
+  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving", "scale"});
   constexpr std::uint64_t kBits = 0xffffffff;
   const Filter filter{.layers = static_cast<std::uint32_t>(arguments.whole("layers", 1, kBits)),
                       .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
@@ -212,6 +213,9 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
   DecodedShape decoded = decode_shape(ask.blob);
   if (!decoded.shape) throw BadCommand("add: " + decoded.refusal);
   if (decoded.shape->empty()) throw BadCommand("add: the shape is empty");
+  if (const std::optional<Vec3> factor = arguments.vector("scale"); factor && *factor != Vec3::Ones()) {
+    if (const std::string reason = scale(*decoded.shape, *factor); !reason.empty()) throw BadCommand("add: " + reason);
+  }
   const std::variant<ObjectId, Refusal> defined = loop_.world().define({.name = name,
                                                                         .scene = {},
                                                                         .shape = std::move(*decoded.shape),

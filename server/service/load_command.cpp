@@ -33,10 +33,11 @@ void refuse_taken_names(const World& world, const Scene& scene) {
 void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
   Load load;
   try {
-    arguments.allow_only({"path", "name", "unit_m", "up", "strict", "replace"});
+    arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace"});
     load.path = arguments.text("path");
     load.options.name = arguments.text("name");
     load.options.unit_m = arguments.number("unit_m", 1);
+    load.options.radius_m = arguments.number("radius_m", 0);
     const std::string up = arguments.text("up", "z");
     load.options.strict = arguments.truth("strict", false);
     load.replace = arguments.truth("replace", false);

@@ -50,6 +50,10 @@ json describe(const Hull& hull) {
   return {{"hull", {{"vertices", hull.mesh->vertices.size()}, {"faces", hull.mesh->triangles.size()}}}};
 }
 
+json describe(const HalfSpace& half_space) {
+  return {{"half_space", {{"point", numbers(half_space.point)}, {"normal", numbers(half_space.normal)}}}};
+}
+
 const StaticScene* scene_of(const Snapshot& snapshot, const ObjectInfo& info) {
   const auto found = std::find_if(snapshot.scenes.begin(), snapshot.scenes.end(),
                                   [&](const auto& scene) { return scene->name == info.scene; });
@@ -80,7 +84,7 @@ std::string_view kind_of(const ObjectInfo& info) {
   if (info.scene_part != kNoPart) return "part";
   if (info.primitives.size() + (info.mesh ? 1 : 0) != 1) return "compound";
   if (info.mesh) return "mesh";
-  constexpr std::string_view kNames[] = {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull"};
+  constexpr std::string_view kNames[] = {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull", "half_space"};
   return kNames[info.primitives[0].index()];
 }
 

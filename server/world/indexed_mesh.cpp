@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/world/part_index.hpp"
+
 namespace collided {
 namespace {
 
@@ -24,6 +26,7 @@ std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMe
 ObjectInfo without_world(const Shape& shape) {
   ObjectInfo info;
   info.primitives = shape.primitives;
+  info.parts = index_parts(info.primitives);
   if (shape.mesh) {
     info.mesh = indexed_mesh(shape.mesh, BspTree::build(*shape.mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
   }

@@ -2,8 +2,9 @@
 
 #include "server/exact_phase/closest.hpp"
 #include "server/exact_phase/nearest_filter.hpp"
-#include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/overlap.hpp"
+#include "server/world/part_index.hpp"
 #include "server/world/question.hpp"
 #include "server/world/question_shapes.hpp"
 
@@ -22,6 +23,8 @@ struct NearWalk {
   void keep(const AnswerHit& hit);
   void walk_scene(const StaticScene& scene);
   void walk_object(std::uint32_t slot);
+  template <class Test>
+  void walk_local(const BspTree& tree, double radius_m, const Frame& frame, Test&& test_one);
   void walk_movers(const Grid& grid);
 };
 
@@ -87,27 +90,40 @@ void NearWalk::walk_scene(const StaticScene& scene) {
   scene.tree.walk_near(point, limit_m2, 0, candidate, &context, question.walk);
 }
 
+/// Calls test_one(number) for what an index in an object's frame says that may be near enough.
+template <class Test>
+void NearWalk::walk_local(const BspTree& tree, double radius_m, const Frame& frame, Test&& test_one) {
+  struct Context {
+    NearWalk& walk;
+    Test& test_one;
+  } context{*this, test_one};
+  const auto candidate = [](void* raw, std::uint32_t number, double) {
+    Context& c = *static_cast<Context*>(raw);
+    c.test_one(number);
+    return c.walk.limit_m2;
+  };
+  const Vec3 away = point - frame.position;
+  const double slack_m = placement_slack(frame, away.lpNorm<1>() + point.lpNorm<1>(), radius_m);
+  tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, &context, question.walk);
+}
+
 void NearWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
   const Frame& frame = question.snapshot.frames[slot];
-  for (const Primitive& primitive : info.primitives) {
-    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); }, primitive);
+  const auto test_primitive = [&](std::size_t number) {
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); },
+               info.primitives[number]);
+  };
+  if (info.parts) {
+    walk_local(info.parts->tree, info.parts->radius_m, frame, test_primitive);
+  } else {
+    for (std::size_t i = 0; i < info.primitives.size(); ++i) test_primitive(i);
   }
   if (!info.mesh) return;
-  struct Context {
-    NearWalk& walk;
-    const ObjectInfo& info;
-    const Frame& frame;
-  } context{*this, info, frame};
-  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
-    Context& c = *static_cast<Context*>(raw);
-    c.walk.test(place(c.frame, c.info.mesh->mesh->triangle(triangle)), c.info.id, triangle);
-    return c.walk.limit_m2;
-  };
-  const Vec3 away = point - frame.position;
-  const double slack_m = placement_slack(frame, away.lpNorm<1>() + point.lpNorm<1>(), info.mesh->radius_m);
-  info.mesh->tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, &context, question.walk);
+  walk_local(info.mesh->tree, info.mesh->radius_m, frame, [&](std::uint32_t triangle) {
+    test(place(frame, info.mesh->mesh->triangle(triangle)), info.id, triangle);
+  });
 }
 
 void NearWalk::walk_movers(const Grid& grid) {

@@ -25,6 +25,8 @@ struct IndexedMesh {
   double radius_m = 0;  // no vertex is farther from the frame's origin
 };
 
+struct IndexedParts;  // part_index.hpp
+
 /// What is known of an object besides where it is. Immutable: a new definition makes a new one.
 struct ObjectInfo {
   ObjectId id = 0;
@@ -35,6 +37,7 @@ struct ObjectInfo {
   wire_contract::LostPolicy lost_policy = wire_contract::LostPolicy::remove;
   std::uint64_t publisher = 0;  // 0: the server's own
   std::vector<Primitive> primitives;        // in the object's frame
+  std::shared_ptr<const IndexedParts> parts;  // of the primitives; null: each is asked
   std::shared_ptr<const IndexedMesh> mesh;  // in the object's frame; null for a part of a static scene
   std::uint32_t scene_part = 0xffffffff;    // number of the part where the object is a run of static triangles
   std::uint32_t part_triangles = 0;

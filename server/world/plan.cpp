@@ -2,7 +2,10 @@
 
 #include <array>
 #include <cstdio>
+#include <unordered_set>
 #include <variant>
+
+#include "server/world/part_index.hpp"
 
 namespace collided {
 namespace {
@@ -13,19 +16,29 @@ struct Counts {
   std::uint32_t placed = 0;  // objects with shapes of their own that stay where they are
   std::uint32_t moving_meshes = 0;
   std::uint32_t lone_spheres = 0;
+  std::uint32_t indexed_parts = 0;  // objects whose primitives have an index
+  std::uint64_t parts = 0;          // in those
+  std::uint32_t with_mesh = 0;
+  std::uint32_t meshes = 0;  // different ones among them
 };
 
 Counts count(const Snapshot& snapshot) {
   Counts counts;
+  std::unordered_set<const IndexedMesh*> meshes;
   for (const auto& scene : snapshot.scenes) counts.static_triangles += scene->mesh.triangles.size();
   for (const auto& info : *snapshot.objects) {
     if (!info || info->scene_part != 0xffffffff) continue;
     ++(info->moving ? counts.moving : counts.placed);
     if (info->moving && info->mesh) ++counts.moving_meshes;
+    if (info->mesh) ++counts.with_mesh;
+    if (info->mesh) meshes.insert(info->mesh.get());
+    if (info->parts) ++counts.indexed_parts;
+    if (info->parts) counts.parts += info->primitives.size();
     const bool lone_sphere = !info->mesh && info->primitives.size() == 1 &&
                              std::holds_alternative<Sphere>(info->primitives.front());
     if (info->moving && lone_sphere) ++counts.lone_spheres;
   }
+  counts.meshes = static_cast<std::uint32_t>(meshes.size());
   return counts;
 }
 
@@ -82,6 +95,13 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
   rows.push_back({"mesh x mesh", c.moving_meshes > 0,
                   c.moving_meshes > 0 ? number(c.moving_meshes, "moving meshes") : "no moving mesh",
                   c.moving_meshes > 0 ? "" : "an index a mesh"});
+  rows.push_back({"index of parts", c.indexed_parts > 0,
+                  c.indexed_parts > 0 ? number(c.parts, "spheres, capsules and boxes in ") + number(c.indexed_parts, "objects")
+                                      : "no cloud, line or other object of many parts",
+                  c.indexed_parts > 0 ? "" : "a tree an object"});
+  rows.push_back({"shared meshes", c.with_mesh > c.meshes,
+                  number(c.with_mesh, "objects with ") + number(c.meshes, "different meshes"),
+                  c.with_mesh > c.meshes ? "" : "nothing: each mesh has its own memory and index"});
   rows.push_back({"contact points", events_wanted && c.moving > 0,
                   events_wanted ? "somebody subscribes to events" : "nobody subscribes to events",
                   events_wanted ? "" : "point, normal and depth of every touching pair"});
@@ -98,6 +118,7 @@ std::vector<PairRow> pair_table() {
   const std::string searched = "search, then a certificate: exact, but undecided where round parts are within about 1e-8 of their size of touching";
   const std::string facets = "search, then a certificate or rationals: exact";
   const std::string parts = "part by part, as the parts are";
+  const std::string plane = "reach along its normal: " + closed + "; of objects that do not move, alone in their shape";
   const std::array<const char*, 7> convex{"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull"};
   constexpr std::size_t kClosedForms = 3;  // the first so many among themselves, and against triangles
   constexpr std::size_t kHull = 6;
@@ -115,6 +136,14 @@ std::vector<PairRow> pair_table() {
     rows.push_back({convex[i], "mesh", "triangle by triangle: " + how(0)});
   }
   rows.push_back({"mesh", "mesh", "triangle by triangle: " + closed});
+  rows.push_back({"ray", "half-space", plane});
+  for (const char* a : convex) rows.push_back({a, "half-space", plane});
+  rows.push_back({"mesh", "half-space", "triangle by triangle: " + plane});
+  rows.push_back({"half-space", "half-space", "not asked: neither moves"});
+  rows.push_back({"height field", "any", "as a mesh, which it becomes when it is loaded: a surface; solid below is not offered, a half-space or boxes are"});
+  rows.push_back({"point cloud", "any", "ball by ball through an index of its own: as spheres"});
+  rows.push_back({"polyline", "any", "piece by piece through an index of its own: as capsules"});
+  rows.push_back({"scaled", "any", "as its kind: one factor for every kind, three for meshes, height fields, hulls and for boxes and ellipsoids along the axes; others are refused, mirror images too"});
   rows.push_back({"compound", "any", parts});
   return rows;
 }

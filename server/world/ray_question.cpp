@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "server/exact_phase/ray_cast.hpp"
+#include "server/world/part_index.hpp"
 #include "server/world/question.hpp"
 #include "server/world/question_shapes.hpp"
 
@@ -34,7 +35,8 @@ struct RayWalk {
   void walk_scene(std::size_t scene);
   void walk_object(std::uint32_t slot);
   void finish();
-  void walk_mesh(const IndexedMesh& mesh, const Frame& frame, ObjectId object);
+  template <class Test>
+  void walk_local(const BspTree& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one);
 };
 
 template <class Part>
@@ -132,39 +134,48 @@ void RayWalk::walk_scene(std::size_t index) {
   }
 }
 
-void RayWalk::walk_mesh(const IndexedMesh& mesh, const Frame& frame, ObjectId object) {
+/// Calls test_one(number) for what an index in an object's frame says that the ray may meet.
+template <class Test>
+void RayWalk::walk_local(const BspTree& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one) {
   struct Context {
     RayWalk& walk;
-    const IndexedMesh& mesh;
-    const Frame& frame;
-    ObjectId object;
-  } context{*this, mesh, frame, object};
-  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
+    Test& test_one;
+  } context{*this, test_one};
+  const auto candidate = [](void* raw, std::uint32_t number, double) {
     Context& c = *static_cast<Context*>(raw);
-    c.walk.test(place(c.frame, c.mesh.mesh->triangle(triangle)), c.object, triangle);
+    c.test_one(number);
     return c.walk.limit;
   };
   const Vec3 away = ray.origin - frame.position;
   const Ray local{.origin = frame.rotation.transpose() * away, .direction = frame.rotation.transpose() * ray.direction};
-  const double slack_m = placement_slack(frame, away.lpNorm<1>() + ray.origin.lpNorm<1>(), mesh.radius_m);
-  // Only a finite view of the ray can be walked; beyond it every triangle is a candidate.
+  const double slack_m = placement_slack(frame, away.lpNorm<1>() + ray.origin.lpNorm<1>(), radius_m);
+  // Only a finite view of the ray can be walked; beyond it everything is a candidate.
   if (local.origin.allFinite() && local.direction.allFinite() && std::isfinite(slack_m)) {
     // The limit is in s, which turning keeps up to the rounding of the matrix.
-    mesh.tree.walk_ray(local, limit * (1 + 0x1p-48), slack_m, candidate, &context, question.walk);
+    tree.walk_ray(local, limit * (1 + 0x1p-48), slack_m, candidate, &context, question.walk);
     return;
   }
-  for (std::uint32_t t = 0; t < mesh.mesh->triangles.size() && !over(); ++t) candidate(&context, t, limit);
+  for (std::uint32_t i = 0; i < count && !over(); ++i) candidate(&context, i, limit);
 }
 
 void RayWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
   const Frame& frame = question.snapshot.frames[slot];
-  for (const Primitive& primitive : info.primitives) {
-    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); }, primitive);
-    if (over()) return;
+  const auto test_primitive = [&](std::size_t number) {
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); },
+               info.primitives[number]);
+  };
+  if (info.parts) {
+    walk_local(info.parts->tree, info.parts->radius_m, info.primitives.size(), frame, test_primitive);
+  } else {
+    for (std::size_t i = 0; i < info.primitives.size() && !over(); ++i) test_primitive(i);
   }
-  if (info.mesh) walk_mesh(*info.mesh, frame, info.id);
+  if (!info.mesh || over()) return;
+  const TriangleMesh& mesh = *info.mesh->mesh;
+  walk_local(info.mesh->tree, info.mesh->radius_m, mesh.triangles.size(), frame, [&](std::uint32_t triangle) {
+    test(place(frame, mesh.triangle(triangle)), info.id, triangle);
+  });
 }
 
 /// Several hits: ordered, each triangle once (a clipped split may offer it twice), cut at the limit asked for.

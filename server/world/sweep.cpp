@@ -54,6 +54,7 @@ double least_width_of(const Capsule& c) { return 2 * c.radius_m; }
 double least_width_of(const Cylinder& c) { return std::min((c.b - c.a).norm(), 2 * c.radius_m); }
 double least_width_of(const Cone& c) { return std::min((c.base - c.apex).norm(), c.radius_m); }
 double least_width_of(const Ellipsoid& e) { return 2 * e.half_m.minCoeff(); }
+double least_width_of(const HalfSpace&) { return std::numeric_limits<double>::infinity(); }
 double least_width_of(const Hull& h) { return least_width_m(*h.mesh) / 2; }
 
 }  // namespace
@@ -71,10 +72,11 @@ Aabb bounds(const MovingSphere& mover) {
 void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle) { sweep_any(sweep, part, triangle); }
 
 void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost) {
-  for (const Primitive& primitive : other.info->primitives) {
+  visit_primitives_near(*other.info, *other.frame, bounds(sweep.mover), cost, [&](const Primitive& primitive) {
     std::visit([&](const auto& part) { sweep_any(sweep, place(*other.frame, part), wire_contract::kNoTriangle); },
                primitive);
-  }
+    return true;
+  });
   if (!other.info->mesh) return;
   struct Context {
     SphereSweep& sweep;
@@ -99,6 +101,8 @@ MoverSize size_of(const ObjectInfo& info) {
   MoverSize size{.reach_m = 0, .least_width_m = std::numeric_limits<double>::infinity()};
   const BodyWay nowhere;
   for (const Primitive& primitive : info.primitives) {
+    // It does not move.
+    if (std::holds_alternative<HalfSpace>(primitive)) continue;
     size.reach_m = std::max(size.reach_m, PartOnWay(part_of(primitive), nowhere).reach_m);
     size.least_width_m = std::min(size.least_width_m,
                                   std::visit([](const auto& own) { return least_width_of(own); }, primitive));

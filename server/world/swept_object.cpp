@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "server/exact_phase/ground_on_way.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/world/touch.hpp"
 
@@ -45,12 +47,14 @@ class Search {
   template <class Near>
   void look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near, const auto& meet);
   void meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay& b, std::uint32_t b_triangle, TimeSpan span);
+  void meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a);
   void primitive_and_mesh(const PartOnWay& primitive, const SweptBody& other, bool primitive_is_a);
   void meshes();
   bool is_settled(std::uint32_t b_triangle, const TimeSpan& span) const {
     const SweptTouch* touch = touch_of_(context_, b_triangle);
     return touch == nullptr || (touch->yes && touch->bracket.high <= span.low);
   }
+  static bool has_mesh(const SweptBody& body) { return body.mesh != nullptr && !body.mesh->triangles.empty(); }
   static PartOnWay triangle_of(const SweptBody& body, std::uint32_t number) {
     return {body.mesh->triangle(number), body.way};
   }
@@ -183,18 +187,44 @@ void Search::meshes() {
   look({0, 1}, kMeshPairsAPiece, motion_m, std::min(size_of(a_.tree->bounds()), size_of(b_.tree->bounds())), near, meet_pair);
 }
 
+/// A half-space never moves, so it is looked at by itself. A mesh that comes near one is left open.
+void Search::meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a) {
+  SweptTouch* touch = touch_of_(context_, kNoTriangle);
+  if (touch == nullptr) return;
+  const HalfSpace placed = place(holder.way.to, ground);
+  if (has_mesh(body) && !surely_stays_above(body.way, body.mesh_reach_m, placed)) touch->undecided = true;
+  for (const Primitive& own : body.primitives) {
+    if (std::holds_alternative<HalfSpace>(own)) continue;
+    ++tests_;
+    ++touch->exact_tests;
+    const PartOnWay part(part_of(own), body.way);
+    TimeBracket found;
+    const Verdict verdict = first_contact(part, placed, {0, touch->yes ? touch->bracket.high : 1}, options_.width, found);
+    touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
+    if (!verdict.yes() || !touch->take(found, kNoTriangle, kNoTriangle) || !options_.contacts) continue;
+    touch->contact = std::visit([&](const auto& shape) { return contact(placed, shape); }, part.at(found.high));
+    if (!ground_is_a) touch->contact.normal = -touch->contact.normal;
+  }
+}
+
 void Search::run() {
-  const auto has_mesh = [](const SweptBody& body) { return body.mesh != nullptr && !body.mesh->triangles.empty(); };
+  const auto ground_of = [](const Primitive& primitive) { return std::get_if<HalfSpace>(&primitive); };
   for (const Primitive& own : a_.primitives) {
+    if (const HalfSpace* ground = ground_of(own)) {
+      meet_ground(b_, a_, *ground, true);
+      continue;
+    }
     const PartOnWay part(part_of(own), a_.way);
     for (const Primitive& other : b_.primitives) {
-      meet(part, kNoTriangle, {part_of(other), b_.way}, kNoTriangle, {0, 1});
+      if (!ground_of(other)) meet(part, kNoTriangle, {part_of(other), b_.way}, kNoTriangle, {0, 1});
     }
     if (has_mesh(b_)) primitive_and_mesh(part, b_, true);
   }
-  if (!has_mesh(a_)) return;
-  for (const Primitive& other : b_.primitives) primitive_and_mesh({part_of(other), b_.way}, a_, false);
-  if (has_mesh(b_)) meshes();
+  for (const Primitive& other : b_.primitives) {
+    if (const HalfSpace* ground = ground_of(other)) meet_ground(a_, b_, *ground, false);
+    else if (has_mesh(a_)) primitive_and_mesh({part_of(other), b_.way}, a_, false);
+  }
+  if (has_mesh(a_) && has_mesh(b_)) meshes();
 }
 
 }  // namespace

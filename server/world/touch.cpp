@@ -28,9 +28,24 @@ Contact flipped(Contact contact) {
   return contact;
 }
 
-void touch_mesh(const Primitive& a, const IndexedMesh& mesh, const Frame& frame, Touch& touch, WalkCost& cost) {
-  near_triangles(mesh, frame, bounds(a), cost, [&](std::uint32_t triangle) {
-    touch_parts(a, wire_contract::kNoTriangle, place(frame, mesh.mesh->triangle(triangle)), triangle, touch);
+/// Bounds of what the primitive has in the box, where it has no end, else of the whole.
+Aabb bounds_near(const Primitive& a, const Aabb& box) {
+  const auto* half_space = std::get_if<HalfSpace>(&a);
+  return half_space != nullptr ? bounds_within(*half_space, box) : bounds(a);
+}
+
+/// The same of an object: half-spaces are alone.
+Aabb bounds_near(const Placed& a, const Aabb& box) {
+  const bool endless = a.info->primitives.size() == 1 && std::holds_alternative<HalfSpace>(a.info->primitives.front());
+  return endless ? bounds_near(place(*a.frame, a.info->primitives.front()), box) : a.bounds;
+}
+
+void touch_mesh(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  const Aabb near = bounds_near(a, b.bounds);
+  if (near.empty()) return;
+  const IndexedMesh& mesh = *b.info->mesh;
+  near_triangles(mesh, *b.frame, near, cost, [&](std::uint32_t triangle) {
+    touch_parts(a, wire_contract::kNoTriangle, place(*b.frame, mesh.mesh->triangle(triangle)), triangle, touch);
     return !touch.done();
   });
 }
@@ -51,14 +66,14 @@ void touch_meshes(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost
 
 /// a's mesh against b's primitives: the exact phase has the primitive first, so the contact is turned round.
 void touch_mesh_primitives(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
-  for (const Primitive& primitive : b.info->primitives) {
+  visit_primitives_near(*b.info, *b.frame, a.bounds, cost, [&](const Primitive& primitive) {
     Touch turned;
     turned.wanted = touch.wanted;
-    touch_mesh(place(*b.frame, primitive), *a.info->mesh, *a.frame, turned, cost);
+    touch_mesh(place(*b.frame, primitive), a, turned, cost);
     touch.exact_tests += turned.exact_tests;
     touch.level = std::max(touch.level, turned.level);
     touch.undecided = touch.undecided || turned.undecided;
-    if (!turned.yes) continue;
+    if (!turned.yes) return true;
     const Contact contact = flipped(turned.contact);
     if (touch.wanted && deeper(contact, turned.b_triangle, wire_contract::kNoTriangle, touch)) {
       touch.contact = contact;
@@ -66,8 +81,18 @@ void touch_mesh_primitives(const Placed& a, const Placed& b, Touch& touch, WalkC
       touch.b_triangle = wire_contract::kNoTriangle;
     }
     touch.yes = true;
-    if (touch.done()) return;
-  }
+    return !touch.done();
+  });
+}
+
+/// Around what lies within the box in its own frame, at most reach_m from its origin.
+Aabb placed_bounds(const Frame& frame, const Aabb& own, double reach_m) {
+  const Vec3 center = 0.5 * own.low + 0.5 * own.high;
+  const Vec3 half = (own.high - center).cwiseMax(center - own.low);
+  const Vec3 slack = Vec3::Constant(placement_slack(frame, center.lpNorm<1>() + half.lpNorm<1>(), reach_m));
+  const Vec3 placed_center = place(frame, center);
+  const Vec3 placed_half = frame.rotation.cwiseAbs() * half + slack;
+  return {.low = placed_center - placed_half, .high = placed_center + placed_half};
 }
 
 }  // namespace
@@ -90,15 +115,14 @@ void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate ca
 
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame) {
   Aabb all;
-  for (const Primitive& primitive : info.primitives) all.extend(bounds(place(frame, primitive)));
-  if (!info.mesh || info.mesh->mesh->triangles.empty()) return all;
-  const Aabb& own = info.mesh->tree.bounds();
-  const Vec3 center = 0.5 * own.low + 0.5 * own.high;
-  const Vec3 half = (own.high - center).cwiseMax(center - own.low);
-  const Vec3 slack = Vec3::Constant(placement_slack(frame, center.lpNorm<1>() + half.lpNorm<1>(), info.mesh->radius_m));
-  const Vec3 placed_center = place(frame, center);
-  const Vec3 placed_half = frame.rotation.cwiseAbs() * half + slack;
-  all.extend(Aabb{.low = placed_center - placed_half, .high = placed_center + placed_half});
+  if (info.parts) {
+    all.extend(placed_bounds(frame, info.parts->tree.bounds(), info.parts->radius_m));
+  } else {
+    for (const Primitive& primitive : info.primitives) all.extend(bounds(place(frame, primitive)));
+  }
+  if (info.mesh && !info.mesh->mesh->triangles.empty()) {
+    all.extend(placed_bounds(frame, info.mesh->tree.bounds(), info.mesh->radius_m));
+  }
   return all;
 }
 
@@ -121,19 +145,19 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
 }
 
 void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost) {
-  for (const Primitive& primitive : b.info->primitives) {
+  visit_primitives_near(*b.info, *b.frame, bounds_near(a, b.bounds), cost, [&](const Primitive& primitive) {
     touch_parts(a, wire_contract::kNoTriangle, place(*b.frame, primitive), wire_contract::kNoTriangle, touch);
-    if (touch.done()) return;
-  }
-  if (b.info->mesh) touch_mesh(a, *b.info->mesh, *b.frame, touch, cost);
+    return !touch.done();
+  });
+  if (!touch.done() && b.info->mesh) touch_mesh(a, b, touch, cost);
 }
 
 void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
-  for (const Primitive& primitive : a.info->primitives) {
+  visit_primitives_near(*a.info, *a.frame, bounds_near(b, a.bounds), cost, [&](const Primitive& primitive) {
     touch_object(place(*a.frame, primitive), b, touch, cost);
-    if (touch.done()) return;
-  }
-  if (!a.info->mesh) return;
+    return !touch.done();
+  });
+  if (touch.done() || !a.info->mesh) return;
   touch_mesh_primitives(a, b, touch, cost);
   if (!touch.done() && b.info->mesh) touch_meshes(a, b, touch, cost);
 }

@@ -7,10 +7,12 @@
 #include "idl/topics.hpp"
 #include "server/exact_phase/contact.hpp"
 #include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/overlap.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/world/object.hpp"
+#include "server/world/part_index.hpp"
 
 namespace collided {
 
@@ -56,6 +58,26 @@ Aabb bounds_of(const ObjectInfo& info, const Frame& frame);
 /// A box around everything that `world` may hold, seen from the frame: generous by the rounding of placing points.
 /// reach_m: how far from the frame's origin the local things are.
 Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m);
+
+/// Calls visit(primitive) for the object's primitives, in its frame, that may meet the box; false ends the visit.
+template <class Visit>
+void visit_primitives_near(const ObjectInfo& info, const Frame& frame, const Aabb& world, WalkCost& cost, Visit&& visit) {
+  if (!info.parts) {
+    for (const Primitive& primitive : info.primitives) {
+      if (!visit(primitive)) return;
+    }
+    return;
+  }
+  struct Context {
+    const ObjectInfo& info;
+    Visit& visit;
+  } context{info, visit};
+  const auto candidate = [](void* raw, std::uint32_t number) {
+    const Context& c = *static_cast<Context*>(raw);
+    return static_cast<bool>(c.visit(c.info.primitives[number]));
+  };
+  info.parts->tree.walk_box(seen_from(frame, world, info.parts->radius_m), candidate, &context, cost);
+}
 
 /// Rounding of placing and of seeing from a frame, metres: what local bounds must grow by so that no placed point is
 /// lost (derivation at kPlacementRoundoffs).

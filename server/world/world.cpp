@@ -1,10 +1,13 @@
 #include "server/world/world.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
 
 #include "server/geometry/float_environment.hpp"
 #include "server/world/indexed_mesh.hpp"
+#include "server/world/part_index.hpp"
 #include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
 
@@ -21,6 +24,21 @@ BspTree index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::s
                        "; it is built anew");
   }
   return BspTree::build(mesh, options);
+}
+
+bool is_endless(const Shape& shape) {
+  return std::any_of(shape.primitives.begin(), shape.primitives.end(),
+                     [](const Primitive& primitive) { return std::holds_alternative<HalfSpace>(primitive); });
+}
+
+template <class T>
+std::string_view bytes_of(const std::vector<T>& items) {
+  return {reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T)};
+}
+
+/// Bit for bit, so that -0 and 0 are two.
+bool are_equal(const TriangleMesh& a, const TriangleMesh& b) {
+  return &a == &b || (bytes_of(a.vertices) == bytes_of(b.vertices) && bytes_of(a.triangles) == bytes_of(b.triangles));
 }
 
 Refusal name_taken(const std::string& name, const ObjectInfo* holder) {
@@ -43,6 +61,26 @@ const ObjectInfo* World::State::info(ObjectId id) const {
   const std::uint32_t slot = slot_of(id);
   const ObjectInfo* found = slot < objects->size() ? (*objects)[slot].get() : nullptr;
   return found != nullptr && found->id == id ? found : nullptr;
+}
+
+/// Objects with equal meshes share one with its index, whoever sent them.
+std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition& definition) {
+  const std::hash<std::string_view> hash;
+  const TriangleMesh& mesh = *definition.shape.mesh;
+  const std::size_t key = hash(bytes_of(mesh.vertices)) ^ (31 * hash(bytes_of(mesh.triangles)));
+  const auto [first, end] = meshes.equal_range(key);
+  for (auto entry = first; entry != end; ++entry) {
+    const std::shared_ptr<const IndexedMesh> known = entry->second.lock();
+    if (known && are_equal(*known->mesh, mesh)) return known;
+  }
+  std::shared_ptr<const IndexedMesh> added = definition.indexed;
+  if (!added) {
+    added = indexed_mesh(definition.shape.mesh,
+                         BspTree::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
+  }
+  std::erase_if(meshes, [](const auto& entry) { return entry.second.expired(); });
+  meshes.emplace(key, added);
+  return added;
 }
 
 void World::State::mark(std::uint32_t slot, Motion how) {
@@ -96,10 +134,17 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BspOptions& 
   scene.index = {};
   BspOptions quietly = options;
   quietly.progress = {};
+  std::unordered_map<const TriangleMesh*, std::shared_ptr<const IndexedMesh>> of_mesh;  // objects that share one share it
   for (SceneObject& object : scene.objects) {
     auto& mesh = indexed->object_meshes.emplace_back();
     if (!object.shape.mesh) continue;
-    mesh = indexed_mesh(object.shape.mesh, index_of(*object.shape.mesh, object.index, "object " + object.name, quietly,
+    std::shared_ptr<const IndexedMesh>& known = of_mesh[object.shape.mesh.get()];
+    if (known) {
+      mesh = known;
+      object.index = {};
+      continue;
+    }
+    known = mesh = indexed_mesh(object.shape.mesh, index_of(*object.shape.mesh, object.index, "object " + object.name, quietly,
                                                     indexed->warnings));
     object.index = {};
   }
@@ -181,17 +226,12 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
     return Refusal{"object '" + definition.name + "' is one more than the limit of " +
                    std::to_string(s.options.max_objects) + " objects (max_objects). Nothing was added"};
   }
-  auto info = std::make_shared<ObjectInfo>();
-  if (definition.shape.mesh) {
-    std::weak_ptr<const IndexedMesh>& shared = s.meshes[definition.shape.mesh.get()];
-    info->mesh = shared.lock();
-    if (!info->mesh) info->mesh = definition.indexed;
-    if (!info->mesh) {
-      info->mesh = indexed_mesh(definition.shape.mesh, BspTree::build(*definition.shape.mesh,
-                                                                      {.threads = 1, .progress = {}, .cancelled = {}}));
-    }
-    shared = info->mesh;
+  if (definition.moving && is_endless(definition.shape)) {
+    return Refusal{"object '" + definition.name + "' is a half-space that moves: it has no end, so it would be a candidate "
+                   "for everything in every step; offered are those that do not move. Nothing was added"};
   }
+  auto info = std::make_shared<ObjectInfo>();
+  if (definition.shape.mesh) info->mesh = s.mesh_for(definition);
   const ObjectId id = s.take_slot();
   const std::uint32_t slot = slot_of(id);
   info->id = id;
@@ -202,6 +242,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->lost_policy = definition.lost_policy;
   info->publisher = definition.publisher;
   info->primitives = definition.shape.primitives;
+  info->parts = index_parts(info->primitives);
   s.movable[slot] = id;
   s.lone_spheres[slot] = lone_sphere(*info);
   s.sizes[slot] = size_of(*info);
@@ -223,7 +264,6 @@ bool World::remove(ObjectId id, wire_contract::EndReason reason) {
   if (info == nullptr) return false;
   const std::uint32_t slot = slot_of(id);
   s.names.erase(info->name);
-  if (info->mesh) std::erase_if(s.meshes, [](const auto& entry) { return entry.second.expired(); });
   s.removed.emplace_back(id, reason);
   s.freed_this_step.push_back(slot);
   if (s.stale[slot] != 0) --s.stale_count;

@@ -55,7 +55,7 @@ struct World::State {
   std::vector<std::uint32_t> free_slots;
   std::vector<std::uint32_t> freed_this_step;  // free only after the step that ended their contacts
   std::unordered_map<std::string, ObjectId> names;
-  std::unordered_map<const TriangleMesh*, std::weak_ptr<const IndexedMesh>> meshes;
+  std::unordered_multimap<std::size_t, std::weak_ptr<const IndexedMesh>> meshes;  // by a hash of their numbers
 
   std::vector<ObjectId> movable;  // who may be moved; 0: nobody. Here, since the table's entries lie far apart
   std::vector<std::optional<Sphere>> lone_spheres;  // of objects that are one sphere; here, since every step asks
@@ -84,6 +84,7 @@ struct World::State {
 
   ObjectTable& table();  // for changing
   const ObjectInfo* info(ObjectId id) const;
+  std::shared_ptr<const IndexedMesh> mesh_for(const ObjectDefinition& definition);
   void mark(std::uint32_t slot, Motion how);
   bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, Motion how);
   void prefetch(std::uint32_t slot) const;

@@ -74,7 +74,7 @@ TEST_F(Errors, BadUseIsRefusedBeforeAnythingIsSent) {
       {"ray 0 0 5 0 0 -1 --mask cargo", "error: ray: 'cargo' is not a set of 32 bits (decimal, 0x1f or 0b101)\n"},
       {"ray 0 0 5 0 0 -1 --domain 233", "error: ray: domain 233 is above the last one, 232\n"},
       {"ray missing.csv", "error: ray: missing.csv: No such file or directory\n"},
-      {"add crate bx 1 1 1", "error: add: no shape 'bx'; did you mean 'box'?\n       shapes: sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z\n"},
+      {"add crate bx 1 1 1", "error: add: no shape 'bx'; did you mean 'box'?\n       shapes: sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z, plane [NX NY NZ],\n       points FILE R, polyline FILE R, heights FILE DX [DY]\n"},
       {"add crate box 1 1", "error: add: a box takes 3: full lengths along x, y, z; 2 given\n"},
       {"--jsn status", "error: status: unknown option '--jsn'; did you mean '--json'?\n"},
       {"help rya", "error: help: no verb 'rya'; did you mean 'ray'?\n"},

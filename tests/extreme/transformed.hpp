@@ -29,6 +29,7 @@ struct Scaling {
     for (Vec3& vertex : mesh.vertices) vertex = (*this)(vertex);
     return {std::make_shared<const TriangleMesh>(std::move(mesh)), hull.rotation, (*this)(hull.position)};
   }
+  HalfSpace operator()(const HalfSpace& h) const { return {(*this)(h.point), h.normal}; }
   Triangle operator()(const Triangle& t) const { return {(*this)(t.a), (*this)(t.b), (*this)(t.c)}; }
   Ray operator()(const Ray& r) const { return {(*this)(r.origin), (*this)(r.direction), (*this)(r.length_m)}; }
 };

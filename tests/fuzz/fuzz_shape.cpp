@@ -1,3 +1,4 @@
+#include "idl/scene_generated.h"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/sphere_mesh.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
@@ -15,6 +16,25 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   return 0;
 }
 
+/// A scaled height field with a cloud and a line.
+static std::string with_forms() {
+  using namespace collided;
+  flatbuffers::FlatBufferBuilder builder;
+  const std::vector<double> points{0, 0, 0, 1, 0, 0, 1, 1, 1};
+  const std::vector<double> heights{0, 1, 2, 3, 4, 5};
+  const auto cloud = builder.CreateVector(std::vector{format::CreatePointsDirect(builder, &points, 0.5)});
+  const auto line = builder.CreateVector(std::vector{format::CreatePointsDirect(builder, &points, 0.25)});
+  const auto field = format::CreateHeightFieldDirect(builder, 3, 1, 2, &heights);
+  const format::Vec3 scale(2, 2, 2);
+  format::ShapeBuilder shape(builder);
+  shape.add_height_field(field);
+  shape.add_clouds(cloud);
+  shape.add_polylines(line);
+  shape.add_scale(&scale);
+  builder.Finish(shape.Finish());
+  return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
+}
+
 std::vector<std::string> fuzz_seeds() {
   using namespace collided;
   const Eigen::AngleAxisd turn(0.3, Vec3(1, 2, 3).normalized());
@@ -23,9 +43,10 @@ std::vector<std::string> fuzz_seeds() {
                         Capsule{{0, 0, 0}, {1, 0, 0}, 1}},
                        std::make_shared<const TriangleMesh>(latitude_longitude_sphere(1, 4, 3))};
   std::vector<std::string> seeds;
-  for (const Shape& shape : {compound, Shape{{Sphere{{1, 2, 3}, 0.5}}, nullptr}}) {
+  for (const Shape& shape : {compound, Shape{{Sphere{{1, 2, 3}, 0.5}}, nullptr}, Shape{{HalfSpace{{1, 2, 3}, {0, 0, 2}}}, nullptr}}) {
     const std::vector<std::byte> bytes = encode_shape(shape);
     seeds.emplace_back(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
+  seeds.push_back(with_forms());
   return seeds;
 }

@@ -14,7 +14,7 @@ namespace collided::oracle {
 struct Part {
   ObjectId object = 0;
   std::uint32_t triangle = wire_contract::kNoTriangle;
-  std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, Triangle> shape;
+  std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, HalfSpace, Triangle> shape;
 };
 
 std::vector<Part> all_parts(const Snapshot& snapshot);

@@ -16,6 +16,8 @@ class MixedWorld {
   explicit MixedWorld(std::mt19937_64& random) : random_(random), world(WorldOptions{}) {
     load_sheet();
     for (int i = 0; i < 60; ++i) add(i);
+    add_many_parts();
+    add_half_spaces();
     world.step(0, 1, {});
   }
 
@@ -86,6 +88,34 @@ class MixedWorld {
     definition.moving = i % 9 != 0;
     const auto defined = world.define(definition);
     if (definition.moving) movers_.push_back(std::get<ObjectId>(defined));
+  }
+
+  /// A cloud and a line, each with so many parts that they have an index, and a mesh between two of the line.
+  void add_many_parts() {
+    for (int i = 0; i < 4; ++i) {
+      ObjectDefinition definition;
+      definition.name = "many" + std::to_string(i);
+      definition.pose = pose();
+      definition.moving = i < 3;
+      for (int k = 0; k < 40; ++k) {
+        if (i % 2 == 0) definition.shape.primitives.push_back(Sphere{point(1), uniform(0.02, 0.1)});
+        else definition.shape.primitives.push_back(Capsule{point(1), point(1), uniform(0, 0.05)});
+      }
+      const auto defined = world.define(definition);
+      if (definition.moving) movers_.push_back(std::get<ObjectId>(defined));
+    }
+  }
+
+  /// Near the edges of where things are, one of them along the axes.
+  void add_half_spaces() {
+    for (int i = 0; i < 2; ++i) {
+      ObjectDefinition definition;
+      definition.name = "half_space" + std::to_string(i);
+      definition.pose = i == 0 ? Pose{.position = {0, 0, -3}, .rotation = Quat::Identity()} : Pose{.position = Vec3(-2, -2, -2), .rotation = pose().rotation};
+      definition.shape.primitives.push_back(HalfSpace{{0, 0, 0}, i == 0 ? Vec3(0, 0, 1) : Vec3(definition.pose.rotation.inverse() * Vec3(1, 1, 1))});
+      definition.moving = false;
+      world.define(definition);
+    }
   }
 
   std::mt19937_64& random_;

@@ -240,9 +240,32 @@ struct MeshShape {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// One part, or several that move as one. At most one of them a mesh.
-using ShapePart =
-    std::variant<SphereShape, BoxShape, CapsuleShape, MeshShape, CylinderShape, ConeShape, EllipsoidShape, HullShape>;
+/// Everything behind a plane: normal . (x - point) <= 0. Alone in its shape, of an object that does not move.
+struct HalfSpaceShape {
+  Vec3 normal = Vec3::UnitZ();  // any length from 1e-30 to 1e30
+  Vec3 point = Vec3::Zero();
+};
+/// A surface over a grid, row after row of heights along x from the origin on; two triangles a cell. Counts as a mesh.
+struct HeightFieldShape {
+  std::uint32_t columns = 0;
+  double spacing_x_m = 1;
+  double spacing_y_m = 1;
+  std::vector<double> heights_m;  // whole rows, at least 2 of 2
+};
+/// Balls about points, with an index of its own.
+struct CloudShape {
+  std::vector<Vec3> points;
+  double radius_m = 0;
+};
+/// Capsules from each point to the next, at least 2 points; with an index of its own.
+struct PolylineShape {
+  std::vector<Vec3> points;
+  double radius_m = 0;
+};
+
+/// One part, or several that move as one. At most one of them a mesh or height field.
+using ShapePart = std::variant<SphereShape, BoxShape, CapsuleShape, MeshShape, CylinderShape, ConeShape, EllipsoidShape,
+                               HullShape, HalfSpaceShape, HeightFieldShape, CloudShape, PolylineShape>;
 using Shape = std::vector<ShapePart>;
 
 struct Pose {
@@ -256,6 +279,9 @@ enum class WhenLost { remove, freeze, hold };
 struct ObjectOptions {
   std::string name = {};  // unique in the world, at most 255 bytes
   Shape shape = {};
+  /// About the object's origin, above 0. Factors that differ suit meshes, height fields, hulls, and boxes and ellipsoids
+  /// along the axes; for the other kinds they are refused.
+  Vec3 scale = Vec3::Ones();
   Pose pose = {};
   std::uint32_t layers = 1;
   std::uint32_t mask = 0xffffffff;

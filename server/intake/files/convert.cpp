@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <unordered_set>
 
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/aabb.hpp"
@@ -71,8 +72,9 @@ void add_indexes(Scene& scene, BspForm form) {
   BspReport sum;
   std::uint64_t triangles = scene.mesh.triangles.size();
   save_index(scene.mesh, form, sum, scene.index);
+  std::unordered_set<const TriangleMesh*> done;  // objects that share a mesh share the index that the first one brings
   for (SceneObject& object : scene.objects) {
-    if (!object.shape.mesh) continue;
+    if (!object.shape.mesh || !done.insert(object.shape.mesh.get()).second) continue;
     save_index(*object.shape.mesh, form, sum, object.index);
     triangles += object.shape.mesh->triangles.size();
   }
