@@ -34,6 +34,9 @@ constexpr double kUnsweptShare = 0.5;
 /// Tests that the sweep of one pair may take: some 20 ms, that the others wait for.
 constexpr std::uint32_t kSweepTests = 10'000;
 
+/// A gap is looked for that is used up after so many steps like this one, so that looking for it pays.
+constexpr double kGapInSteps = 16;
+
 /// Candidates that wait while what their first test needs comes from memory: neighbours in space are strangers there.
 struct Waiting {
   static constexpr std::size_t kSize = 32;
@@ -81,6 +84,16 @@ struct Step {
   bool has_lower_id(std::uint32_t slot, std::uint32_t than) const {
     return s.generations[slot] != s.generations[than] ? s.generations[slot] < s.generations[than] : slot < than;
   }
+  bool is_bare_mesh(std::uint32_t slot) const {
+    const ObjectInfo& info = *(*s.objects)[slot];
+    return info.mesh && info.primitives.empty();
+  }
+  static std::uint32_t partner_of(std::size_t scene) { return kNoTriangle - static_cast<std::uint32_t>(scene); }
+  void count_way(std::uint32_t slot);
+  double gap_wanted_m(std::uint32_t slot) const;
+  void look_for_gap(std::uint32_t first, std::uint32_t second);
+  void look_for_gap(std::uint32_t mover, const StaticScene& scene, std::uint32_t partner);
+  void remember_gap(std::uint32_t slot, std::uint32_t partner, double gap_m, bool there_is);
   bool is_fast(std::uint32_t slot) const;
   BodyWay body_way(std::uint32_t slot) const;
   SweepOptions sweep_options(std::uint32_t mover) const;
@@ -92,7 +105,7 @@ struct Step {
   bool is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const;
   SweptTouch& part_sweep(std::uint32_t part);
   void test_pair(std::uint32_t first, std::uint32_t second);
-  void test_scene(std::uint32_t mover, const StaticScene& scene);
+  void test_scene(std::uint32_t mover, std::size_t scene_number);
   void test_mesh_against(const Placed& a, const StaticScene& scene);
   void report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
@@ -155,9 +168,55 @@ void Step::index_movers() {
       s.swept_bounds[slot].extend(bounds(*(*s.objects)[slot], body_way(slot), s.sizes[slot].reach_m));
     }
     set_ball(slot, way);
+    count_way(slot);
   }
   if (!next.grid || next.grid.use_count() > 1) next.grid = std::make_shared<Grid>();
   next.grid->rebuild(s.swept_bounds);
+}
+
+/// What is remembered of meshes hangs on how far they go; that of a placed triangle is off by a rounding at either end.
+void Step::count_way(std::uint32_t slot) {
+  if (!(*s.objects)[slot] || !is_bare_mesh(slot)) return;
+  if (s.motion[slot] != Motion::moved) {
+    s.apart.placed(slot);
+    return;
+  }
+  const double reach_m = (*s.objects)[slot]->mesh->radius_m;
+  s.apart.moved(slot, longest_way_m(s.frames_before[slot], s.frames[slot], reach_m) * (1 + 0x1p-40) +
+                          placement_slack(s.frames_before[slot], 0, reach_m) + placement_slack(s.frames[slot], 0, reach_m));
+}
+
+/// Of both together; not where one of them does not go on as it went.
+double Step::gap_wanted_m(std::uint32_t slot) const {
+  if (s.motion[slot] != Motion::moved) return 0;
+  return kGapInSteps * longest_way_m(s.frames_before[slot], s.frames[slot], (*s.objects)[slot]->mesh->radius_m);
+}
+
+void Step::remember_gap(std::uint32_t slot, std::uint32_t partner, double gap_m, bool there_is) {
+  if (there_is) s.apart.remember(slot, partner, gap_m);
+  else s.apart.looked_in_vain(slot, partner);
+}
+
+void Step::look_for_gap(std::uint32_t first, std::uint32_t second) {
+  const double gap_m = gap_wanted_m(first) + gap_wanted_m(second);
+  if (!(gap_m > 0) || !s.apart.is_worth_looking(first, second)) return;
+  bool there_is = true;
+  const auto candidate = [](void* raw, std::uint32_t, std::uint32_t) { return *static_cast<bool*>(raw) = false; };
+  walk_mesh_pairs(placed(first), placed(second), candidate, &there_is, walk, gap_m);
+  remember_gap(first, second, gap_m, there_is);
+}
+
+void Step::look_for_gap(std::uint32_t mover, const StaticScene& scene, std::uint32_t partner) {
+  const double gap_m = gap_wanted_m(mover);
+  if (!(gap_m > 0) || !s.apart.is_worth_looking(mover, partner)) return;
+  const ObjectInfo& info = *(*s.objects)[mover];
+  bool there_is = true;
+  const auto visit = [&](std::uint32_t triangle, const Triangle&, std::uint32_t, const Triangle&) {
+    there_is = !may_meet(info.filter, scene.parts[scene.part_of(triangle)].filter);
+    return there_is;
+  };
+  visit_scene_pairs(scene, *info.mesh, s.frames[mover], walk, visit, gap_m);
+  remember_gap(mover, partner, gap_m, there_is);
 }
 
 /// The way of a lone sphere between its last two poses; nothing for other objects, new ones and teleported ones.
@@ -221,21 +280,26 @@ bool Step::stay_apart(std::uint32_t first, std::uint32_t second) const {
 
 void Step::moving_against_static() {
   for (const std::uint32_t slot : s.moved_slots) {
-    for (const auto& scene : s.scenes) {
+    for (std::size_t scene = 0; scene < s.scenes.size(); ++scene) {
       // Most movers of a large world are nowhere near a given scene.
-      if (!overlaps(s.swept_bounds[slot], scene->tree.bounds())) continue;
+      if (!overlaps(s.swept_bounds[slot], s.scenes[scene]->tree.bounds())) continue;
       const ObjectInfo* info = (*s.objects)[slot].get();
       if (info == nullptr || !info->moving) continue;
       if (!has_room()) {
         s.cost.truncated = true;
         return;
       }
-      test_scene(slot, *scene);
+      test_scene(slot, scene);
     }
   }
 }
 
-void Step::test_scene(std::uint32_t mover, const StaticScene& scene) {
+void Step::test_scene(std::uint32_t mover, std::size_t scene_number) {
+  if (is_bare_mesh(mover) && s.apart.holds(mover, partner_of(scene_number))) {
+    ++s.cost.kept_apart;
+    return;
+  }
+  const StaticScene& scene = *s.scenes[scene_number];
   const Placed a = placed(mover);
   const auto allowed = [&](std::uint32_t part) { return may_meet(a.info->filter, scene.parts[part].filter); };
   s.part_touches.clear(wishes.contacts);
@@ -267,6 +331,7 @@ void Step::test_scene(std::uint32_t mover, const StaticScene& scene) {
     report(a.info->id, scene.part_objects[found.part], found.touch,
            sweep != s.part_sweeps.end() ? &sweep->touch : nullptr, mover);
   }
+  if (s.part_touches.list().empty() && is_bare_mesh(mover)) look_for_gap(mover, scene, partner_of(scene_number));
 }
 
 /// Contacts that hold need no time.
@@ -429,8 +494,8 @@ void Step::look_again_at_open() {
       test_pair(a, b);
       continue;
     }
-    for (const auto& scene : s.scenes) {
-      if (scene->name == (*s.objects)[a_is_part ? a : b]->scene) test_scene(a_is_part ? b : a, *scene);
+    for (std::size_t scene = 0; scene < s.scenes.size(); ++scene) {
+      if (s.scenes[scene]->name == (*s.objects)[a_is_part ? a : b]->scene) test_scene(a_is_part ? b : a, scene);
     }
   }
 }
@@ -439,6 +504,11 @@ void Step::test_pair(std::uint32_t first, std::uint32_t second) {
   ++s.cost.candidate_pairs;
   // Lower id first: the contact's normal points from a to b.
   if ((*s.objects)[second]->id < (*s.objects)[first]->id) std::swap(first, second);
+  const bool are_meshes = is_bare_mesh(first) && is_bare_mesh(second);
+  if (are_meshes && s.apart.holds(first, second)) {
+    ++s.cost.kept_apart;
+    return;
+  }
   const Placed a = placed(first);
   const Placed b = placed(second);
   Touch touch;
@@ -449,6 +519,7 @@ void Step::test_pair(std::uint32_t first, std::uint32_t second) {
   std::uint32_t mover = first;
   if (!s.ledger.holds(a.info->id, b.info->id)) sweep = sweep_between(first, second, mover);
   report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr, has_moved(mover) ? mover : first + second - mover);
+  if (are_meshes && touch.exact_tests == 0 && overlaps(a.bounds, b.bounds)) look_for_gap(first, second);
 }
 
 /// A lone sphere is swept whatever its speed, exactly, past anything that does not turn fast; other pairs where one of
@@ -591,6 +662,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   }
   next->contacts_truncated = s.cost.truncated;
   s.ledger.finish_step();
+  s.apart.end_step();
   s.ring.publish();
 
   for (const std::uint32_t slot : s.moved_slots) {

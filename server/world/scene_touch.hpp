@@ -82,10 +82,10 @@ void visit_scene(const StaticScene& scene, const Aabb& near, WalkCost& cost, All
 }
 
 /// Calls visit(triangle, corners, mover_triangle, mover_corners) for each static triangle and each of the mesh at the
-/// frame that may meet; visit -> bool, false ends the walk.
+/// frame that may meet, or come within gap_m; visit -> bool, false ends the walk.
 template <class Visit>
 void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const Frame& frame, WalkCost& cost,
-                       Visit&& visit) {
+                       Visit&& visit, double gap_m = 0) {
   struct Context {
     const StaticScene& scene;
     PlacedTriangles placed;
@@ -96,7 +96,7 @@ void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const 
     return c.visit(triangle, c.scene.mesh.triangle(triangle), mover_triangle, c.placed.at(mover_triangle));
   };
   const double slack_m = placement_slack(frame, 0, mesh.radius_m);
-  scene.tree.walk_pairs(mesh.tree, frame.rotation, frame.position, slack_m, candidate, &context, cost);
+  scene.tree.walk_pairs(mesh.tree, frame.rotation, frame.position, slack_m + gap_m, candidate, &context, cost);
 }
 
 }  // namespace collided

@@ -103,14 +103,15 @@ double placement_slack(const Frame& frame, double distance_m, double reach_m) {
 }
 
 /// Both trees are descended at once, b's seen from a's frame: twice the placing of one.
-void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate candidate, void* context, WalkCost& cost) {
+void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate candidate, void* context, WalkCost& cost,
+                     double gap_m) {
   const IndexedMesh& mesh_a = *a.info->mesh;
   const IndexedMesh& mesh_b = *b.info->mesh;
   const Mat3 back = a.frame->rotation.transpose();
   const Vec3 between = b.frame->position - a.frame->position;
   const double slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
                                              mesh_a.radius_m + mesh_b.radius_m);
-  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m, candidate, context, cost);
+  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m + gap_m, candidate, context, cost);
 }
 
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame) {

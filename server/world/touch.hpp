@@ -50,7 +50,8 @@ void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& c
 void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost);
 
 /// Pairs of the two objects' triangles that may meet, as BspTree::walk_pairs tells them; both have a mesh.
-void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate candidate, void* context, WalkCost& cost);
+void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate candidate, void* context, WalkCost& cost,
+                     double gap_m = 0);
 
 /// Contains every point of the object at the frame.
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame);

@@ -185,6 +185,7 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
   }
   const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed->object_meshes);
   s.scenes.push_back(std::move(indexed));
+  s.apart.clear();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
     [[maybe_unused]] const auto defined = define({.name = object.name,
@@ -213,6 +214,7 @@ std::uint32_t World::remove_scene(std::string_view name) {
     ++removed_count;
   }
   std::erase_if(s.scenes, [&](const auto& scene) { return scene->name == name; });
+  s.apart.clear();
   return removed_count;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/world/apart_memory.hpp"
 #include "server/world/contact_ledger.hpp"
 #include "server/world/scene_touch.hpp"
 #include "server/world/sweep.hpp"
@@ -76,6 +77,7 @@ struct World::State {
   bool looks_at_all = false;  // the last search was cut short: pairs that rest may touch unknown
 
   ContactLedger ledger;
+  ApartMemory apart;  // of meshes without primitives, with each other and with scenes
   StepCost cost;
   PartTouches part_touches{true};
   std::vector<PartSweep> part_sweeps;
