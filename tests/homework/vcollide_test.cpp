@@ -264,6 +264,26 @@ TEST(VCollideAdapter, DoesNotHangOnTheHostsRounding) {
   }
 }
 
+// Far out, large, and with products that overflow: still the oracle's answer.
+TEST(VCollideAdapter, TakesEveryFiniteNumber) {
+  for (const double scale : {1e-300, 1e-150, 1e150, 1e300}) {
+    TriangleMesh one, other;
+    one.vertices = {{0, 0, 0}, {scale, 0, 0}, {0, scale, 0}};
+    one.triangles = {{0, 1, 2}};
+    other = one;
+    for (Vec3& vertex : other.vertices) vertex = Vec3(vertex[2], vertex[0], vertex[1]) + Vec3(scale / 4, -scale / 4, -scale / 4);
+    for (const double apart : {0.0, 0.5, 2.0}) {
+      VCollide vc;
+      add(vc, one);
+      const Pose pose{.position = {apart * scale, 0, 0}};
+      move(vc, add(vc, other), pose);
+      const Found expected = by_oracle({one, other}, {{}, pose});
+      EXPECT_EQ(expected.empty(), apart > 1);
+      EXPECT_EQ(collide(vc), expected) << scale << " " << apart;
+    }
+  }
+}
+
 // B18, B20: the simple prototype is right about spheres in general position, so it may be the others' baseline.
 TEST(SimplePrototypeBaseline, FindsTheSamePairsOfSpheresInGeneralPosition) {
   std::mt19937_64 random = oracle::seeded(5);
