@@ -16,11 +16,12 @@ std::size_t frame_count() {
   return asked != nullptr ? std::strtoul(asked, nullptr, 10) : 400;
 }
 
-// B2: who counts the events, and begins and ends of pairs alone, knows in every frame which objects touch. A51: the coarse
-// phase loses none of them.
+// B2: who counts the events, and begins and ends of pairs alone, knows in every frame which objects touch. A51: the
+// coarse phase loses none of them.
 TEST(HomeworkEvents, TellInEveryFrameThePairsOfTheOracle) {
   const std::size_t frames = frame_count();
-  const Recording recording = record({.objects = 12, .polygons = 16, .relative_size = 0.3, .frames = frames, .seed = 2});
+  const Recording recording =
+      record({.objects = 12, .polygons = 16, .relative_size = 0.3, .frames = frames, .seed = 2});
   CollidedWorld world(recording);
   std::set<std::pair<std::size_t, std::size_t>> open;
   std::size_t contacts = 0, candidates = 0, changes = 0;
@@ -42,8 +43,8 @@ TEST(HomeworkEvents, TellInEveryFrameThePairsOfTheOracle) {
     contacts += expected.size();
     candidates += world.candidates();
   }
-  std::printf("%zu frames, %zu events; %zu pairs that touch of %zu candidates (%.2f candidates a pair)\n", frames, changes, contacts,
-              candidates, static_cast<double>(candidates) / static_cast<double>(contacts));
+  std::printf("%zu frames, %zu events; %zu pairs that touch of %zu candidates (%.2f candidates a pair)\n", frames,
+              changes, contacts, candidates, static_cast<double>(candidates) / static_cast<double>(contacts));
   EXPECT_GT(changes, frames / 20);
   EXPECT_GE(candidates, contacts);
 }
