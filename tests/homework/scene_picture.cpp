@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kWidth = 860, kHeight = 760;
 constexpr double kEyeDistance = 3.2;  // in sides of the cube
-constexpr double kZoom = 1450;        // pixels, for a length of 1 at a distance of 1
+constexpr double kZoom = 1350;        // pixels, for a length of 1 at a distance of 1
 
 /// A pinhole camera that looks at the cube's centre.
 class Camera {
@@ -25,7 +25,7 @@ class Camera {
   std::pair<double, double> pixel(const Vec3& p) const {
     const Vec3 away = p - eye_;
     const double scale = kZoom / away.dot(forward_);
-    return {kWidth / 2 + scale * away.dot(right_), kHeight / 2 + 20 - scale * away.dot(up_)};
+    return {kWidth / 2 + scale * away.dot(right_), kHeight / 2 - 5 - scale * away.dot(up_)};
   }
   double distance(const Vec3& p) const { return (p - eye_).norm(); }
   const Vec3& eye() const { return eye_; }
