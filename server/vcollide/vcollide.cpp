@@ -62,7 +62,8 @@ std::string read_frame(const double trans[4][4], Frame& frame) {
     }
   }
   const double off = (rotation.transpose() * rotation - Mat3::Identity()).cwiseAbs().maxCoeff();
-  if (!(off <= kRotationSlack)) return fmt::format("the columns are off a rotation's by {}, allowed {}", off, kRotationSlack);
+  if (!(off <= kRotationSlack))
+    return fmt::format("the columns are off a rotation's by {}, allowed {}", off, kRotationSlack);
   if (!(rotation.determinant() > 0)) return "the matrix mirrors (determinant -1), allowed are rotations";
   frame = frame_of(Pose{.position = position, .rotation = Quat(rotation).normalized()});
   return {};
@@ -73,7 +74,7 @@ std::string read_frame(const double trans[4][4], Frame& frame) {
 struct VCollide::State {
   std::vector<std::unique_ptr<Object>> objects;  // by id; a deleted one is null
   TriangleMesh open_mesh;
-  bool open = false;                             // the newest object still takes triangles
+  bool open = false;  // the newest object still takes triangles
   std::set<Pair> inactive_pairs;
   std::string error;
   Grid grid;
@@ -128,7 +129,8 @@ void VCollide::State::find_candidates() {
   };
   WalkCost of_grid;
   grid.pairs(found, &candidates, of_grid);
-  if (!inactive_pairs.empty()) std::erase_if(candidates, [&](const Pair& pair) { return inactive_pairs.contains(pair); });
+  if (!inactive_pairs.empty())
+    std::erase_if(candidates, [&](const Pair& pair) { return inactive_pairs.contains(pair); });
   std::sort(candidates.begin(), candidates.end());
 }
 
@@ -153,7 +155,8 @@ int VCollide::NewObject(int* id) {
   State& s = *state_;
   if (id == nullptr) return s.fail(VC_ERR, "NewObject: the id has no place to go");
   if (s.open) {
-    return s.fail(VC_ERR_CALL_OUT_OF_SEQUENCE, fmt::format("NewObject: object {} is open; EndObject comes first", s.objects.size() - 1));
+    return s.fail(VC_ERR_CALL_OUT_OF_SEQUENCE,
+                  fmt::format("NewObject: object {} is open; EndObject comes first", s.objects.size() - 1));
   }
   *id = static_cast<int>(s.objects.size());
   s.objects.push_back(std::make_unique<Object>());
@@ -169,8 +172,8 @@ int VCollide::AddTri(const double v1[3], const double v2[3], const double v3[3],
   for (int corner = 0; corner < 3; ++corner) {
     const Vec3& v = corners[corner];
     if (!v.allFinite()) {
-      return s.fail(VC_ERR, fmt::format("AddTri: triangle {}, corner {} is ({}, {}, {}); allowed are finite numbers", id,
-                                        corner + 1, v[0], v[1], v[2]));
+      return s.fail(VC_ERR, fmt::format("AddTri: triangle {}, corner {} is ({}, {}, {}); allowed are finite numbers",
+                                        id, corner + 1, v[0], v[1], v[2]));
     }
   }
   const auto first = static_cast<std::uint32_t>(s.open_mesh.vertices.size());
@@ -235,7 +238,8 @@ int VCollide::Collide(VCReport* report, int flag) {
     return s.fail(VC_ERR, fmt::format("Collide: flag {}, allowed VC_ALL_CONTACTS (1) and VC_FIRST_CONTACT (2)", flag));
   }
   if (s.open) {
-    return s.fail(VC_ERR_CALL_OUT_OF_SEQUENCE, fmt::format("Collide: object {} is open; EndObject comes first", s.objects.size() - 1));
+    return s.fail(VC_ERR_CALL_OUT_OF_SEQUENCE,
+                  fmt::format("Collide: object {} is open; EndObject comes first", s.objects.size() - 1));
   }
   const OwnFloatEnvironment own;
   s.find_candidates();

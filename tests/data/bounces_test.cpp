@@ -46,9 +46,9 @@ int largest_jump(const Rows& rows, std::size_t first, std::size_t end) {
   return frame;
 }
 
-// 285 tosses of an acrylic cube onto a table, filmed at 148 Hz: it begins in the air, first touches where its lowest corner
-// first is at the ground or below, within two frames of the jump in the recorded velocity in nine tosses of ten, and ends
-// lying.
+// 285 tosses of an acrylic cube onto a table, filmed at 148 Hz: it begins in the air, first touches where its lowest
+// corner first is at the ground or below, within two frames of the jump in the recorded velocity in nine tosses of ten,
+// and ends lying.
 TEST_F(RecordedBounces, TossedCubesLandWhenTheirVelocityJumps) {
   const Rows rows(data_ / "cube_tosses/tosses.csv.gz"), expected(data_ / "cube_tosses/expected.csv");
   Stage stage;
@@ -70,8 +70,10 @@ TEST_F(RecordedBounces, TossedCubesLandWhenTheirVelocityJumps) {
     same_intervals += static_cast<int>(story.began.size()) == expected.integer(i, "contact_intervals_at_z0");
     near_jump += std::abs(story.began[0] - largest_jump(rows, first, end)) <= 2;
   }
-  std::printf("%zu tosses: first contact in the expected frame %d, as many contacts as expected %d, within 2 frames of the jump %d (%.1f %%)\n",
-              tosses.size(), same_frame, same_intervals, near_jump, 100.0 * near_jump / static_cast<double>(tosses.size()));
+  std::printf(
+      "%zu tosses: first contact in the expected frame %d, as many contacts as expected %d, within 2 frames of the "
+      "jump %d (%.1f %%)\n",
+      tosses.size(), same_frame, same_intervals, near_jump, 100.0 * near_jump / static_cast<double>(tosses.size()));
   EXPECT_EQ(tosses.size(), 285u);
   EXPECT_EQ(same_frame, 285);
   EXPECT_EQ(same_intervals, 285);
@@ -95,7 +97,8 @@ TEST_F(RecordedBounces, ThrownBallsBounceOnce) {
     EXPECT_EQ(story.began.size(), 1u) << "throw " << i;
     EXPECT_FALSE(story.touches_at_start || story.touches_at_end) << "throw " << i;
     once += story.began.size() == 1 ? 1 : 0;
-    in_time += !story.began.empty() && std::abs(story.began[0] - expected.integer(i, "first_contact_sample")) <= 1 ? 1 : 0;
+    in_time +=
+        !story.began.empty() && std::abs(story.began[0] - expected.integer(i, "first_contact_sample")) <= 1 ? 1 : 0;
   }
   std::printf("%zu throws: one bounce %d, within a sample of the expected one %d\n", throws.size(), once, in_time);
   EXPECT_EQ(once, 73);

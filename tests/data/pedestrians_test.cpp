@@ -59,7 +59,8 @@ TEST_F(RecordedPedestrians, NobodyOfTheOneRunLeansOverABarrier) {
 // In the other run 22 people lean over, 1,409 times in 42 intervals of frames: the very positions that GEOS names.
 TEST_F(RecordedPedestrians, ThoseWhoLeanOverAreTheOnesThatGeosNames) {
   const auto folder = data_ / "bottleneck_wuppertal";
-  const Rows persons(folder / "persons_030.csv.gz"), expected(folder / "expected_inside.csv"), events(folder / "expected_events.csv");
+  const Rows persons(folder / "persons_030.csv.gz"), expected(folder / "expected_inside.csv"),
+      events(folder / "expected_events.csv");
   using Place = std::pair<std::string, int>;  // barrier and person
   std::map<Place, std::set<int>> ours, theirs;
   const std::vector<std::string> barrier = barriers(persons);
@@ -82,7 +83,8 @@ TEST_F(RecordedPedestrians, ThoseWhoLeanOverAreTheOnesThatGeosNames) {
     }
   }
   for (std::size_t row = 0; row < events.size(); ++row) {
-    listed.insert({events.text(row, "obstacle"), events.integer(row, "id"), events.integer(row, "first_frame"), events.integer(row, "last_frame")});
+    listed.insert({events.text(row, "obstacle"), events.integer(row, "id"), events.integer(row, "first_frame"),
+                   events.integer(row, "last_frame")});
   }
   std::printf("%zu positions, %zu inside, %zu intervals\n", persons.size(), inside, intervals.size());
   EXPECT_EQ(persons.size(), 61'871u);

@@ -25,7 +25,8 @@ double Rows::number(std::size_t row, const char* name) const {
   const std::string& cell = text(row, name);
   double value = 0;
   const auto [end, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (fault != std::errc() || end != cell.data() + cell.size()) throw std::runtime_error("no number: '" + cell + "' in column " + name);
+  if (fault != std::errc() || end != cell.data() + cell.size())
+    throw std::runtime_error("no number: '" + cell + "' in column " + name);
   return value;
 }
 

@@ -17,7 +17,8 @@ namespace {
 class RecordedRobots : public RecordedReality {
  protected:
   /// One mesh a name, read once.
-  std::shared_ptr<const TriangleMesh> mesh(const std::filesystem::path& folder, const std::string& name, const char* ending) {
+  std::shared_ptr<const TriangleMesh> mesh(const std::filesystem::path& folder, const std::string& name,
+                                           const char* ending) {
     auto& found = meshes_[name];
     if (!found) found = mesh_file(folder / (name + ending));
     return found;
@@ -29,7 +30,8 @@ class RecordedRobots : public RecordedReality {
 
 double apart_m(const Aabb& a, const Aabb& b) { return (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(0).norm(); }
 
-/// Distance of a placed mesh that does not touch a box, by the engine's separation of convex sets; `most` where it is more.
+/// Distance of a placed mesh that does not touch a box, by the engine's separation of convex sets; `most` where it is
+/// more.
 double clearance_m(const TriangleMesh& mesh, const Frame& frame, const Box& box, double most) {
   const Aabb around = bounds(box);
   const kernel::Convex of_box(box);
@@ -44,15 +46,17 @@ double clearance_m(const TriangleMesh& mesh, const Frame& frame, const Box& box,
   return most;
 }
 
-// A Franka Panda's log of 21 s in its lab: it ran, so nothing collides; the least distance, FCL's 59.009 mm, is between hand
-// and work table.
+// A Franka Panda's log of 21 s in its lab: it ran, so nothing collides; the least distance, FCL's 59.009 mm, is between
+// hand and work table.
 TEST_F(RecordedRobots, ThePandaThatRanNeverTouchesItsTables) {
   const auto folder = data_ / "panda_lab";
-  const Rows poses(folder / "link_poses_50hz.csv.gz"), tables(folder / "env.csv"), expected(folder / "expected_clearance_50hz.csv");
+  const Rows poses(folder / "link_poses_50hz.csv.gz"), tables(folder / "env.csv"),
+      expected(folder / "expected_clearance_50hz.csv");
   Stage stage;
   std::vector<Box> boxes;
   for (std::size_t i = 0; i < tables.size(); ++i) {
-    boxes.push_back({.center = tables.point(i), .half_m = 0.5 * Vec3(tables.number(i, "sx"), tables.number(i, "sy"), tables.number(i, "sz"))});
+    boxes.push_back({.center = tables.point(i),
+                     .half_m = 0.5 * Vec3(tables.number(i, "sx"), tables.number(i, "sy"), tables.number(i, "sz"))});
     stage.add(tables.text(i, "name"), Shape{{boxes.back()}, nullptr}, {}, false);
   }
   std::map<std::string, ObjectId> links;
@@ -83,8 +87,8 @@ TEST_F(RecordedRobots, ThePandaThatRanNeverTouchesItsTables) {
     colliding += stage.touching().empty() ? 0 : 1;
     worst_m = std::max(worst_m, std::abs(here_m - expected.number(f, "min_distance_m")));
   }
-  std::printf("%zu frames, %d collide, least clearance %.6f m (%s), at most %.2g m off FCL's in any frame\n", frames.size(), colliding,
-              least_m, nearest.c_str(), worst_m);
+  std::printf("%zu frames, %d collide, least clearance %.6f m (%s), at most %.2g m off FCL's in any frame\n",
+              frames.size(), colliding, least_m, nearest.c_str(), worst_m);
   EXPECT_EQ(frames.size(), 1050u);
   EXPECT_EQ(colliding, 0);
   EXPECT_NEAR(least_m, 0.0590, 0.0001);
@@ -104,8 +108,8 @@ Shape object_shape(const Rows& scenes, std::size_t row) {
   return shape;
 }
 
-// 1,400 starts and goals in 700 cells with the robot as 59 spheres: all free but the goal of table_pick/0041, as VAMP counts
-// 699 valid problems of 700.
+// 1,400 starts and goals in 700 cells with the robot as 59 spheres: all free but the goal of table_pick/0041, as VAMP
+// counts 699 valid problems of 700.
 TEST_F(RecordedRobots, OneStateOf1400CollidesAsSpheres) {
   const auto folder = data_ / "mbm_panda";
   const Rows scenes(folder / "scenes.csv.gz"), spheres(folder / "spheres.csv.gz");
@@ -135,13 +139,15 @@ TEST_F(RecordedRobots, OneStateOf1400CollidesAsSpheres) {
 /// What touches in each state of a table of link poses; a state is a scene with a text in the column.
 class Cells {
  public:
-  Cells(const std::filesystem::path& folder, std::function<std::shared_ptr<const TriangleMesh>(const std::string&)> mesh)
+  Cells(const std::filesystem::path& folder,
+        std::function<std::shared_ptr<const TriangleMesh>(const std::string&)> mesh)
       : scenes_(folder / "scenes.csv.gz"), mesh_(std::move(mesh)) {
     for (const auto& [first, end] : scenes_.groups("scene")) rows_of_[scenes_.text(first, "scene")] = {first, end};
   }
 
   /// Calls with (first row of the state, "mesh:object" of every pair that touches).
-  void play(const Rows& links, const char* state, const std::function<void(std::size_t, const std::set<std::string>&)>& tell) const {
+  void play(const Rows& links, const char* state,
+            const std::function<void(std::size_t, const std::set<std::string>&)>& tell) const {
     for (const auto& [first, end] : links.groups("scene")) {
       Stage stage;
       const auto [object, last_object] = rows_of_.at(links.text(first, "scene"));
@@ -221,11 +227,13 @@ TEST_F(RecordedRobots, AThousandStatesOnTheWayCollideWithTheListedPairs) {
       ++other_pairs;
       std::string ours;
       for (const std::string& pair : pairs) ours += pair + " ";
-      differ.push_back(links.text(row, "scene") + " " + links.text(row, "step") + ": " + expected.text(state, "pairs_or_closest") + " against " + ours);
+      differ.push_back(links.text(row, "scene") + " " + links.text(row, "step") + ": " +
+                       expected.text(state, "pairs_or_closest") + " against " + ours);
     }
     ++state;
   });
-  std::printf("%zu states, %d collide, another answer than FCL's %d, other pairs %d\n", state, colliding, other_answer, other_pairs);
+  std::printf("%zu states, %d collide, another answer than FCL's %d, other pairs %d\n", state, colliding, other_answer,
+              other_pairs);
   for (std::size_t i = 0; i < std::min<std::size_t>(differ.size(), 10); ++i) std::printf("  %s\n", differ[i].c_str());
   EXPECT_EQ(state, 2940u);
   EXPECT_EQ(colliding, 1023);

@@ -28,8 +28,8 @@ struct Parts {
 };
 Parts measure_parts(std::uint64_t seed, bool quick);
 
-/// Pictures of problem A (SVG files, left out where they are not there), the three sweeps with contacts beside the time,
-/// exponents, claims, parts, environment, and what the original lacks.
+/// Pictures of problem A (SVG files, left out where they are not there), the three sweeps with contacts beside the
+/// time, exponents, claims, parts, environment, and what the original lacks.
 std::vector<report::Figure> homework_figures(const std::vector<Point>& points, const Parts& parts,
                                              const report::Provenance& from, const std::filesystem::path& pictures);
 

@@ -66,18 +66,19 @@ int main(int argc, char** argv) try {
   std::filesystem::create_directories(a.out);
   const std::vector<homework::Point> points = homework::run_study(a.study);
   const homework::Parts parts = homework::measure_parts(a.study.seed, a.study.quick);
-  fmt::print("detection {:.1f} us, determination {:.1f} us on top, response {:.1f} us, {:.1f} contacts\n", parts.detection_us,
-             parts.determination_us, parts.response_us, parts.contacts);
+  fmt::print("detection {:.1f} us, determination {:.1f} us on top, response {:.1f} us, {:.1f} contacts\n",
+             parts.detection_us, parts.determination_us, parts.response_us, parts.contacts);
   for (const homework::Claim& claim : homework::claims(points)) {
     fmt::print("{}: {} ({}: {})\n", claim.verdict, claim.text, claim.method, claim.measured);
   }
   homework::write_points(a.out / "homework.csv", points, a.from);
   const report::Heading heading{
       "Collided: the homework, asked again",
-      "Collisions among spheres of polygons that move in a cube: V-COLLIDE against a simple prototype, as a homework of the "
-      "year 2000 compared them, and what others and Collided make of it. All rows: <code>homework.csv</code> beside this page."};
-  std::ofstream(a.out / "homework.html")
-      << report::page(homework::homework_figures(points, parts, a.from, a.out), a.from, report::today(), heading);
+      "Collisions among spheres of polygons that move in a cube: V-COLLIDE against a simple prototype, as a homework of "
+      "the year 2000 compared them, and what others and Collided make of it.",
+      "homework.csv"};
+  std::ofstream(a.out / "homework.html") << report::page(homework::homework_figures(points, parts, a.from, a.out),
+                                                         a.from, report::today(), heading);
   fmt::print("{}\n", (a.out / "homework.html").string());
   return 0;
 } catch (const std::exception& error) {

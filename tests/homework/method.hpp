@@ -39,6 +39,8 @@ class CollidedWorld final : public Method {
   ObjectPairs pairs() const override;
   std::size_t candidates() const override { return world_.cost().candidate_pairs; }
   void for_each_change(const std::function<void(std::size_t a, std::size_t b, bool began)>& change) const;
+  const World& world() const { return world_; }
+  std::uint32_t number_of(ObjectId id) const { return number_of_.at(id); }
 
  private:
   bool contacts_;

@@ -50,9 +50,11 @@ class Bullet final : public Method {
   ObjectPairs pairs() const override {
     ObjectPairs all;
     for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
-      const btPersistentManifold& manifold = *const_cast<btCollisionDispatcher&>(dispatcher_).getManifoldByIndexInternal(i);
+      const btPersistentManifold& manifold =
+          *const_cast<btCollisionDispatcher&>(dispatcher_).getManifoldByIndexInternal(i);
       bool meets = false;
-      for (int c = 0; c < manifold.getNumContacts(); ++c) meets = meets || manifold.getContactPoint(c).getDistance() <= 0;
+      for (int c = 0; c < manifold.getNumContacts(); ++c)
+        meets = meets || manifold.getContactPoint(c).getDistance() <= 0;
       if (!meets) continue;
       const auto a = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
       const auto b = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
@@ -63,7 +65,8 @@ class Bullet final : public Method {
     return all;
   }
   std::size_t candidates() const override {
-    return static_cast<std::size_t>(const_cast<btDbvtBroadphase&>(broadphase_).getOverlappingPairCache()->getNumOverlappingPairs());
+    return static_cast<std::size_t>(
+        const_cast<btDbvtBroadphase&>(broadphase_).getOverlappingPairCache()->getNumOverlappingPairs());
   }
 
  private:

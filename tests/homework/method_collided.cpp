@@ -127,7 +127,9 @@ void CollidedWorld::for_each_change(const std::function<void(std::size_t, std::s
   }
 }
 
-std::unique_ptr<Method> collided_world(const Recording& recording) { return std::make_unique<CollidedWorld>(recording); }
+std::unique_ptr<Method> collided_world(const Recording& recording) {
+  return std::make_unique<CollidedWorld>(recording);
+}
 
 std::unique_ptr<Method> collided_polygons(const Recording& recording) {
   if (recording.objects() * recording.polygons > kMostTriangles) return nullptr;

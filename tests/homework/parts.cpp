@@ -56,7 +56,10 @@ double median_response_us(const Recording& recording) {
 Parts measure_parts(std::uint64_t seed, bool quick) {
   Parts parts;
   const std::size_t objects = quick ? 50 : 1'000;
-  parts.problem = {.objects = objects, .relative_size = 0.2 * std::cbrt(50.0 / static_cast<double>(objects)), .frames = quick ? std::size_t{20} : std::size_t{60}, .seed = seed};
+  parts.problem = {.objects = objects,
+                   .relative_size = 0.2 * std::cbrt(50.0 / static_cast<double>(objects)),
+                   .frames = quick ? std::size_t{20} : std::size_t{60},
+                   .seed = seed};
   const Recording recording = record(parts.problem);
   parts.detection_us = median_frame_us(recording, false, parts.contacts);
   parts.determination_us = median_frame_us(recording, true, parts.contacts) - parts.detection_us;

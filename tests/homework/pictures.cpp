@@ -57,7 +57,9 @@ T must(Result<T> result) {
 class Simulation {
  public:
   Simulation(Client& client, const cli::BounceOptions& options)
-      : bounce_(options), watch_(must(client.watch({.persisted = true}))), publisher_(must(client.publish("homework"))) {
+      : bounce_(options),
+        watch_(must(client.watch({.persisted = true}))),
+        publisher_(must(client.publish("homework"))) {
     (void)must(publisher_.add({.name = "cube", .shape = {cli::cube_walls(kSide / 2)}, .moving = false}));
     const cli::LatitudeLongitude bands = cli::bands_for(256);
     for (std::size_t i = 0; i < bounce_.spheres().size(); ++i) {
@@ -65,7 +67,8 @@ class Simulation {
       const std::string name = fmt::format("sphere/{}", i);
       number_of_[name] = i;
       meshes_.push_back(cli::sphere_mesh(sphere.radius_m, bands.latitudes, bands.longitudes));
-      objects_.push_back(must(publisher_.add({.name = name, .shape = {meshes_.back()}, .pose = {sphere.position, sphere.rotation}})));
+      objects_.push_back(
+          must(publisher_.add({.name = name, .shape = {meshes_.back()}, .pose = {sphere.position, sphere.rotation}})));
     }
   }
 
@@ -82,7 +85,8 @@ class Simulation {
   }
 
   std::size_t sphere_contacts() const {
-    return static_cast<std::size_t>(std::count_if(open_.begin(), open_.end(), [](const auto& c) { return c.second.a != "cube" && c.second.b != "cube"; }));
+    return static_cast<std::size_t>(std::count_if(
+        open_.begin(), open_.end(), [](const auto& c) { return c.second.a != "cube" && c.second.b != "cube"; }));
   }
   std::size_t heard() const { return heard_; }
   response::SphereLedger ledger() const { return bounce_.ledger(); }
@@ -130,9 +134,11 @@ class Simulation {
 
 void draw(Simulation& simulation, const Arguments& a, int number, int& frame, int first_frame) {
   // With some of them in contact, so that there is something to see.
-  for (; frame < first_frame || (simulation.sphere_contacts() < 2 && frame < first_frame + 600); ++frame) simulation.frame();
-  const std::string title = fmt::format("{} spheres of 256 polygons after {:.2f} s: {} contacts among them; seed {}", a.bounce.sphere_count,
-                                        frame / kRate, simulation.sphere_contacts(), a.bounce.seed);
+  for (; frame < first_frame || (simulation.sphere_contacts() < 2 && frame < first_frame + 600); ++frame)
+    simulation.frame();
+  const std::string title =
+      fmt::format("{} spheres of 256 polygons after {:.2f} s: {} contacts among them; seed {}", a.bounce.sphere_count,
+                  frame / kRate, simulation.sphere_contacts(), a.bounce.seed);
   const std::string file = fmt::format("{}/homework_{}.svg", a.out, number);
   std::ofstream(file) << simulation.picture(title);
   fmt::print("{}: {}\n", file, title);
@@ -144,7 +150,8 @@ int main(int argc, char** argv) try {
   const Arguments a = parse(argc, argv);
   const testing_support::ScratchFolder folder;
   const int domain = testing_support::own_domain();
-  testing_support::ChildProcess server({a.server, "--domain", std::to_string(domain), "--state-dir", folder.path()}, folder.path(), "server");
+  testing_support::ChildProcess server({a.server, "--domain", std::to_string(domain), "--state-dir", folder.path()},
+                                       folder.path(), "server");
   if (!server.says("ready:", 20s)) throw std::runtime_error("the server did not start: " + server.errors());
   Client client = must(Client::connect({.domain = domain, .wait = 10s}));
   (void)must(client.command("clear", "{}"));  // the server's own scene is no part of the homework
@@ -153,8 +160,8 @@ int main(int argc, char** argv) try {
   draw(simulation, a, 1, frame, 30);
   draw(simulation, a, 2, frame, frame + 120);
   const response::SphereLedger ledger = simulation.ledger();
-  fmt::print("{} frames, {} events heard, {} contacts, {} flips, {} sticking, energy drift {:.2g}\n", frame, simulation.heard(), ledger.contacts,
-             ledger.flips, ledger.sticking, ledger.energy_drift());
+  fmt::print("{} frames, {} events heard, {} contacts, {} flips, {} sticking, energy drift {:.2g}\n", frame,
+             simulation.heard(), ledger.contacts, ledger.flips, ledger.sticking, ledger.energy_drift());
   return ledger.contacts > 0 ? 0 : 1;
 } catch (const std::exception& error) {
   fmt::print(stderr, "error: {}\n", error.what());

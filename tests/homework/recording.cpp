@@ -15,10 +15,10 @@ namespace collided::homework {
 namespace {
 
 constexpr std::size_t kSizes = 16;
-constexpr double kSpeed = 0.5;   // m/s an axis
-constexpr double kSpin = 3;      // rad/s
+constexpr double kSpeed = 0.5;  // m/s an axis
+constexpr double kSpin = 3;     // rad/s
 constexpr double kStep = 1 / 60.0;
-constexpr int kSettling = 30;    // frames before the recording
+constexpr int kSettling = 30;  // frames before the recording
 
 /// Uniform in [low, high), the same on every machine, unlike std's distributions.
 double uniform(std::mt19937_64& random, double low, double high) {
@@ -33,7 +33,8 @@ Vec3 uniform_vector(std::mt19937_64& random, double most) {
 std::shared_ptr<const IndexedMesh> sphere(double radius_m, std::size_t polygons) {
   // Nearly square cells: 2 lon (lat - 1) triangles with lon = 2 (lat - 1), so that 256 is 16 by 9.
   const auto bands = static_cast<unsigned>(std::max(1.0, std::round(std::sqrt(static_cast<double>(polygons) / 4))));
-  auto mesh = std::make_shared<const TriangleMesh>(latitude_longitude_sphere(radius_m, std::max(3u, 2 * bands), bands + 1));
+  auto mesh =
+      std::make_shared<const TriangleMesh>(latitude_longitude_sphere(radius_m, std::max(3u, 2 * bands), bands + 1));
   BspTree tree = BspTree::build(*mesh, {.threads = 1, .progress = {}, .cancelled = {}});
   return indexed_mesh(std::move(mesh), std::move(tree));
 }

@@ -12,9 +12,9 @@ namespace collided::homework {
 
 struct Problem {
   std::size_t objects = 20;
-  std::size_t polygons = 256;   // of an object, about
-  double relative_size = 0.2;   // mean diameter over the cube's side
-  std::size_t frames = 24;      // recorded
+  std::size_t polygons = 256;  // of an object, about
+  double relative_size = 0.2;  // mean diameter over the cube's side
+  std::size_t frames = 24;     // recorded
   std::uint64_t seed = 2000;
 };
 
@@ -29,8 +29,8 @@ struct Recording {
   const IndexedMesh& mesh(std::size_t object) const { return *sizes[size_of[object]]; }
 };
 
-/// Random sizes (half to one and a half of the mean), velocities (up to 0.5 m/s an axis) and angular velocities (up to 3
-/// rad/s), walls that mirror, and two that touch turn round once a contact. Same problem, same bits.
+/// Random sizes (half to one and a half of the mean), velocities (up to 0.5 m/s an axis) and angular velocities (up to
+/// 3 rad/s), walls that mirror, and two that touch turn round once a contact. Same problem, same bits.
 Recording record(const Problem& problem);
 
 }  // namespace collided::homework

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kWidth = 860, kHeight = 760;
 constexpr double kEyeDistance = 3.2;  // in sides of the cube
-constexpr double kZoom = 1450;        // pixels, for a length of 1 at a distance of 1
+constexpr double kZoom = 1350;        // pixels, for a length of 1 at a distance of 1
 
 /// A pinhole camera that looks at the cube's centre.
 class Camera {
@@ -25,7 +25,7 @@ class Camera {
   std::pair<double, double> pixel(const Vec3& p) const {
     const Vec3 away = p - eye_;
     const double scale = kZoom / away.dot(forward_);
-    return {kWidth / 2 + scale * away.dot(right_), kHeight / 2 + 20 - scale * away.dot(up_)};
+    return {kWidth / 2 + scale * away.dot(right_), kHeight / 2 - 5 - scale * away.dot(up_)};
   }
   double distance(const Vec3& p) const { return (p - eye_).norm(); }
   const Vec3& eye() const { return eye_; }
@@ -41,24 +41,28 @@ struct Facet {
 };
 
 std::string shaded(bool touches, double light) {
-  const std::array<double, 3> full = touches ? std::array<double, 3>{232, 92, 30} : std::array<double, 3>{120, 150, 178};
+  const std::array<double, 3> full =
+      touches ? std::array<double, 3>{232, 92, 30} : std::array<double, 3>{120, 150, 178};
   char text[8];
   const double shade = 0.35 + 0.65 * std::clamp(light, 0.0, 1.0);
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", static_cast<unsigned>(full[0] * shade), static_cast<unsigned>(full[1] * shade),
-                static_cast<unsigned>(full[2] * shade));
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", static_cast<unsigned>(full[0] * shade),
+                static_cast<unsigned>(full[1] * shade), static_cast<unsigned>(full[2] * shade));
   return text;
 }
 
 void add_facets(const DrawnSphere& sphere, const Camera& camera, std::vector<Facet>& facets) {
   const Vec3 light = Vec3(0.3, -0.5, 0.9).normalized();
   std::vector<Vec3> vertices;
-  for (const Vec3& vertex : sphere.mesh.vertices) vertices.push_back(sphere.pose.rotation * vertex + sphere.pose.position);
+  for (const Vec3& vertex : sphere.mesh.vertices)
+    vertices.push_back(sphere.pose.rotation * vertex + sphere.pose.position);
   for (const auto& t : sphere.mesh.triangles) {
     const Vec3 &a = vertices[t[0]], &b = vertices[t[1]], &c = vertices[t[2]];
     const Vec3 normal = (b - a).cross(c - a).normalized();
     const Vec3 middle = (a + b + c) / 3;
     if (normal.dot(camera.eye() - middle) <= 0) continue;
-    facets.push_back({camera.distance(middle), {camera.pixel(a), camera.pixel(b), camera.pixel(c)}, shaded(sphere.touches, normal.dot(light))});
+    facets.push_back({camera.distance(middle),
+                      {camera.pixel(a), camera.pixel(b), camera.pixel(c)},
+                      shaded(sphere.touches, normal.dot(light))});
   }
 }
 
@@ -66,7 +70,9 @@ void draw_edges(draw::Canvas& canvas, const Camera& camera, double half_m, bool 
   for (unsigned from = 0; from < 8; ++from) {
     for (unsigned bit = 1; bit < 8; bit *= 2) {
       if ((from & bit) != 0) continue;
-      const auto corner = [&](unsigned i) -> Vec3 { return half_m * Vec3((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1); };
+      const auto corner = [&](unsigned i) -> Vec3 {
+        return half_m * Vec3((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+      };
       // The farthest corner is (-1, 1, -1): its three edges are behind everything.
       const bool is_back = from == 2 || (from | bit) == 2 || (from == 0 && bit == 2) || (from == 2 && bit != 2);
       if (is_back == front) continue;

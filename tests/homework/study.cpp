@@ -16,10 +16,13 @@ namespace collided::homework {
 namespace {
 
 constexpr std::size_t kLeastRepeats = 20;
-constexpr double kDenseObjects = 50;  // beyond these the size shrinks, so that the share of the cube that is filled stays
+constexpr double kDenseObjects =
+    50;  // beyond these the size shrinks, so that the share of the cube that is filled stays
 constexpr double kHomeworkSize = 0.2;
 
-double size_for(double objects) { return objects <= kDenseObjects ? kHomeworkSize : kHomeworkSize * std::cbrt(kDenseObjects / objects); }
+double size_for(double objects) {
+  return objects <= kDenseObjects ? kHomeworkSize : kHomeworkSize * std::cbrt(kDenseObjects / objects);
+}
 
 std::vector<double> places_of(Sweep sweep, bool quick) {
   switch (sweep) {
@@ -29,7 +32,8 @@ std::vector<double> places_of(Sweep sweep, bool quick) {
     case Sweep::polygons:
       if (quick) return {16, 64, 256};
       return {16, 64, 256, 1'024, 4'096, 16'384, 100'000};
-    case Sweep::size: break;
+    case Sweep::size:
+      break;
   }
   if (quick) return {0.05, 0.2, 0.5};
   return {0.05, 0.075, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5};
@@ -135,7 +139,8 @@ class Study {
     point.method = method.name();
     point.repeats = run.seconds.size();
     if (point.repeats < kLeastRepeats) throw std::logic_error("too few repeats");
-    point.mean_us = 1e6 * std::accumulate(run.seconds.begin(), run.seconds.end(), 0.0) / static_cast<double>(point.repeats);
+    point.mean_us =
+        1e6 * std::accumulate(run.seconds.begin(), run.seconds.end(), 0.0) / static_cast<double>(point.repeats);
     point.median_us = 1e6 * quantile(run.seconds, 0.5);
     point.p95_us = 1e6 * quantile(run.seconds, 0.95);
     point.candidates = run.candidates;
@@ -145,7 +150,8 @@ class Study {
       point.wrong += judgement.wrong;
       point.first_wrong += judgement.first_wrong;
       ObjectPairs common;
-      std::set_intersection(first[f].begin(), first[f].end(), run.pairs[f].begin(), run.pairs[f].end(), std::back_inserter(common));
+      std::set_intersection(first[f].begin(), first[f].end(), run.pairs[f].begin(), run.pairs[f].end(),
+                            std::back_inserter(common));
       point.pairs_equal += common.size();
       point.contacts += static_cast<double>(run.pairs[f].size()) / static_cast<double>(first.size());
     }
@@ -153,8 +159,9 @@ class Study {
   }
 
   static void print(const Point& p) {
-    std::printf("%-9s %8g  %-24s median %11.1f us  p95 %11.1f us  contacts %10.2f  candidates %10.1f  wrong %zu (first %zu)\n",
-                name(p.sweep), p.x, p.method.c_str(), p.median_us, p.p95_us, p.contacts, p.candidates, p.wrong, p.first_wrong);
+    std::printf(
+        "%-9s %8g  %-24s median %11.1f us  p95 %11.1f us  contacts %10.2f  candidates %10.1f  wrong %zu (first %zu)\n",
+        name(p.sweep), p.x, p.method.c_str(), p.median_us, p.p95_us, p.contacts, p.candidates, p.wrong, p.first_wrong);
     std::fflush(stdout);
   }
 
@@ -194,7 +201,8 @@ bool meet_exactly(const Recording& recording, const std::vector<Pose>& poses, st
   return false;
 }
 
-Judgement judge(const Recording& recording, const std::vector<Pose>& poses, const ObjectPairs& first, const ObjectPairs& other) {
+Judgement judge(const Recording& recording, const std::vector<Pose>& poses, const ObjectPairs& first,
+                const ObjectPairs& other) {
   ObjectPairs differ;
   std::set_symmetric_difference(first.begin(), first.end(), other.begin(), other.end(), std::back_inserter(differ));
   Judgement judgement;

@@ -90,11 +90,15 @@ Point made_up(Sweep sweep, double x, const std::string& method, double us) {
 }
 
 /// Exponents: objects, polygons, size below 0.2 and above.
-void add_method(std::vector<Point>& points, const std::string& method, double objects, double polygons, double small, double large) {
+void add_method(std::vector<Point>& points, const std::string& method, double objects, double polygons, double small,
+                double large) {
   for (const double n : {1, 5, 20, 50}) points.push_back(made_up(Sweep::objects, n, method, std::pow(n, objects)));
-  for (const double n : {16, 64, 256, 1024}) points.push_back(made_up(Sweep::polygons, n, method, std::pow(n, polygons)));
-  for (const double size : {0.05, 0.1, 0.2}) points.push_back(made_up(Sweep::size, size, method, std::pow(size / 0.2, small)));
-  for (const double size : {0.3, 0.5}) points.push_back(made_up(Sweep::size, size, method, std::pow(size / 0.2, large)));
+  for (const double n : {16, 64, 256, 1024})
+    points.push_back(made_up(Sweep::polygons, n, method, std::pow(n, polygons)));
+  for (const double size : {0.05, 0.1, 0.2})
+    points.push_back(made_up(Sweep::size, size, method, std::pow(size / 0.2, small)));
+  for (const double size : {0.3, 0.5})
+    points.push_back(made_up(Sweep::size, size, method, std::pow(size / 0.2, large)));
 }
 
 // B15, B21: verdicts follow from exponents, both ways.
@@ -111,7 +115,8 @@ TEST(HomeworkClaims, AreTrueOrFalseAsTheExponentsSay) {
   EXPECT_EQ(verdict["size bites from 0.2 on/simple prototype"], "false");
   EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: objects/Collided, all polygons"], "true");
   EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: polygons/Collided, all polygons"], "true");
-  EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: size/Collided, all polygons"], "not decided");
+  EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: size/Collided, all polygons"],
+            "not decided");
 }
 
 TEST(HomeworkPage, HasADrawingForEverySweepAndSaysWhatIsLost) {

@@ -139,7 +139,8 @@ TEST(VCollideAdapter, ReportsTheOraclesObjectsAndTriangles) {
 // B3: on a lattice everything touches: whole faces in one plane, edges, vertices.
 TEST(VCollideAdapter, ReportsTouchingAndCoplanarTriangles) {
   const TriangleMesh cube = scenes::box({0.5, 0.5, 0.5});
-  for (const Vec3& place : {Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(1, 1, 1), Vec3(0.5, 0, 0), Vec3(1, 0.5, 0.25), Vec3(0, 0, 0)}) {
+  for (const Vec3& place :
+       {Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(1, 1, 1), Vec3(0.5, 0, 0), Vec3(1, 0.5, 0.25), Vec3(0, 0, 0)}) {
     VCollide vc;
     add(vc, cube);
     move(vc, add(vc, cube), {.position = place});
@@ -226,7 +227,8 @@ TEST(VCollideAdapter, CallsOutOfOrderAndBadNumbersSaySo) {
   EXPECT_EQ(vc.DeactivatePair(0, 0), VC_ERR_INVALID_ID);
   trans[0][0] = 2;
   EXPECT_EQ(vc.UpdateTrans(0, trans), VC_ERR);
-  EXPECT_EQ(vc.LastError(), "UpdateTrans: object 0: the columns are off a rotation's by 3, allowed 1e-06; it stays where it was");
+  EXPECT_EQ(vc.LastError(),
+            "UpdateTrans: object 0: the columns are off a rotation's by 3, allowed 1e-06; it stays where it was");
   trans[0][0] = -1;
   EXPECT_EQ(vc.UpdateTrans(0, trans), VC_ERR);
   trans[0][0] = 1;
@@ -261,6 +263,27 @@ TEST(VCollideAdapter, DoesNotHangOnTheHostsRounding) {
     EXPECT_EQ(code, VC_OK);
     EXPECT_EQ(after, mode);
     EXPECT_EQ(found(report), expected);
+  }
+}
+
+// Far out, large, and with products that overflow: still the oracle's answer.
+TEST(VCollideAdapter, TakesEveryFiniteNumber) {
+  for (const double scale : {1e-300, 1e-150, 1e150, 1e300}) {
+    TriangleMesh one, other;
+    one.vertices = {{0, 0, 0}, {scale, 0, 0}, {0, scale, 0}};
+    one.triangles = {{0, 1, 2}};
+    other = one;
+    for (Vec3& vertex : other.vertices)
+      vertex = Vec3(vertex[2], vertex[0], vertex[1]) + Vec3(scale / 4, -scale / 4, -scale / 4);
+    for (const double apart : {0.0, 0.5, 2.0}) {
+      VCollide vc;
+      add(vc, one);
+      const Pose pose{.position = {apart * scale, 0, 0}};
+      move(vc, add(vc, other), pose);
+      const Found expected = by_oracle({one, other}, {{}, pose});
+      EXPECT_EQ(expected.empty(), apart > 1);
+      EXPECT_EQ(collide(vc), expected) << scale << " " << apart;
+    }
   }
 }
 

@@ -81,7 +81,8 @@ Heading report_heading() {
   return {"Collided: error against run time",
           "What an answer costs, and how wrong it may be. Times are processor time of one thread, the median of repeats "
           "that ran in turn with every other method of the figure, with their range; errors are against rational or "
-          "100-digit truth. <span class=\"ours\">Ours is in this colour.</span> A cell without data says so."};
+          "100-digit truth. <span class=\"ours\">Ours is in this colour.</span> A cell without data says so.",
+          "rows.csv"};
 }
 
 std::string page(const std::vector<Figure>& figures, const Provenance& from, const std::string& date,
@@ -109,8 +110,8 @@ std::string page(const std::vector<Figure>& figures, const Provenance& from, con
     html += "</section>\n";
   }
   return html +
-         "<p class=\"from\">All rows, each with machine, commit, seed and command: <code>rows.csv</code> beside "
-         "this page.</p>\n</body></html>\n";
+         "<p class=\"from\">All rows, each with machine, commit and seed: <code>" + escaped(heading.rows_file) +
+         "</code> beside this page.</p>\n</body></html>\n";
 }
 
 }  // namespace collided::report

@@ -20,6 +20,7 @@ struct Figure {
 struct Heading {
   std::string title;
   std::string introduction;  // HTML
+  std::string rows_file;     // beside the page
 };
 Heading report_heading();
 

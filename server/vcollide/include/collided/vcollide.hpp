@@ -15,16 +15,16 @@
 namespace collided::vcollide {
 
 inline constexpr int VC_ERR_INVALID_ID = -4;
-inline constexpr int VC_ERR_EMPTY_OBJECT = -3;         // EndObject without a triangle
+inline constexpr int VC_ERR_EMPTY_OBJECT = -3;  // EndObject without a triangle
 inline constexpr int VC_ERR_CALL_OUT_OF_SEQUENCE = -2;
-inline constexpr int VC_ERR = -1;                      // a number that is not allowed
+inline constexpr int VC_ERR = -1;  // a number that is not allowed
 inline constexpr int VC_OK = 1;
 
-inline constexpr int VC_ALL_CONTACTS = 1;    // every pair of triangles of two objects that meet
-inline constexpr int VC_FIRST_CONTACT = 2;   // one of them: says which objects meet, for less
+inline constexpr int VC_ALL_CONTACTS = 1;   // every pair of triangles of two objects that meet
+inline constexpr int VC_FIRST_CONTACT = 2;  // one of them: says which objects meet, for less
 
-/// The object pairs of one Collide, ordered by (obj1ID, obj2ID) with obj1ID < obj2ID; the triangle pairs of each, by the
-/// ids given to AddTri, in ascending order and each once.
+/// The object pairs of one Collide, ordered by (obj1ID, obj2ID) with obj1ID < obj2ID; the triangle pairs of each, by
+/// the ids given to AddTri, in ascending order and each once.
 class VCReport {
  public:
   int numObjPairs() const { return static_cast<int>(pairs_.size()); }
@@ -60,8 +60,8 @@ class VCollide {
   /// Closes and indexes the open object; it is active and at its own frame's place.
   int EndObject();
 
-  /// Where the object is: a rotation in the upper left 3 by 3, a translation in the last column, metres; the last row is
-  /// 0 0 0 1. Rows may differ from a rotation's by 1e-6; then the rotation nearby is meant.
+  /// Where the object is: a rotation in the upper left 3 by 3, a translation in the last column, metres; the last row
+  /// is 0 0 0 1. Rows may differ from a rotation's by 1e-6; then the rotation nearby is meant.
   int UpdateTrans(int id, const double trans[4][4]);
 
   /// An inactive object meets nothing.
