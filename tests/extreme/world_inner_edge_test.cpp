@@ -120,8 +120,11 @@ TEST(ExtremeInnerEdge, WallsAndStepsKeepTheirNormals) {
   for (const OpenContact& open : stage.world.contacts()) {
     const Vec3 normal = open.a == ball ? open.contact.normal : Vec3(-open.contact.normal);
     const ObjectInfo& other = *stage.world.info(open.a == ball ? open.b : open.a);
-    if (other.name == "ground") EXPECT_EQ(normal, Vec3(0, 0, -1));
-    else EXPECT_GT(normal.x(), 0.5) << "the edge of a step stays an edge";
+    if (other.name == "ground") {
+      EXPECT_EQ(normal, Vec3(0, 0, -1));
+    } else {
+      EXPECT_GT(normal.x(), 0.5) << "the edge of a step stays an edge";
+    }
   }
 }
 
