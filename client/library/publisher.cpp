@@ -117,6 +117,12 @@ std::optional<Error> Publisher::State::object_fault(const ObjectOptions& options
   if (auto reason = pose_fault(options.pose)) {
     return bad_input(where + *reason);
   }
+  const bool is_endless = std::any_of(options.shape.begin(), options.shape.end(), [](const ShapePart& part) {
+    return std::holds_alternative<HalfSpaceShape>(part);
+  });
+  if (is_endless && options.moving) {
+    return bad_input(where + "a half-space has no end, so it cannot move", "set moving to false");
+  }
   return std::nullopt;
 }
 

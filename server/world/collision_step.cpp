@@ -6,6 +6,7 @@
 
 #include "server/exact_phase/ball_filter.hpp"
 #include "server/geometry/float_environment.hpp"
+#include "server/world/inner_edges.hpp"
 #include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
 
@@ -656,6 +657,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
     if (!s.cost.truncated) step.moving_against_moving();
     if (s.cost.truncated) step.look_again_at_open();
     step.end_parted();
+    if (wishes.contacts) correct_inner_edges(s);
     s.looks_at_all = s.cost.truncated;
   } else {
     s.cost.truncated = s.looks_at_all;

@@ -94,6 +94,14 @@ void ContactLedger::end(std::size_t index, wire_contract::EndReason reason, doub
   found_in_step_.pop_back();
 }
 
+void ContactLedger::retell_corrected() {
+  for (Event& event : events_) {
+    const auto open = index_.find({event.of.a, event.of.b});
+    const bool is_of_open = event.kind != wire_contract::EventKind::ended && open != index_.end() && found(open->second);
+    if (is_of_open) event.of.contact = open_[open->second].contact;
+  }
+}
+
 void ContactLedger::finish_step() {
   // Within a pair: an old contact ends before a new one begins; a new one begins before it ends. Stable sorting keeps
   // both, since each was pushed in that order.

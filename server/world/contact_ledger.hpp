@@ -44,6 +44,9 @@ class ContactLedger {
       }
     }
   }
+  /// Another contact for one found in this step; its event is told of it by retell_corrected().
+  void correct(std::size_t index, const Contact& contact) { open_[index].contact = contact; }
+  void retell_corrected();
   /// Orders and numbers this step's events.
   void finish_step();
 

@@ -6,7 +6,7 @@
 
 #include "server/exact_phase/closest.hpp"
 #include "server/exact_phase/contact.hpp"
-#include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 

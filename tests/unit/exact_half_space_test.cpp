@@ -145,7 +145,9 @@ void check_point(const HalfSpace& h, const Vec3& point) {
   const Closest found = closest(point, h);
   ASSERT_LE(abs(Wide(found.distance_m) - truth), Wide(found.distance_error_m));
   const Wide off = wide(oracle.at(found.point)) / oracle.length();
-  if (found.distance_m > 0) ASSERT_LE(abs(off), Wide(found.point_error_m)) << "on the plane";
+  if (found.distance_m > 0) {
+    ASSERT_LE(abs(off), Wide(found.point_error_m)) << "on the plane";
+  }
 }
 
 /// What bounds_within keeps holds every corner of the box that is behind the plane.
@@ -190,7 +192,9 @@ TEST_P(HalfSpaces, EveryKindIsDecidedAsByRationals) {
   }
   EXPECT_GT(tally.yes, 0);
   EXPECT_GT(tally.no, 0);
-  if (GetParam() == Family::lattice) EXPECT_GT(tally.touching, 0);
+  if (GetParam() == Family::lattice) {
+    EXPECT_GT(tally.touching, 0);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, HalfSpaces, ::testing::ValuesIn(oracle::kFamilies),

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "idl/scene_generated.h"
+#include "server/exact_phase/ray_cast.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/shape_scale.hpp"
 #include "server/world/part_index.hpp"
