@@ -40,6 +40,7 @@ std::unique_ptr<Command> make_ray();
 std::unique_ptr<Command> make_sphere();
 std::unique_ptr<Command> make_box();
 std::unique_ptr<Command> make_near();
+std::unique_ptr<Command> make_sweep();
 std::unique_ptr<Command> make_watch();
 std::unique_ptr<Command> make_add();
 std::unique_ptr<Command> make_move();

@@ -20,7 +20,7 @@ struct VectorOption {
   std::string_view name;
   std::size_t most_numbers;
 };
-constexpr std::array kVectorOptions{VectorOption{"--to", 3},   VectorOption{"--at", 3},     VectorOption{"--rpy", 3},
+constexpr std::array kVectorOptions{VectorOption{"--to", 3},   VectorOption{"--at", 3},     VectorOption{"--rpy", 3}, VectorOption{"--to-rpy", 3},
                                     VectorOption{"--dir", 3},  VectorOption{"--center", 3}, VectorOption{"--size", 3},
                                     VectorOption{"--from", 3}, VectorOption{"--quat", 4},   VectorOption{"--origin", 3}};
 

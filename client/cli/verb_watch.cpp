@@ -46,6 +46,7 @@ Value triangle_value(std::uint32_t triangle) {
 
 Record event_record(const Event& event) {
   const bool touches = event.what != What::ended;
+  const bool is_told = event.what == What::began || event.what == What::persisted;
   const Value none = std::monostate{};
   return {{"time", seconds_of(event.world_time)},
           {"what", name_of(event.what)},
@@ -64,7 +65,8 @@ Record event_record(const Event& event) {
           {"episode", event.episode},
           {"bracket_low", event.bracket_low_s},
           {"bracket_high", event.bracket_high_s},
-          {"epoch", event.epoch}};
+          {"epoch", event.epoch},
+          {"velocity", is_told ? MaybeVector(event.relative_velocity) : MaybeVector()}};
 }
 
 std::string event_line(const Printer& printer, const Event& event) {

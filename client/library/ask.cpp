@@ -4,6 +4,7 @@
 
 #include "client/library/answer_decoding.hpp"
 #include "client/library/errors.hpp"
+#include "client/library/shape_encoding.hpp"
 
 namespace collided::client {
 namespace {
@@ -22,6 +23,7 @@ struct Request {
   std::size_t question_count;
   const void* questions;
   void (*encode)(const void* questions, std::size_t first, std::size_t count, double* numbers);
+  std::span<const std::uint8_t> shape = {};  // of sweeps
 };
 
 template <class Question>
@@ -62,7 +64,7 @@ void fill_header(wire::Query& query, const Request& request, const AskOptions& o
   static_cast<void>(dds::set_text(query.only, options.only));  // lengths were checked
   static_cast<void>(dds::set_text(query.skip, options.skip));
   query.text[0] = 0;
-  dds::borrow(query.blob, std::span<const std::uint8_t>());
+  dds::borrow(query.blob, request.shape);
 }
 
 // Each chunk is put together just before it leaves: the server is at the first while the next are made.
@@ -141,19 +143,32 @@ Error question_fault(const std::string& reason, std::size_t index, std::size_t c
 
 }  // namespace
 
+namespace {
+
+/// All of them before the first is sent: a request is answered as a whole or not at all.
 template <class Question>
-Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options,
-                    Answers&& earlier) {
+std::optional<Error> fault_of(std::span<const Question> questions) {
   using Wire = QuestionWire<Question>;
   if (questions.empty() || questions.size() > kMaxQuestionsPerRequest) {
     return bad_input(std::string(Wire::noun) + ": " + std::to_string(questions.size()) +
                      " questions; a request holds 1 to " + std::to_string(kMaxQuestionsPerRequest));
   }
-  // All of them before the first is sent: a request is answered as a whole or not at all.
   for (std::size_t i = 0; i < questions.size(); ++i) {
     if (!can_be_asked(questions[i])) {
       return question_fault<Question>(fault(questions[i]).value_or(""), i, questions.size());
     }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+template <class Question>
+Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options,
+                    Answers&& earlier) {
+  using Wire = QuestionWire<Question>;
+  if (auto error = fault_of(questions)) {
+    return *error;
   }
   return run(connection,
              {Wire::kind, Wire::noun, Wire::number_count, questions.size(), questions.data(), &encode_some<Question>},
@@ -164,5 +179,31 @@ template Result<Answers> ask(Connection&, std::span<const RayQuestion>, const As
 template Result<Answers> ask(Connection&, std::span<const SphereQuestion>, const AskOptions&, Answers&&);
 template Result<Answers> ask(Connection&, std::span<const BoxQuestion>, const AskOptions&, Answers&&);
 template Result<Answers> ask(Connection&, std::span<const NearQuestion>, const AskOptions&, Answers&&);
+
+Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> ways,
+                      const AskOptions& options) {
+  using Wire = QuestionWire<SweepQuestion>;
+  if (auto error = fault_of(ways)) {
+    return *error;
+  }
+  const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, Wire::noun);
+  if (!bytes) {
+    return bytes.error();
+  }
+  const Request request{Wire::kind, Wire::noun,  Wire::number_count,          ways.size(),
+                        ways.data(), &encode_some<SweepQuestion>, *bytes};
+  Result<Answers> answers = run(connection, request, options, {});
+  if (!answers) {
+    return answers;
+  }
+  for (Answer& answer : answers->answers) {
+    for (Hit& hit : answer.hits) {
+      hit.time_low = hit.exit_m;
+      hit.time_high = hit.distance_m;
+      hit.distance_m = hit.exit_m = hit.error_m = 0;
+    }
+  }
+  return answers;
+}
 
 }  // namespace collided::client

@@ -14,4 +14,8 @@ template <class Question>
 Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options,
                     Answers&& earlier = {});
 
+/// The same for ways of one shape, which travels with each chunk.
+Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> ways,
+                      const AskOptions& options);
+
 }  // namespace collided::client

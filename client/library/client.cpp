@@ -92,6 +92,10 @@ Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOp
   return client::ask(*state_->connection, questions, options, std::move(earlier));
 }
 
+Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> ways, const AskOptions& options) {
+  return client::sweep(*state_->connection, shape, ways, options);
+}
+
 std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion> questions, AskOptions options) {
   return state_->ask_later(std::move(questions), std::move(options));
 }

@@ -12,6 +12,11 @@ using wire_contract::kUnitQuaternionSlack;
 
 void put(double*& numbers, const Vec3& value) { numbers = std::copy_n(value.data(), 3, numbers); }
 
+void put(double*& numbers, const Quat& rotation) {
+  *numbers++ = rotation.w();
+  put(numbers, Vec3(rotation.vec()));
+}
+
 // Of a reach, which may be endless.
 std::optional<std::string> length_fault(double value, const char* name) {
   if (value >= 0) {
@@ -79,6 +84,15 @@ std::optional<std::string> fault(const NearQuestion& question) {
   return found ? found : length_fault(question.within_m, "largest distance");
 }
 
+std::optional<std::string> fault(const SweepQuestion& question) {
+  for (const auto& [pose, name] : {std::pair(&question.from, "from"), std::pair(&question.to, "to")}) {
+    auto found = finite_fault(pose->position, name);
+    if (!found) found = rotation_fault(pose->rotation);
+    if (found) return found;
+  }
+  return std::nullopt;
+}
+
 void encode(const RayQuestion& question, double* numbers) {
   put(numbers, question.origin);
   put(numbers, question.direction);
@@ -93,8 +107,14 @@ void encode(const SphereQuestion& question, double* numbers) {
 void encode(const BoxQuestion& question, double* numbers) {
   put(numbers, question.center);
   put(numbers, question.half_m);
-  *numbers++ = question.rotation.w();
-  put(numbers, question.rotation.vec());
+  put(numbers, question.rotation);
+}
+
+void encode(const SweepQuestion& question, double* numbers) {
+  for (const Pose* pose : {&question.from, &question.to}) {
+    put(numbers, pose->position);
+    put(numbers, pose->rotation);
+  }
 }
 
 void encode(const NearQuestion& question, double* numbers) {

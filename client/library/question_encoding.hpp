@@ -39,11 +39,19 @@ struct QuestionWire<NearQuestion> {
   static constexpr const char* noun = "near";
 };
 
+template <>
+struct QuestionWire<SweepQuestion> {
+  static constexpr auto kind = wire_contract::QueryKind::sweep;
+  static constexpr std::uint32_t number_count = wire_contract::kSweepNumbers;
+  static constexpr const char* noun = "sweep";
+};
+
 /// The reason why a question cannot be asked ("direction 0 0 0 has no direction"), or nothing.
 std::optional<std::string> fault(const RayQuestion& question);
 std::optional<std::string> fault(const SphereQuestion& question);
 std::optional<std::string> fault(const BoxQuestion& question);
 std::optional<std::string> fault(const NearQuestion& question);
+std::optional<std::string> fault(const SweepQuestion& question);
 
 /// Whether it can be asked; written so that NaN cannot.
 inline bool can_be_asked(const RayQuestion& question) {
@@ -60,6 +68,7 @@ void encode(const RayQuestion& question, double* numbers);
 void encode(const SphereQuestion& question, double* numbers);
 void encode(const BoxQuestion& question, double* numbers);
 void encode(const NearQuestion& question, double* numbers);
+void encode(const SweepQuestion& question, double* numbers);
 
 std::optional<std::string> rotation_fault(const Quat& rotation);
 std::optional<std::string> finite_fault(const Vec3& value, const char* name);

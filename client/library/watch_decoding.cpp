@@ -71,6 +71,7 @@ std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
     event.world_time = nanoseconds(frame.world_time_ns);
     event.bracket_low_s = numbers[8];
     event.bracket_high_s = numbers[9];
+    event.relative_velocity = Vec3(numbers[10], numbers[11], numbers[12]);
     heard.entries.push_back({std::move(event), dds::view(frame.shards)[i]});
   }
   return heard;

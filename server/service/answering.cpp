@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "server/geometry/float_environment.hpp"
+#include "server/intake/scene_file.hpp"
 #include "server/service/reply_columns.hpp"
+#include "server/world/indexed_mesh.hpp"
 #include "server/world/query.hpp"
 
 namespace collided::service {
@@ -41,7 +43,8 @@ class Answering::Worker {
   void work(TextReply text);
   void work(Resume resume);
   void work(Sweep sweep);
-  void answer_questions(Client& client, const Ask& ask);
+  void answer_sweeps(Client& client, const Ask& ask);
+  void answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover);
   void doubt(const Questions& questions);
   void count_levels(QueryKind kind);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
@@ -88,9 +91,24 @@ void Answering::Worker::answer(Client& client, const Ask& ask) {
     command(query);
   } else if (query.kind == static_cast<std::uint8_t>(QueryKind::hello)) {
     write_text(client, query.request, ReplyStatus::ok, {});
+  } else if (query.kind == static_cast<std::uint8_t>(QueryKind::sweep)) {
+    answer_sweeps(client, ask);
   } else {
-    answer_questions(client, ask);
+    answer_questions(client, ask, nullptr);
   }
+}
+
+/// The shape comes with the questions, from outside.
+void Answering::Worker::answer_sweeps(Client& client, const Ask& ask) {
+  const wire::Query& query = *ask.query;
+  const DecodedShape decoded = decode_shape(std::as_bytes(dds::view(query.blob)));
+  if (!decoded.shape) {
+    ++owner_.counts_.refused;
+    write_text(client, query.request, ReplyStatus::refused, refusal_text("sweep: " + decoded.refusal));
+    return;
+  }
+  const ObjectInfo mover = without_world(*decoded.shape);
+  answer_questions(client, ask, &mover);
 }
 
 void Answering::Worker::command(const wire::Query& query) {
@@ -118,7 +136,7 @@ void Answering::Worker::work(Sweep sweep) {
   }
 }
 
-void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
+void Answering::Worker::answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover) {
   const wire::Query& query = *ask.query;
   const std::int64_t allowed_ns = query.deadline_ns > 0 ? query.deadline_ns : owner_.options_.deadline_ns;
   const Questions questions{
@@ -130,7 +148,8 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
       .skip = query.skip,
       .deadline_ns = allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0,
       .error_m = query.error_asked_m > 0 ? query.error_asked_m : owner_.options_.error_m,
-      .numbers = dds::view(query.numbers)};
+      .numbers = dds::view(query.numbers),
+      .mover = mover};
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
   if (restore_float_environment()) ++owner_.counts_.float_repairs;
   collided::answer(*lease, questions, answers_, scratch_);
@@ -138,7 +157,8 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask) {
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, *lease);
   count_levels(questions.kind);
-  owner_.audit_.consider(lease, questions, answers_);
+  // The audit's twin knows no ways.
+  if (mover == nullptr) owner_.audit_.consider(lease, questions, answers_);
 }
 
 void Answering::Worker::count_levels(QueryKind kind) {

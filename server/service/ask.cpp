@@ -71,9 +71,9 @@ bool is_single(const wire::Query& query) {
 }
 
 std::optional<std::string> why_refused(const wire::Query& query) {
-  if (query.kind > static_cast<std::uint8_t>(QueryKind::command)) {
+  if (query.kind > static_cast<std::uint8_t>(QueryKind::sweep)) {
     return fmt::format("question kind {} is not known; allowed 0 to {}", query.kind,
-                       static_cast<unsigned>(QueryKind::command));
+                       static_cast<unsigned>(QueryKind::sweep));
   }
   const auto kind = static_cast<QueryKind>(query.kind);
   const std::uint32_t per_question = wire_contract::numbers_of(kind);

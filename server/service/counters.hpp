@@ -12,7 +12,7 @@ struct QuestionCounts {
   std::atomic<std::uint64_t> refused{0};       // requests, or chunks of them
   std::atomic<std::uint64_t> undecided{0};     // answers
   // By wire_contract::QueryKind and the highest rung of the ladder that one of the question's tests needed.
-  std::array<std::array<std::atomic<std::uint64_t>, 3>, 6> levels{};
+  std::array<std::array<std::atomic<std::uint64_t>, 3>, 7> levels{};
   std::atomic<std::uint64_t> float_repairs{0};  // threads whose floating-point settings had to be set back
   std::atomic<std::uint64_t> unanswerable{0};  // no room for another client, or nobody listened for the reply
 };

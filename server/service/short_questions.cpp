@@ -5,7 +5,8 @@
 namespace collided::service {
 
 bool ShortQuestions::is_short(const wire::Query& query, std::int64_t now_ns) const {
-  return now_ns >= not_before_ns_ && is_single(query);
+  return now_ns >= not_before_ns_ && is_single(query) &&
+         query.kind != static_cast<std::uint8_t>(wire_contract::QueryKind::sweep);
 }
 
 void ShortQuestions::took(std::int64_t started_ns, std::int64_t ended_ns) {

@@ -1,6 +1,7 @@
 #include "server/service/world_loop.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <thread>
 
 #include "server/geometry/float_environment.hpp"
@@ -142,6 +143,7 @@ void WorldLoop::step_now() {
   }
   pending_changes_ = 0;
   ++counts_.steps;
+  say_skipped_sweeps();
   publishers_.stepped();
   publish();
 }
@@ -282,6 +284,15 @@ void WorldLoop::end_contacts() {
     if (info && info->moving) around_.world.remove(id, EndReason::server_stopping);
   }
   if (!objects.empty()) step_now();
+}
+
+/// At the first and whenever there are twice as many: a line a step would bury the log.
+void WorldLoop::say_skipped_sweeps() {
+  const std::uint64_t before = counts_.sweeps_skipped;
+  counts_.sweeps_skipped += around_.world.cost().sweeps_skipped;
+  if (std::bit_width(before) == std::bit_width(counts_.sweeps_skipped)) return;
+  around_.notice("the ways of " + std::to_string(counts_.sweeps_skipped) +
+                 " pairs could not be followed from pose to pose to their end; contacts between two poses may be missing");
 }
 
 void WorldLoop::say_notices() {

@@ -29,6 +29,7 @@ struct LoopOptions {
 struct LoopCounts {
   std::uint64_t steps = 0;
   std::uint64_t stalled_steps = 0;  // readers held every free state; tried again
+  std::uint64_t sweeps_skipped = 0;  // pairs whose way could not be followed to its end
 };
 
 /// The one thread that writes the world: takes what has come, steps, tells what has changed.
@@ -88,6 +89,7 @@ class WorldLoop {
   void list_publishers();
   void end_contacts();
   void say_notices();
+  void say_skipped_sweeps();
   std::chrono::steady_clock::time_point next_wake() const;
 
   Around around_;

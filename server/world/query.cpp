@@ -21,6 +21,11 @@ std::int64_t steady_now_ns() {
       .count();
 }
 
+bool is_rotation(const double* n) {
+  const double norm = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3]);
+  return std::abs(norm - 1) <= 1e-6;
+}
+
 /// Whether the numbers make a question: finite (a length may be infinite), a direction, sizes not negative, a unit
 /// quaternion. Written so that NaN fails.
 bool is_question(QueryKind kind, const double* n) {
@@ -32,12 +37,12 @@ bool is_question(QueryKind kind, const double* n) {
       return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
     case QueryKind::sphere:
       return finite(0, 4) && n[3] >= 0;
-    case QueryKind::box: {
-      const double norm = std::sqrt(n[6] * n[6] + n[7] * n[7] + n[8] * n[8] + n[9] * n[9]);
-      return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && std::abs(norm - 1) <= 1e-6;
-    }
+    case QueryKind::box:
+      return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
     case QueryKind::near:
       return finite(0, 3) && n[3] >= 0;
+    case QueryKind::sweep:
+      return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
     default:
       return false;
   }
@@ -79,6 +84,7 @@ void ask(Question& question, const double* numbers) {
     case QueryKind::sphere: return ask_sphere(question, numbers);
     case QueryKind::box: return ask_box(question, numbers);
     case QueryKind::near: return ask_near(question, numbers);
+    case QueryKind::sweep: return ask_sweep(question, numbers);
     default: return;
   }
 }
@@ -122,6 +128,7 @@ void note_age(Answers& answers, const Question& question) {
 /// What is said at once: this is no question, or it is too late for it.
 std::optional<Answer> answer_at_once(const Questions& asked, const double* numbers) {
   if (!is_question(asked.kind, numbers)) return Answer::invalid;
+  if (asked.kind == QueryKind::sweep && asked.mover == nullptr) return Answer::invalid;
   if (asked.deadline_ns != 0 && steady_now_ns() > asked.deadline_ns) return Answer::undecided;
   return std::nullopt;
 }

@@ -14,7 +14,7 @@
 namespace collided {
 
 /// One question at work: what it may see, and what it has met so far. The kinds of questions (ray_question,
-/// overlap_question, near_question) fill `found`, ordered, and set the rest.
+/// overlap_question, near_question, sweep_question) fill `found`, ordered, and set the rest.
 struct Question {
   const Snapshot& snapshot;
   const Questions& asked;
@@ -55,6 +55,8 @@ void ask_rays(std::span<std::optional<Question>> questions, std::span<const doub
 void ask_sphere(Question& question, const double* numbers);
 void ask_box(Question& question, const double* numbers);
 void ask_near(Question& question, const double* numbers);
+/// The first contact of asked.mover on its way: one hit, its distance the end of the time bracket, its exit the beginning.
+void ask_sweep(Question& question, const double* numbers);
 
 /// Order of hits along a ray and of near objects: (distance, object, triangle).
 inline bool nearer_first(const AnswerHit& a, const AnswerHit& b) {

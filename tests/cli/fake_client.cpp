@@ -99,6 +99,14 @@ Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOp
   return answer_all(questions, options, fake::server().near);
 }
 
+Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> ways, const AskOptions& options) {
+  std::function<Answer(const SweepQuestion&, const AskOptions&)> respond;
+  if (fake::server().sweep) {
+    respond = [&](const SweepQuestion& way, const AskOptions& asked) { return fake::server().sweep(shape, way, asked); };
+  }
+  return answer_all(ways, options, respond);
+}
+
 std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion> questions, AskOptions options) {
   return ready(ask(std::span<const RayQuestion>(questions), options));
 }

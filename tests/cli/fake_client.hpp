@@ -31,6 +31,7 @@ struct Server {
   std::function<Answer(const SphereQuestion&, const AskOptions&)> sphere;
   std::function<Answer(const BoxQuestion&, const AskOptions&)> box;
   std::function<Answer(const NearQuestion&, const AskOptions&)> near;
+  std::function<Answer(const Shape&, const SweepQuestion&, const AskOptions&)> sweep;
   std::function<Result<std::string>(const std::string&, const nlohmann::json&, const Shape&)> command;
   /// Called on every flush, so that a test can send events back.
   std::function<void(Published&)> on_flush;

@@ -21,6 +21,7 @@ class WatchVerb : public testing::Test {
     began.depth_m = 0.0031;
     began.depth_error_m = 8.9e-16;
     began.point = {0.93, 2, 0.5};
+    began.relative_velocity = {-1.5, 0, 0.25};
     Event ended = began;
     ended.what = What::ended;
     ended.why = Why::separated;
@@ -50,6 +51,11 @@ TEST_F(WatchVerb, MachinesGetEveryField) {
             "{\"what\":\"open\",\"a\":\"arm/link_5\",\"b\":\"shelf_3\",\"depth\":0.0031,\"sequence\":881}\n"
             "{\"what\":\"began\",\"a\":\"drone_2\",\"b\":\"pallet_07\",\"depth\":0.0031,\"sequence\":881}\n"
             "{\"what\":\"ended\",\"a\":\"drone_2\",\"b\":\"pallet_07\",\"after\":0.254,\"why\":\"separated\",\"sequence\":884}\n");
+}
+
+TEST_F(WatchVerb, HowFastTheyMetIsToldOfBeginnings) {
+  EXPECT_EQ(collide("watch -n 3 --json --fields what,velocity").out,
+            "{\"what\":\"open\"}\n{\"what\":\"began\",\"velocity\":[-1.5,0,0.25]}\n{\"what\":\"ended\"}\n");
 }
 
 TEST_F(WatchVerb, AFormatNamesItsFields) {

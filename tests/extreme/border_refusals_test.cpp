@@ -142,8 +142,8 @@ TEST_F(ExtremeBorderChunk, Chunks) {
 }
 
 TEST_F(ExtremeBorderChunk, Codes) {
-  query.kind = 6;
-  expect_refused("question kind 6 is not known; allowed 0 to 5");
+  query.kind = 7;
+  expect_refused("question kind 7 is not known; allowed 0 to 6");
   query.kind = 1;
   query.mode = 3;
   expect_refused("ray mode 3 is not known; allowed 0 to 2");

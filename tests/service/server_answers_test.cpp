@@ -36,6 +36,32 @@ TEST_F(ServerAnswers, TheFloorIsFiveMetresBelow) {
   EXPECT_EQ(client.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, 1}})->verdict, Verdict::miss);
 }
 
+// A ball of 10 cm comes down on the floor; a rod of 2 m turns above it and meets nothing.
+TEST_F(ServerAnswers, AShapeOnItsWayMeetsTheFloor) {
+  start();
+  Client client = connect();
+  const SweepQuestion ways[] = {{.from = {.position = {6, 0, 5}}, .to = {.position = {6, 0, -5}}},
+                                {.from = {.position = {6, 0, 5}}, .to = {.position = {6, 0, 4}}}};
+  const Result<Answers> answers = client.sweep({SphereShape{.radius_m = 0.1}}, ways);
+  ASSERT_TRUE(answers) << answers.error().message;
+  ASSERT_EQ(answers->answers.size(), 2u);
+  ASSERT_EQ(answers->answers[0].verdict, Verdict::hit);
+  const Hit& hit = answers->answers[0].hits.at(0);
+  EXPECT_EQ(hit.object, "warehouse/floor");
+  EXPECT_LE(hit.time_low, 0.49);
+  EXPECT_GE(hit.time_high, 0.49);
+  EXPECT_LE(hit.time_high - hit.time_low, 1e-6);
+  EXPECT_NEAR(hit.point.z(), 0, 1e-5);
+  EXPECT_EQ(answers->answers[1].verdict, Verdict::miss);
+  const SweepQuestion turn{.from = {.position = {6, 0, 4}}, .to = {.position = {6, 0, 4}, .rotation = Quat(0, 0, 0, 1)}};
+  const Result<Answers> rod = client.sweep({BoxShape{.half_m = {1, 0.01, 0.01}}}, std::span(&turn, 1));
+  ASSERT_TRUE(rod) << rod.error().message;
+  EXPECT_EQ(rod->answers[0].verdict, Verdict::miss);
+  const Result<Answers> nothing = client.sweep({}, ways);
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error().code, ErrorCode::bad_input);
+}
+
 // Same version + same question = same bits, for any number of threads.
 TEST_F(ServerAnswers, ManyThreadsGiveTheSameBits) {
   start({"--threads", "1", "--namespace", "one"}, "one");

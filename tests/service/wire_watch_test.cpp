@@ -68,7 +68,7 @@ class EventTeller {
     const std::vector<std::uint8_t> kinds{kind}, reasons{reason}, shards{shard};
     const std::vector<std::uint64_t> a{pair.first}, b{pair.second}, episodes{episode}, ids{pair.first, pair.second};
     const std::vector<std::uint32_t> a_triangles{5}, b_triangles{wire_contract::kNoTriangle};
-    const std::vector<double> numbers{1, 2, 3, 0, 0, 1, 0.25, 1e-9, -0.01, -0.005};
+    const std::vector<double> numbers{1, 2, 3, 0, 0, 1, 0.25, 1e-9, -0.01, -0.005, 7, 8, 9};
     const std::vector<std::uint8_t> packed = names(ids);
     dds::borrow(frame->kinds, kinds);
     dds::borrow(frame->reasons, reasons);
@@ -183,6 +183,7 @@ TEST_F(ClientWatch, OpensWhatHoldsThenFollows) {
   EXPECT_EQ(began.depth_error_m, 1e-9);
   EXPECT_EQ(began.bracket_low_s, -0.01);
   EXPECT_EQ(began.bracket_high_s, -0.005);
+  EXPECT_EQ(began.relative_velocity, Vec3(7, 8, 9));
   world_.ended({1, 2}, 2);
   const Event ended = next(watch);
   EXPECT_EQ(ended.what, What::ended);

@@ -80,6 +80,16 @@ struct NearQuestion {
   Vec3 point;
   double within_m = std::numeric_limits<double>::infinity();
 };
+struct Pose {
+  Vec3 position = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+};
+/// The way of a shape while time runs from 0 to 1: its origin goes straight at even speed, and it turns at even speed
+/// about a fixed axis, the short way round.
+struct SweepQuestion {
+  Pose from;
+  Pose to;
+};
 
 /// What may answer, and how well.
 struct AskOptions {
@@ -100,7 +110,7 @@ enum class Undecided { none, numeric, stale_object, recovering, truncated, deadl
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 
 /// Ray: distance along the ray. Sphere and box: depth_m is how deep (>= 0). Near: distance from the point.
-/// |truth - distance_m| <= error_m.
+/// |truth - distance_m| <= error_m. Sweep: the first contact, in the bracket of times; no distance.
 struct Hit {
   std::string object;
   std::uint64_t object_id = 0;
@@ -112,6 +122,8 @@ struct Hit {
   double point_error_m = 0;  // |true point - point| at most; infinite for contacts, which have many points
   Vec3 normal = Vec3::Zero();
   Vec3 weights = Vec3::Zero();
+  double time_low = 0;   // sweeps: no contact up to here,
+  double time_high = 0;  // and contact here
   bool inside = false;
   bool stale = false;
 };
@@ -165,6 +177,9 @@ struct Event {
   Vec3 normal = Vec3::Zero();            // from a to b
   double depth_m = 0;
   double depth_error_m = 0;
+  /// Of b relative to a at the point, m/s, from the last two poses of each; resting are objects that are new, were
+  /// teleported or have been silent. Zero but for `began` and `persisted`.
+  Vec3 relative_velocity = Vec3::Zero();
 };
 
 struct WatchOptions {
@@ -267,11 +282,6 @@ struct PolylineShape {
 using ShapePart = std::variant<SphereShape, BoxShape, CapsuleShape, MeshShape, CylinderShape, ConeShape, EllipsoidShape,
                                HullShape, HalfSpaceShape, HeightFieldShape, CloudShape, PolylineShape>;
 using Shape = std::vector<ShapePart>;
-
-struct Pose {
-  Vec3 position = Vec3::Zero();
-  Quat rotation = Quat::Identity();
-};
 
 /// What becomes of an object whose publisher is lost.
 enum class WhenLost { remove, freeze, hold };
@@ -386,6 +396,10 @@ class Client {
   Result<Answers> ask(std::span<const SphereQuestion> questions, const AskOptions& options, Answers&& earlier);
   Result<Answers> ask(std::span<const BoxQuestion> questions, const AskOptions& options, Answers&& earlier);
   Result<Answers> ask(std::span<const NearQuestion> questions, const AskOptions& options, Answers&& earlier);
+
+  /// The first contact of a shape on each of up to 100,000 ways, with everything as it is in one state of the world: a hit
+  /// in the answer; a miss: the way is free. undecided: what is met could not be followed to the end of the way.
+  Result<Answers> sweep(const Shape& shape, std::span<const SweepQuestion> ways, const AskOptions& options = {});
 
   std::future<Result<Answers>> ask_async(std::vector<RayQuestion> questions, AskOptions options = {});
   std::future<Result<Answers>> ask_async(std::vector<SphereQuestion> questions, AskOptions options = {});
