@@ -186,7 +186,7 @@ Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<cons
   if (auto error = fault_of(ways)) {
     return *error;
   }
-  const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, Wire::noun);
+  const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, Vec3::Ones(), Wire::noun);
   if (!bytes) {
     return bytes.error();
   }

@@ -6,6 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "server/geometry/endless.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/service/reply_columns.hpp"
@@ -102,9 +103,13 @@ void Answering::Worker::answer(Client& client, const Ask& ask) {
 void Answering::Worker::answer_sweeps(Client& client, const Ask& ask) {
   const wire::Query& query = *ask.query;
   const DecodedShape decoded = decode_shape(std::as_bytes(dds::view(query.blob)));
-  if (!decoded.shape) {
+  std::string refusal = decoded.refusal;
+  if (decoded.shape && is_endless(*decoded.shape)) {
+    refusal = "a half-space has no end and cannot be moved; every other shape can. Nothing was asked";
+  }
+  if (!refusal.empty()) {
     ++owner_.counts_.refused;
-    write_text(client, query.request, ReplyStatus::refused, refusal_text("sweep: " + decoded.refusal));
+    write_text(client, query.request, ReplyStatus::refused, refusal_text("sweep: " + refusal));
     return;
   }
   const ObjectInfo mover = without_world(*decoded.shape);

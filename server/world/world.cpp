@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "server/geometry/endless.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/indexed_mesh.hpp"
 #include "server/world/part_index.hpp"
@@ -24,11 +25,6 @@ BspTree index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::s
                        "; it is built anew");
   }
   return BspTree::build(mesh, options);
-}
-
-bool is_endless(const Shape& shape) {
-  return std::any_of(shape.primitives.begin(), shape.primitives.end(),
-                     [](const Primitive& primitive) { return std::holds_alternative<HalfSpace>(primitive); });
 }
 
 template <class T>

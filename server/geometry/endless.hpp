@@ -1,0 +1,16 @@
+#pragma once
+
+#include <algorithm>
+#include <variant>
+
+#include "server/geometry/shape.hpp"
+
+namespace collided {
+
+/// Whether a part of the shape has no end: a half-space. Such a shape may not move.
+inline bool is_endless(const Shape& shape) {
+  return std::any_of(shape.primitives.begin(), shape.primitives.end(),
+                     [](const Primitive& primitive) { return std::holds_alternative<HalfSpace>(primitive); });
+}
+
+}  // namespace collided
