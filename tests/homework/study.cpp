@@ -119,6 +119,7 @@ class Study {
         point.problem = problem;
         point.polygons = recording.polygons;
         if (!method || !measure(recording, *method, first, point)) {
+          if (m == 0) return;  // nothing to compare the others with
           left_out.insert(m);
           continue;
         }
