@@ -91,7 +91,7 @@ void load_tiles(extreme::Stage& stage) {
     for (int y = -5; y < 5; ++y) {
       const auto v = static_cast<std::uint32_t>(scene.mesh.vertices.size());
       for (const auto& [i, k] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
-        scene.mesh.vertices.push_back({x + i, y + k, 0});
+        scene.mesh.vertices.push_back(Vec3(x + i, y + k, 0));
       }
       scene.parts.push_back({.name = "tile" + std::to_string(v), .first_triangle = v / 2, .triangle_count = 2});
       scene.mesh.triangles.push_back({v, v + 1, v + 2});
