@@ -25,6 +25,8 @@ struct NearWalk {
   void walk_object(std::uint32_t slot);
   template <class Test>
   void walk_local(const BspTree& tree, double radius_m, const Frame& frame, Test&& test_one);
+  template <class Test>
+  void walk_parts(const IndexedParts& parts, const Frame& frame, Test&& test_one);
   void walk_movers(const Grid& grid);
 };
 
@@ -107,6 +109,28 @@ void NearWalk::walk_local(const BspTree& tree, double radius_m, const Frame& fra
   tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, &context, question.walk);
 }
 
+/// Of parts the tree knows bounds alone, which only its box walk asks for: cubes that grow until the nearest found lies
+/// within one, or one holds them all.
+template <class Test>
+void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& test_one) {
+  const double all_m = (point - frame.position).lpNorm<1>() + 2 * parts.radius_m;
+  const auto candidate = [](void* raw, std::uint32_t number) {
+    (**static_cast<std::remove_reference_t<Test>**>(raw))(number);
+    return true;
+  };
+  auto* test = &test_one;
+  double reach_m = parts.radius_m / 64;
+  for (bool is_last = false; !is_last; reach_m *= 4) {
+    const double wanted_m = std::sqrt(limit_m2) * (1 + 1e-9);
+    is_last = !(reach_m < wanted_m && reach_m < all_m);
+    const double half_m = is_last ? std::min(wanted_m, all_m) : reach_m;
+    Aabb cube;
+    cube.extend(point);
+    parts.tree.walk_box(seen_from(frame, grown(cube, half_m), parts.radius_m), candidate, &test, question.walk);
+    is_last = is_last || std::sqrt(limit_m2) < half_m;
+  }
+}
+
 void NearWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
@@ -116,7 +140,7 @@ void NearWalk::walk_object(std::uint32_t slot) {
                info.primitives[number]);
   };
   if (info.parts) {
-    walk_local(info.parts->tree, info.parts->radius_m, frame, test_primitive);
+    walk_parts(*info.parts, frame, test_primitive);
   } else {
     for (std::size_t i = 0; i < info.primitives.size(); ++i) test_primitive(i);
   }

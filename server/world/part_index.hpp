@@ -8,6 +8,7 @@
 namespace collided {
 
 /// Many primitives of one object with an index over their bounds, in the object's frame; candidates are their numbers.
+/// Only walk_box may be asked of the tree: its other walks look at triangles, and here there are none.
 struct IndexedParts {
   BspTree tree;
   double radius_m = 0;  // no point of any is farther from the frame's origin

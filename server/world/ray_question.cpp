@@ -37,6 +37,8 @@ struct RayWalk {
   void finish();
   template <class Test>
   void walk_local(const BspTree& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one);
+  template <class Test>
+  void walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one);
 };
 
 template <class Part>
@@ -158,6 +160,50 @@ void RayWalk::walk_local(const BspTree& tree, double radius_m, std::size_t count
   for (std::uint32_t i = 0; i < count && !over(); ++i) candidate(&context, i, limit);
 }
 
+/// Of parts the tree knows bounds alone, which only its box walk asks for: the ray goes through in pieces, near to far,
+/// and what a piece shares with the one before has been tested.
+template <class Test>
+void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one) {
+  constexpr int kPieces = 64;
+  const Vec3 away = ray.origin - frame.position;
+  const Vec3 origin = frame.rotation.transpose() * away;
+  const Vec3 direction = frame.rotation.transpose() * ray.direction;
+  const double reach_m = away.lpNorm<1>() + 2 * parts.radius_m;
+  const double slack_m = 4 * placement_slack(frame, reach_m + ray.origin.lpNorm<1>(), parts.radius_m);
+  // Where the ray is nearer to the frame's origin than any part is far: about its nearest point.
+  const double middle = -origin.dot(direction) / direction.squaredNorm();
+  const double half = (parts.radius_m + slack_m) / direction.stableNorm() * (1 + 1e-9);
+  const double first = std::max(0.0, middle - half - 1e-9 * std::abs(middle));
+  const double last = std::min(limit * (1 + 1e-9), middle + half + 1e-9 * std::abs(middle));
+  const bool is_plain = std::isfinite(first) && std::isfinite(last) && std::isfinite(slack_m) && origin.allFinite();
+  if (!is_plain) {
+    for (std::size_t i = 0; i < count && !over(); ++i) test_one(i);
+    return;
+  }
+  std::vector<std::uint32_t> before;
+  std::vector<std::uint32_t> here;
+  const auto collect = [](void* raw, std::uint32_t number) {
+    static_cast<std::vector<std::uint32_t>*>(raw)->push_back(number);
+    return true;
+  };
+  for (int piece = 0; piece < kPieces && !over(); ++piece) {
+    const double from = first + (last - first) * piece / kPieces;
+    const double to = first + (last - first) * (piece + 1) / kPieces;
+    if (!(first <= last) || from > limit * (1 + 1e-9)) return;
+    Aabb box;
+    box.extend(origin + from * direction);
+    box.extend(origin + to * direction);
+    here.clear();
+    parts.tree.walk_box(grown(box, slack_m), collect, &here, question.walk);
+    std::sort(here.begin(), here.end());
+    for (const std::uint32_t number : here) {
+      if (over()) return;
+      if (!std::binary_search(before.begin(), before.end(), number)) test_one(number);
+    }
+    std::swap(before, here);
+  }
+}
+
 void RayWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
@@ -167,7 +213,7 @@ void RayWalk::walk_object(std::uint32_t slot) {
                info.primitives[number]);
   };
   if (info.parts) {
-    walk_local(info.parts->tree, info.parts->radius_m, info.primitives.size(), frame, test_primitive);
+    walk_parts(*info.parts, info.primitives.size(), frame, test_primitive);
   } else {
     for (std::size_t i = 0; i < info.primitives.size() && !over(); ++i) test_primitive(i);
   }

@@ -17,7 +17,6 @@ class MixedWorld {
     load_sheet();
     for (int i = 0; i < 60; ++i) add(i);
     add_many_parts();
-    add_half_spaces();
     world.step(0, 1, {});
   }
 
@@ -26,6 +25,19 @@ class MixedWorld {
   Pose pose() {
     Quat turned(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
     return {.position = point(4), .rotation = turned.normalized()};
+  }
+
+  /// Near the edges of where things are, one of them along the axes. Most rays meet one.
+  void add_half_spaces() {
+    for (int i = 0; i < 2; ++i) {
+      ObjectDefinition definition;
+      definition.name = "half_space" + std::to_string(i);
+      definition.pose = i == 0 ? Pose{.position = {0, 0, -3}, .rotation = Quat::Identity()} : Pose{.position = Vec3(-2, -2, -2), .rotation = pose().rotation};
+      definition.shape.primitives.push_back(HalfSpace{{0, 0, 0}, i == 0 ? Vec3(0, 0, 1) : Vec3(definition.pose.rotation.inverse() * Vec3(1, 1, 1))});
+      definition.moving = false;
+      world.define(definition);
+    }
+    world.step(1, 1, {});
   }
 
   World& operator*() { return world; }
@@ -103,18 +115,6 @@ class MixedWorld {
       }
       const auto defined = world.define(definition);
       if (definition.moving) movers_.push_back(std::get<ObjectId>(defined));
-    }
-  }
-
-  /// Near the edges of where things are, one of them along the axes.
-  void add_half_spaces() {
-    for (int i = 0; i < 2; ++i) {
-      ObjectDefinition definition;
-      definition.name = "half_space" + std::to_string(i);
-      definition.pose = i == 0 ? Pose{.position = {0, 0, -3}, .rotation = Quat::Identity()} : Pose{.position = Vec3(-2, -2, -2), .rotation = pose().rotation};
-      definition.shape.primitives.push_back(HalfSpace{{0, 0, 0}, i == 0 ? Vec3(0, 0, 1) : Vec3(definition.pose.rotation.inverse() * Vec3(1, 1, 1))});
-      definition.moving = false;
-      world.define(definition);
     }
   }
 

@@ -50,6 +50,7 @@ void expect_equal(const Snapshot& snapshot, const Questions& questions) {
 TEST(WorldOracle, EveryQuestionEqualsBruteForceBitForBit) {
   std::mt19937_64 random = oracle::seeded(11);
   MixedWorld mixed(random);
+  mixed.add_half_spaces();
   const SnapshotRing::Lease lease = mixed.world.newest();
   for (const RayMode mode : {RayMode::closest, RayMode::all}) {
     Questions questions;

