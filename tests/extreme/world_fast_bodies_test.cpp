@@ -1,3 +1,4 @@
+// A44: when and where exactly.
 // Boxes, rods, hulls, meshes and compounds that go far for their size between two poses: a wall of a millimetre, a post
 // beside which a rod lies before and after its turn. Two poses alone show nothing of either.
 #include <gtest/gtest.h>
