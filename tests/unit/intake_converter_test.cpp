@@ -28,7 +28,7 @@ class IntakeConverter : public testing::Test {
     directory_ = fs::temp_directory_path() / ("intake_converter_" + std::to_string(::getpid()));
     fs::create_directories(directory_ / "tmp");
     ::setenv("TMPDIR", (directory_ / "tmp").c_str(), 1);
-    std::ofstream(directory_ / "thing.xyz") << "anything";
+    std::ofstream(directory_ / "thing.abc") << "anything";
   }
   void TearDown() override {
     EXPECT_TRUE(fs::is_empty(directory_ / "tmp")) << "a temporary file was left behind";
@@ -48,7 +48,7 @@ class IntakeConverter : public testing::Test {
   std::string thing_complaint(const LoadOptions& options = {}) const {
     LoadReport report;
     try {
-      load_scene((directory_ / "thing.xyz").string(), options, report);
+      load_scene((directory_ / "thing.abc").string(), options, report);
     } catch (const LoadError& error) {
       return error.what();
     }
@@ -59,36 +59,36 @@ class IntakeConverter : public testing::Test {
 };
 
 TEST_F(IntakeConverter, AMissingConverterIsSaid) {
-  EXPECT_NE(thing_complaint().find("thing.xyz: '.xyz' needs the converter collided-import, which is not in "),
+  EXPECT_NE(thing_complaint().find("thing.abc: '.abc' needs the converter collided-import, which is not in "),
             std::string::npos);
   ::setenv("COLLIDED_IMPORT", "/nowhere/converter", 1);
   EXPECT_EQ(
       thing_complaint(),
-      "thing.xyz: COLLIDED_IMPORT is '/nowhere/converter', which is no program that can be run. Nothing was loaded.");
+      "thing.abc: COLLIDED_IMPORT is '/nowhere/converter', which is no program that can be run. Nothing was loaded.");
 }
 
 TEST_F(IntakeConverter, WhatItComplainsAboutIsPassedOn) {
   use_script("echo 'bad wall' >&2; exit 3\n");
-  EXPECT_EQ(thing_complaint(), "thing.xyz: the converter failed with code 3: bad wall. Nothing was loaded.");
+  EXPECT_EQ(thing_complaint(), "thing.abc: the converter failed with code 3: bad wall. Nothing was loaded.");
   use_script("kill -9 $$\n");
-  EXPECT_EQ(thing_complaint(), "thing.xyz: the converter was ended by signal 9. Nothing was loaded.");
+  EXPECT_EQ(thing_complaint(), "thing.abc: the converter was ended by signal 9. Nothing was loaded.");
   use_script("exit 0\n");
-  EXPECT_EQ(thing_complaint(), "thing.xyz: the converter ended well and wrote nothing. Nothing was loaded.");
+  EXPECT_EQ(thing_complaint(), "thing.abc: the converter ended well and wrote nothing. Nothing was loaded.");
   use_script("echo garbage > $2\n");
   EXPECT_EQ(thing_complaint(),
-            "thing.xyz: not a scene file, or a damaged one: its tables do not check out. Nothing was loaded.");
+            "thing.abc: not a scene file, or a damaged one: its tables do not check out. Nothing was loaded.");
 }
 
 TEST_F(IntakeConverter, AFloodOfWordsIsCutAndDoesNotBlock) {
   use_script("yes | head -c 3000000; yes 'no no' | head -c 3000000 >&2; exit 1\n");
-  EXPECT_EQ(thing_complaint(), "thing.xyz: the converter failed with code 1: no no. Nothing was loaded.");
+  EXPECT_EQ(thing_complaint(), "thing.abc: the converter failed with code 1: no no. Nothing was loaded.");
 }
 
 TEST_F(IntakeConverter, OneThatTakesTooLongIsEndedWithItsChildren) {
   use_script("sleep 60; echo never\n");
   ::setenv("COLLIDED_IMPORT_SECONDS", "1", 1);
   const auto begin = std::chrono::steady_clock::now();
-  EXPECT_EQ(thing_complaint(), "thing.xyz: the converter needed more than 1 s and was ended. Nothing was loaded.");
+  EXPECT_EQ(thing_complaint(), "thing.abc: the converter needed more than 1 s and was ended. Nothing was loaded.");
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
 }
 
@@ -96,7 +96,7 @@ TEST_F(IntakeConverter, CancellingEndsIt) {
   use_script("sleep 60\n");
   int asked = 0;
   EXPECT_EQ(thing_complaint({.cancelled = [&] { return asked++ > 2; }}),
-            "thing.xyz: cancelled while it was converted. Nothing was loaded.");
+            "thing.abc: cancelled while it was converted. Nothing was loaded.");
 }
 
 class IntakeConverted : public IntakeConverter {
