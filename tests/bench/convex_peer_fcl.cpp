@@ -21,7 +21,9 @@ Geometry geometry_of(const Cone& c) { return std::make_shared<fcl::Coned>(c.radi
 Geometry geometry_of(const Ellipsoid& e) {
   return std::make_shared<fcl::Ellipsoidd>(e.half_m[0], e.half_m[1], e.half_m[2]);
 }
+// Not compared.
 Geometry geometry_of(const Capsule&) { return nullptr; }
+Geometry geometry_of(const HalfSpace&) { return nullptr; }
 Geometry geometry_of(const Hull& hull) {
   auto vertices = std::make_shared<std::vector<fcl::Vector3d>>(hull.mesh->vertices.begin(), hull.mesh->vertices.end());
   auto faces = std::make_shared<std::vector<int>>();
