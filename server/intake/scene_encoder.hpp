@@ -1,0 +1,161 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "idl/scene_generated.h"
+#include "server/intake/scene.hpp"
+
+// Values as tables of idl/scene.fbs.
+namespace collided {
+
+inline constexpr std::uint32_t kSceneFormat = 1;
+
+inline format::Vec3 packed(const Vec3& from) { return {from[0], from[1], from[2]}; }
+inline format::Mat3 packed(const Mat3& from) {
+  return {packed(Vec3(from.col(0))), packed(Vec3(from.col(1))), packed(Vec3(from.col(2)))};
+}
+inline format::Quat packed(const Quat& from) { return {from.w(), from.x(), from.y(), from.z()}; }
+inline format::Filter packed(const Filter& from) { return {from.layers, from.mask, from.group}; }
+
+/// Turns values into tables of one buffer.
+class SceneEncoder {
+ public:
+  explicit SceneEncoder(std::size_t byte_count) : builder_(byte_count) {}
+
+  flatbuffers::Offset<format::Mesh> mesh(const TriangleMesh& from) {
+    double* numbers = nullptr;
+    const auto vertices = builder_.CreateUninitializedVector(3 * from.vertices.size(), &numbers);
+    if (!from.vertices.empty()) {
+      std::memcpy(numbers, from.vertices.data(), from.vertices.size() * sizeof(Vec3));
+    }
+    std::uint32_t* indices = nullptr;
+    const auto corners = builder_.CreateUninitializedVector(3 * from.triangles.size(), &indices);
+    if (!from.triangles.empty()) {
+      std::memcpy(indices, from.triangles.data(), from.triangles.size() * sizeof(TriangleCorners));
+    }
+    return format::CreateMesh(builder_, vertices, corners);
+  }
+
+  /// Written once for all the objects that have it.
+  flatbuffers::Offset<format::Mesh> shared_mesh(const TriangleMesh* from) {
+    flatbuffers::Offset<format::Mesh>& known = meshes_[from];
+    if (known.IsNull()) known = mesh(*from);
+    return known;
+  }
+
+  flatbuffers::Offset<format::Shape> shape(const Shape& from) {
+    Parts parts;
+    for (const Primitive& primitive : from.primitives) {
+      std::visit([&](const auto& one) { add(one, parts); }, primitive);
+    }
+    const auto mesh_table = from.mesh ? shared_mesh(from.mesh.get()) : flatbuffers::Offset<format::Mesh>{};
+    const auto axes = parts.rotations_suffice ? flatbuffers::Offset<flatbuffers::Vector<const format::Mat3*>>{}
+                                              : builder_.CreateVectorOfStructs(parts.axes);
+    const auto hulls = parts.hulls.empty() ? flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Mesh>>>{}
+                                           : builder_.CreateVector(parts.hulls);
+    return format::CreateShape(builder_, optional(parts.spheres), optional(parts.boxes), optional(parts.capsules),
+                               mesh_table, axes, optional(parts.cylinders), optional(parts.cones),
+                               optional(parts.ellipsoids), hulls, optional(parts.half_spaces));
+  }
+
+  void scene(const Scene& from) {
+    std::vector<flatbuffers::Offset<format::Part>> parts;
+    for (const Part& part : from.parts) {
+      const format::Filter filter = packed(part.filter);
+      parts.push_back(format::CreatePart(builder_, builder_.CreateString(part.name), part.first_triangle,
+                                         part.triangle_count, &filter));
+    }
+    std::vector<flatbuffers::Offset<format::Object>> objects;
+    for (const SceneObject& object : from.objects) {
+      const auto name = builder_.CreateString(object.name);
+      const auto shape_table = shape(object.shape);
+      const format::Vec3 position = packed(object.pose.position);
+      const format::Quat rotation = packed(object.pose.rotation);
+      const format::Filter filter = packed(object.filter);
+      objects.push_back(format::CreateObject(builder_, name, shape_table, &position, &rotation, &filter));
+    }
+    const bool has_mesh = !from.mesh.vertices.empty() || !from.mesh.triangles.empty();
+    const auto mesh_table = has_mesh ? mesh(from.mesh) : flatbuffers::Offset<format::Mesh>{};
+    const auto name = builder_.CreateString(from.name);
+    const auto part_vector = builder_.CreateVector(parts);
+    const auto object_vector = builder_.CreateVector(objects);
+    format::FinishSceneBuffer(builder_,
+                              format::CreateScene(builder_, kSceneFormat, name, mesh_table, part_vector, object_vector));
+  }
+
+  void finish(flatbuffers::Offset<format::Shape> root) { builder_.Finish(root); }
+
+  std::span<const std::byte> bytes() const {
+    return std::as_bytes(std::span(builder_.GetBufferPointer(), builder_.GetSize()));
+  }
+
+ private:
+  /// A shape's primitives by kind.
+  struct Parts {
+    std::vector<format::Sphere> spheres;
+    std::vector<format::Box> boxes;
+    std::vector<format::Mat3> axes;  // of the boxes
+    std::vector<format::Capsule> capsules;
+    std::vector<format::Cylinder> cylinders;
+    std::vector<format::Cone> cones;
+    std::vector<format::Ellipsoid> ellipsoids;
+    std::vector<format::HalfSpace> half_spaces;
+    std::vector<flatbuffers::Offset<format::Mesh>> hulls;
+    bool rotations_suffice = true;
+  };
+
+  void add(const Sphere& sphere, Parts& parts) { parts.spheres.emplace_back(packed(sphere.center), sphere.radius_m); }
+  void add(const Capsule& c, Parts& parts) { parts.capsules.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
+  void add(const Cylinder& c, Parts& parts) { parts.cylinders.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
+  void add(const Cone& c, Parts& parts) { parts.cones.emplace_back(packed(c.apex), packed(c.base), c.radius_m); }
+  void add(const Ellipsoid& e, Parts& parts) {
+    parts.ellipsoids.emplace_back(packed(e.center), packed(e.axes), packed(e.half_m));
+  }
+  void add(const HalfSpace& h, Parts& parts) { parts.half_spaces.emplace_back(packed(h.point), packed(h.normal)); }
+  void add(const Hull& hull, Parts& parts) { parts.hulls.push_back(mesh(*hull.mesh)); }
+  void add(const Box& box, Parts& parts) {
+    const Quat rotation = box.axes.determinant() > 0 ? Quat(box.axes).normalized() : Quat::Identity();
+    parts.rotations_suffice = parts.rotations_suffice && rotation.toRotationMatrix() == box.axes;
+    parts.boxes.emplace_back(packed(box.center), packed(rotation), packed(box.half_m));
+    parts.axes.emplace_back(packed(box.axes));
+  }
+
+  template <class Struct>
+  flatbuffers::Offset<flatbuffers::Vector<const Struct*>> optional(const std::vector<Struct>& structs) {
+    return structs.empty() ? 0 : builder_.CreateVectorOfStructs(structs);
+  }
+
+  flatbuffers::FlatBufferBuilder builder_;
+  std::unordered_map<const TriangleMesh*, flatbuffers::Offset<format::Mesh>> meshes_;
+};
+
+inline std::uint64_t encoded_bytes(const TriangleMesh& mesh) {
+  return mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(TriangleCorners) + 64;
+}
+
+inline std::uint64_t encoded_bytes(const Shape& shape) {
+  std::uint64_t bytes = 192 * shape.primitives.size() + (shape.mesh ? encoded_bytes(*shape.mesh) : 0) + 192;
+  for (const Primitive& primitive : shape.primitives) {
+    if (const auto* hull = std::get_if<Hull>(&primitive)) {
+      bytes += encoded_bytes(*hull->mesh);
+    }
+  }
+  return bytes;
+}
+
+/// Never less than the buffer will have.
+inline std::uint64_t encoded_bytes(const Scene& scene) {
+  std::uint64_t bytes = 1024 + encoded_bytes(scene.mesh) + scene.name.size();
+  for (const Part& part : scene.parts) {
+    bytes += 128 + part.name.size();
+  }
+  for (const SceneObject& object : scene.objects) {
+    bytes += 256 + object.name.size() + encoded_bytes(object.shape);
+  }
+  return bytes;
+}
+
+}  // namespace collided
