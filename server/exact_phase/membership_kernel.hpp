@@ -6,29 +6,35 @@ namespace collided::kernel {
 
 // Whether a closed set holds a point, over any number type.
 
+/// A point against an axis from one end to the other.
+template <class N>
+struct AlongAxis {
+  N length2;
+  N along;    // times the length
+  N across2;  // squared distance from the line, times length2
+  Decision is_between;
+
+  AlongAxis(const Vec3& from, const Vec3& end, const Vec3& point) {
+    const Vector<N> axis = Vector<N>(end) - Vector<N>(from);
+    const Vector<N> to = Vector<N>(point) - Vector<N>(from);
+    length2 = square(axis);
+    along = dot(to, axis);
+    across2 = square(cross(to, axis));
+    is_between = both(at_most(N(0.0), along), at_most(along, length2));
+  }
+};
+
 template <class N>
 Decision holds_point(const Cylinder& c, const Vec3& point) {
-  const Vector<N> axis = Vector<N>(c.b) - Vector<N>(c.a);
-  const Vector<N> to = Vector<N>(point) - Vector<N>(c.a);
-  const N length2 = square(axis);
-  const N along = dot(to, axis);
-  AllOf all;
-  if (all.add(at_most(N(0.0), along)) || all.add(at_most(along, length2))) return Decision::no;
-  all.add(at_most(square(cross(to, axis)), N(c.radius_m) * N(c.radius_m) * length2));
-  return all.result();
+  const AlongAxis<N> at(c.a, c.b, point);
+  return both(at.is_between, at_most(at.across2, N(c.radius_m) * N(c.radius_m) * at.length2));
 }
 
 template <class N>
 Decision holds_point(const Cone& c, const Vec3& point) {
-  const Vector<N> axis = Vector<N>(c.base) - Vector<N>(c.apex);
-  const Vector<N> to = Vector<N>(point) - Vector<N>(c.apex);
-  const N length2 = square(axis);
-  const N along = dot(to, axis);
-  AllOf all;
-  if (all.add(at_most(N(0.0), along)) || all.add(at_most(along, length2))) return Decision::no;
-  const N wide = N(c.radius_m) * along;
-  all.add(at_most(square(cross(to, axis)) * length2, wide * wide));
-  return all.result();
+  const AlongAxis<N> at(c.apex, c.base, point);
+  const N wide = N(c.radius_m) * at.along;
+  return both(at.is_between, at_most(at.across2 * at.length2, wide * wide));
 }
 
 /// The coordinates along the axes by Cramer's rule: u_i half_i det = to . (the cross product of the other two axes).

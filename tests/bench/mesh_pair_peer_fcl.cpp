@@ -1,28 +1,16 @@
-#include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/collision.h>
 
 #include <limits>
 
+#include "tests/bench/fcl_mesh.hpp"
 #include "tests/bench/mesh_pair_peers.hpp"
 
 namespace collided::bench {
 namespace {
 
-using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
-
-std::shared_ptr<Model> model_of(const TriangleMesh& mesh) {
-  std::vector<fcl::Triangle> triangles;
-  for (const TriangleCorners& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-  auto model = std::make_shared<Model>();
-  model->beginModel();
-  model->addSubModel(mesh.vertices, triangles);
-  model->endModel();
-  return model;
-}
-
 class Fcl final : public MeshPairPeer {
  public:
-  Fcl(const TriangleMesh& a, const TriangleMesh& b) : a_(model_of(a)), b_(model_of(b)) {}
+  Fcl(const TriangleMesh& a, const TriangleMesh& b) : a_(fcl_mesh(a)), b_(fcl_mesh(b)) {}
   std::string name() const override { return "FCL"; }
   void move(const Frame& frame) override {
     pose_.linear() = frame.rotation;
@@ -45,8 +33,8 @@ class Fcl final : public MeshPairPeer {
   }
 
  private:
-  std::shared_ptr<Model> a_;
-  std::shared_ptr<Model> b_;
+  std::shared_ptr<FclMesh> a_;
+  std::shared_ptr<FclMesh> b_;
   fcl::Transform3<double> pose_ = fcl::Transform3<double>::Identity();
 };
 

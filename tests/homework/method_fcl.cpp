@@ -1,33 +1,21 @@
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
-#include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/narrowphase/collision.h>
 
 #include <algorithm>
 #include <limits>
 
+#include "tests/bench/fcl_mesh.hpp"
 #include "tests/homework/method.hpp"
 
 namespace collided::homework {
 namespace {
 
-using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
-
-std::shared_ptr<Model> model_of(const TriangleMesh& mesh) {
-  std::vector<fcl::Triangle> triangles;
-  for (const TriangleCorners& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-  auto model = std::make_shared<Model>();
-  model->beginModel();
-  model->addSubModel(mesh.vertices, triangles);
-  model->endModel();
-  return model;
-}
-
 /// Its dynamic tree of boxes, then its trees of oriented boxes; one pair of polygons of two objects, or all of them.
 class Fcl final : public Method {
  public:
   Fcl(const Recording& recording, bool all_polygons) : all_polygons_(all_polygons) {
-    std::vector<std::shared_ptr<Model>> models;
-    for (const auto& size : recording.sizes) models.push_back(model_of(*size->mesh));
+    std::vector<std::shared_ptr<bench::FclMesh>> models;
+    for (const auto& size : recording.sizes) models.push_back(bench::fcl_mesh(*size->mesh));
     std::vector<fcl::CollisionObjectd*> all;
     for (std::size_t i = 0; i < recording.objects(); ++i) {
       objects_.push_back(std::make_unique<fcl::CollisionObjectd>(models[recording.size_of[i]]));
