@@ -1,52 +1,15 @@
-#include <ode/ode.h>
-
-#include <cstdarg>
-
 #include "tests/bench/mesh_pair_peers.hpp"
+#include "tests/bench/ode_mesh.hpp"
 
 namespace collided::bench {
 namespace {
 
 constexpr int kMostContacts = 0xffff;  // all that a call can tell
 
-/// It reports a full hash bucket on every call with many contacts.
-void keep_quiet(int, const char*, va_list) {}
-
-struct OdeMesh {
-  std::vector<dReal> vertices;
-  std::vector<dTriIndex> corners;
-  dTriMeshDataID data = nullptr;
-  dGeomID geometry = nullptr;
-
-  explicit OdeMesh(const TriangleMesh& mesh) {
-    for (const Vec3& vertex : mesh.vertices) {
-      for (int axis = 0; axis < 3; ++axis) vertices.push_back(static_cast<dReal>(vertex[axis]));
-    }
-    for (const TriangleCorners& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
-    data = dGeomTriMeshDataCreate();
-    const auto build = sizeof(dReal) == sizeof(double) ? dGeomTriMeshDataBuildDouble : dGeomTriMeshDataBuildSingle;
-    build(data, vertices.data(), 3 * sizeof(dReal), static_cast<int>(mesh.vertices.size()), corners.data(),
-          static_cast<int>(corners.size()), 3 * sizeof(dTriIndex));
-    geometry = dCreateTriMesh(nullptr, data, nullptr, nullptr, nullptr);
-  }
-  void free() {
-    dGeomDestroy(geometry);
-    dGeomTriMeshDataDestroy(data);
-  }
-};
-
 /// Its contacts name their triangles; a pair whose contact it merged with another's is lost in the telling.
 class Ode final : public MeshPairPeer {
  public:
-  Ode(const TriangleMesh& a, const TriangleMesh& b)
-      : started_(dInitODE2(0) != 0), a_(a), b_(b), contacts_(kMostContacts) {
-    dSetMessageHandler(keep_quiet);
-  }
-  ~Ode() override {
-    a_.free();
-    b_.free();
-    if (started_) dCloseODE();
-  }
+  Ode(const TriangleMesh& a, const TriangleMesh& b) : a_(a), b_(b), contacts_(kMostContacts) {}
   std::string name() const override { return "ODE"; }
   void move(const Frame& frame) override {
     dMatrix3 rotation{};
@@ -70,7 +33,7 @@ class Ode final : public MeshPairPeer {
   }
 
  private:
-  bool started_;
+  OdeRuns runs_;
   OdeMesh a_;
   OdeMesh b_;
   std::vector<dContactGeom> contacts_;

@@ -1,6 +1,4 @@
-#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
-#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
-
+#include "tests/bench/bullet_mesh.hpp"
 #include "tests/bench/clock.hpp"
 #include "tests/bench/overlap_peers.hpp"
 #include "tests/bench/plain_triangle.hpp"
@@ -11,10 +9,6 @@ namespace {
 using Own3 = Three<btScalar>;
 
 Own3 own(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-btVector3 bullet(const Vec3& v) {
-  return {static_cast<btScalar>(v[0]), static_cast<btScalar>(v[1]), static_cast<btScalar>(v[2])};
-}
-
 template <class Test>
 struct Visit final : btTriangleCallback {
   Test test;
@@ -29,15 +23,8 @@ struct Visit final : btTriangleCallback {
 class Bullet final : public OverlapPeer {
  public:
   explicit Bullet(const TriangleMesh& mesh) {
-    for (const Vec3& vertex : mesh.vertices) vertices_.push_back(bullet(vertex));
-    for (const TriangleCorners& t : mesh.triangles) {
-      for (const std::uint32_t corner : t) corners_.push_back(static_cast<int>(corner));
-    }
     const double start = thread_seconds();
-    array_ = std::make_unique<btTriangleIndexVertexArray>(
-        static_cast<int>(mesh.triangles.size()), corners_.data(), 3 * static_cast<int>(sizeof(int)),
-        static_cast<int>(vertices_.size()), &vertices_[0][0], static_cast<int>(sizeof(btVector3)));
-    shape_ = std::make_unique<btBvhTriangleMeshShape>(array_.get(), true);
+    mesh_ = std::make_unique<BulletMesh>(mesh);
     build_s = thread_seconds() - start;
   }
   std::string name() const override { return "Bullet"; }
@@ -60,14 +47,11 @@ class Bullet final : public OverlapPeer {
   template <class Test>
   long walk(const Vec3& center, const Vec3& half_m, bool any, Test test) {
     Visit<Test> visit(test);
-    shape_->processAllTriangles(&visit, bullet(center - half_m), bullet(center + half_m));
+    mesh_->shape->processAllTriangles(&visit, bullet(center - half_m), bullet(center + half_m));
     return any ? std::min(visit.count, 1L) : visit.count;
   }
 
-  std::vector<btVector3> vertices_;
-  std::vector<int> corners_;
-  std::unique_ptr<btTriangleIndexVertexArray> array_;
-  std::unique_ptr<btBvhTriangleMeshShape> shape_;
+  std::unique_ptr<BulletMesh> mesh_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
-#include <ode/ode.h>
+#include <optional>
 
 #include "tests/bench/clock.hpp"
+#include "tests/bench/ode_mesh.hpp"
 #include "tests/bench/overlap_peers.hpp"
 
 namespace collided::bench {
@@ -10,29 +11,14 @@ namespace {
 class Ode final : public OverlapPeer {
  public:
   explicit Ode(const TriangleMesh& mesh) {
-    dInitODE2(0);
-    for (const Vec3& vertex : mesh.vertices) {
-      for (int axis = 0; axis < 3; ++axis) vertices_.push_back(static_cast<dReal>(vertex[axis]));
-    }
-    for (const TriangleCorners& t : mesh.triangles) corners_.insert(corners_.end(), t.begin(), t.end());
     const double start = thread_seconds();
-    data_ = dGeomTriMeshDataCreate();
-#ifdef dDOUBLE
-    dGeomTriMeshDataBuildDouble(data_, vertices_.data(), 3 * sizeof(dReal), static_cast<int>(mesh.vertices.size()),
-                                corners_.data(), static_cast<int>(corners_.size()), 3 * sizeof(dTriIndex));
-#else
-    dGeomTriMeshDataBuildSingle(data_, vertices_.data(), 3 * sizeof(dReal), static_cast<int>(mesh.vertices.size()),
-                                corners_.data(), static_cast<int>(corners_.size()), 3 * sizeof(dTriIndex));
-#endif
-    mesh_ = dCreateTriMesh(nullptr, data_, nullptr, nullptr, nullptr);
+    mesh_.emplace(mesh);
     sphere_ = dCreateSphere(nullptr, 1);
     box_ = dCreateBox(nullptr, 1, 1, 1);
     build_s = thread_seconds() - start;
   }
   ~Ode() override {
-    for (const dGeomID geometry : {mesh_, sphere_, box_}) dGeomDestroy(geometry);
-    dGeomTriMeshDataDestroy(data_);
-    dCloseODE();
+    for (const dGeomID geometry : {sphere_, box_}) dGeomDestroy(geometry);
   }
   std::string name() const override { return "ODE"; }
   bool only_any() const override { return true; }
@@ -52,13 +38,11 @@ class Ode final : public OverlapPeer {
     dGeomSetPosition(geometry, static_cast<dReal>(c[0]), static_cast<dReal>(c[1]), static_cast<dReal>(c[2]));
     if (!any) return kCannot;
     dContactGeom contact;
-    return dCollide(mesh_, geometry, 1 | static_cast<int>(CONTACTS_UNIMPORTANT), &contact, sizeof contact) > 0 ? 1 : 0;
+    return dCollide(mesh_->geometry, geometry, 1 | static_cast<int>(CONTACTS_UNIMPORTANT), &contact, sizeof contact) > 0 ? 1 : 0;
   }
 
-  std::vector<dReal> vertices_;
-  std::vector<dTriIndex> corners_;
-  dTriMeshDataID data_ = nullptr;
-  dGeomID mesh_ = nullptr;
+  OdeRuns runs_;
+  std::optional<OdeMesh> mesh_;
   dGeomID sphere_ = nullptr;
   dGeomID box_ = nullptr;
 };

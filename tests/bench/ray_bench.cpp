@@ -1,7 +1,7 @@
 // Rays, one thread: closest hits alone and in batches, and any hit, beside Embree default, robust, packets, stream and
-// occluded and CGAL with exact predicates, in turn in one run. Ours walks the index that the server builds ("best").
-// "plain tests" is our walk with what it tells decided in
-// plain double: what certainty costs. The note says on what rung of the ladder rays were decided.
+// occluded, CGAL with exact predicates, Bullet and ODE, in turn in one run. Ours walks the index that the server builds
+// ("best"). "plain tests" is our walk with what it tells decided in plain double: what certainty costs. The note says on
+// what rung of the ladder rays were decided.
 
 #include <algorithm>
 #include <array>
@@ -222,6 +222,15 @@ Aabb bounds_of(const TriangleMesh& mesh) {
   return bounds;
 }
 
+}  // namespace
+
+double beyond(const TriangleMesh& mesh) {
+  const Aabb bounds = bounds_of(mesh);
+  return 4 * (bounds.high - bounds.low).norm();
+}
+
+namespace {
+
 std::vector<Ray> camera_rays(const TriangleMesh& mesh, int side) {
   const Aabb bounds = bounds_of(mesh);
   const Vec3 center = (bounds.low + bounds.high) / 2;
@@ -319,7 +328,20 @@ Agreement compare(const TriangleMesh& mesh, const std::vector<Ray>& rays, const 
   return agreement;
 }
 
-/// One mesh in both, and what is asked of it.
+using MakePeer = std::unique_ptr<RayPeer> (*)(const TriangleMesh&);
+const std::vector<MakePeer> kPeers{
+#ifdef COLLIDED_BENCH_CGAL
+    cgal_ray_peer,
+#endif
+#ifdef COLLIDED_BENCH_BULLET
+    bullet_ray_peer,
+#endif
+#ifdef COLLIDED_BENCH_ODE
+    ode_ray_peer,
+#endif
+};
+
+/// One mesh in all of them, and what is asked of it.
 class Bench {
  public:
   Bench(const Options& options, std::string scene, const TriangleMesh& mesh)
@@ -327,10 +349,10 @@ class Bench {
         embree_(mesh, RTC_SCENE_FLAG_NONE), robust_(mesh, RTC_SCENE_FLAG_ROBUST) {
     const double mesh_bytes =
         static_cast<double>(mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(TriangleCorners));
-#ifdef COLLIDED_BENCH_CGAL
-    // Its rows take minutes in a scene of a million.
-    if (options.quick || mesh.triangles.size() < 400'000) exact_ = cgal_ray_peer(mesh);
-#endif
+    // Their rows take minutes in a scene of a million.
+    if (options.quick || mesh.triangles.size() < 400'000) {
+      for (const MakePeer make : kPeers) peers_.push_back(make(mesh));
+    }
     bytes_each_ = (static_cast<double>(tree_.report().bytes) + mesh_bytes) / static_cast<double>(mesh.triangles.size());
   }
   void run(const std::string& kind, const std::vector<Ray>& rays);
@@ -350,7 +372,7 @@ class Bench {
   Embree embree_;
   Embree robust_;
   double bytes_each_ = 0;
-  std::unique_ptr<ExactRayPeer> exact_;
+  std::vector<std::unique_ptr<RayPeer>> peers_;
   std::vector<Answer> ours_;
   std::string rungs_;
 };
@@ -383,9 +405,9 @@ void Bench::alone(const std::string& name, const std::vector<Ray>& rays) {
   methods.push_back({.name = "Embree default", .run = by([this](const Ray& ray) { return embree_.shoot(ray); })});
   methods.push_back({.name = "Embree robust", .run = by([this](const Ray& ray) { return robust_.shoot(ray); })});
   methods.push_back({.name = "collided, plain tests", .run = by(ours(keep_closest))});
-  if (exact_) {
-    methods.push_back({.name = "CGAL exact predicates", .run = by([this](const Ray& ray) {
-                         const std::uint32_t triangle = exact_->nearest(ray);
+  for (const auto& peer : peers_) {
+    methods.push_back({.name = peer->name(), .run = by([this, p = peer.get()](const Ray& ray) {
+                         const std::uint32_t triangle = p->nearest(ray);
                          if (triangle == kNone) return Answer{};
                          return Answer{triangle, oracle::plain_ray(ray, mesh_.triangle(triangle)).value_or(kInfinity)};
                        })});

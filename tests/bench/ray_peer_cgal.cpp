@@ -16,7 +16,7 @@ using Traits = CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, T
 
 Kernel::Point_3 point_of(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
-class Cgal final : public ExactRayPeer {
+class Cgal final : public RayPeer {
  public:
   explicit Cgal(const TriangleMesh& mesh) {
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -26,7 +26,8 @@ class Cgal final : public ExactRayPeer {
     tree_.rebuild(triangles_.cbegin(), triangles_.cend());
     tree_.build();
   }
-  std::uint32_t nearest(const Ray& ray) const override {
+  std::string name() const override { return "CGAL exact predicates"; }
+  std::uint32_t nearest(const Ray& ray) override {
     const Vec3& d = ray.direction;
     const auto met = tree_.first_intersected_primitive(
         Kernel::Ray_3(point_of(ray.origin), Kernel::Vector_3(d[0], d[1], d[2])));
@@ -40,6 +41,6 @@ class Cgal final : public ExactRayPeer {
 
 }  // namespace
 
-std::unique_ptr<ExactRayPeer> cgal_ray_peer(const TriangleMesh& mesh) { return std::make_unique<Cgal>(mesh); }
+std::unique_ptr<RayPeer> cgal_ray_peer(const TriangleMesh& mesh) { return std::make_unique<Cgal>(mesh); }
 
 }  // namespace collided::bench
