@@ -17,6 +17,7 @@ Grid& Grid::operator=(Grid&&) noexcept = default;
 void Grid::rebuild(std::span<const Aabb> boxes) { storage_->levels.rebuild(boxes); }
 
 std::size_t Grid::size() const { return storage_->levels.entry_count; }
+bool Grid::is_swept() const { return storage_->levels.few.size() > 0; }
 std::size_t Grid::bytes() const { return storage_->levels.bytes(); }
 
 void Grid::pairs(PairFound found, void* context, WalkCost& cost) const {

@@ -11,7 +11,7 @@
 namespace collided {
 
 /// Multi-level hashed grid over bounding boxes: a box goes to the level of its size, so one giant among dust costs
-/// nothing. Unbounded coordinates. Generous, never misses; each box is called at most once a walk.
+/// nothing. A few boxes are swept along one axis instead (sweep_and_prune.hpp). Unbounded coordinates. Generous, never misses; each box is called at most once a walk.
 /// One thread rebuilds; while nobody rebuilds, any number may walk.
 class Grid {
  public:
@@ -24,6 +24,8 @@ class Grid {
   void rebuild(std::span<const Aabb> boxes);
 
   std::size_t size() const;
+  /// They are few.
+  bool is_swept() const;
   std::size_t bytes() const;
 
   /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order. False ends

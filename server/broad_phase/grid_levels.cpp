@@ -241,7 +241,38 @@ void Levels::index_level(Level& level) {
   first_of[bucket] = level.end;
 }
 
+/// And which they are: a scene of many parts that rest has a place for each, and little that moves.
+bool Levels::are_few(std::span<const Aabb> boxes) {
+  few_numbers.clear();
+  for (std::uint32_t i = 0; i < boxes.size() && few_numbers.size() <= kSweptBoxes; ++i) {
+    if (!boxes[i].empty()) few_numbers.push_back(i);
+  }
+  return few_numbers.size() <= kSweptBoxes;
+}
+
+void Levels::rebuild_few(std::span<const Aabb> boxes) {
+  few_boxes_.clear();
+  for (const std::uint32_t number : few_numbers) few_boxes_.push_back(boxes[number]);
+  few.update(few_boxes_);
+  levels.clear();
+  directory.clear();
+  loose_begin = 0;
+  loose_end = static_cast<std::uint32_t>(few.size());
+  entry_count = loose_end;
+  const std::uint32_t place_count = whole_blocks(loose_end + 1);
+  make_room(blocks, place_count / kBlock);
+  make_room(keys, place_count);
+  make_room(numbers, place_count);
+  for (std::uint32_t place = 0; place < loose_end; ++place) {
+    const std::uint32_t number = few.number(place);
+    store(few_boxes_[number], few_numbers[number], kNoKey, place);
+  }
+  pad(loose_end, place_count);
+}
+
 void Levels::rebuild(std::span<const Aabb> boxes) {
+  if (are_few(boxes)) return rebuild_few(boxes);
+  few.clear();
   choose_levels(boxes);
   const std::uint32_t place_count = lay_out();
   make_room(blocks, place_count / kBlock);
@@ -267,7 +298,7 @@ void Levels::rebuild(std::span<const Aabb> boxes) {
 }
 
 std::size_t Levels::bytes() const {
-  std::size_t bytes = blocks.bytes() + keys.bytes() + numbers.bytes() + directory.capacity() * sizeof(directory[0]) +
+  std::size_t bytes = few.bytes() + blocks.bytes() + keys.bytes() + numbers.bytes() + directory.capacity() * sizeof(directory[0]) +
                       members_.capacity() * sizeof(members_[0]) +
                       exponent_of_box_.capacity() * sizeof(exponent_of_box_[0]) +
                       (packed_.capacity() + other_packed_.capacity()) * sizeof(Packed) +

@@ -5,25 +5,24 @@
 #include <span>
 #include <vector>
 
+#include "server/broad_phase/box_block.hpp"
 #include "server/broad_phase/bsp_layout.hpp"
 #include "server/broad_phase/grid_key.hpp"
 #include "server/broad_phase/grid_sort.hpp"
+#include "server/broad_phase/sweep_and_prune.hpp"
 #include "server/geometry/aabb.hpp"
 
 namespace collided::grid {
 
-inline constexpr std::uint32_t kBlock = 8;
+inline constexpr std::uint32_t kBlock = BoxBlock::kSize;
 
-/// Eight boxes axis by axis, so that one is compared with all of them in six SIMD comparisons. Where there is no box
-/// all are NaN, which compares as apart from everything.
-struct alignas(64) Block {
-  double low[3][kBlock];
-  double high[3][kBlock];
-};
+/// Up to so many boxes are swept along an axis instead: a frame of 64 then costs 2 to 3 us, not 10 (grid_bench), and a
+/// question that looks at each of them no more than one that looks for them.
+inline constexpr std::size_t kSweptBoxes = 64;
 
 /// One box where it lies.
 struct Entry {
-  const Block* block;
+  const BoxBlock* block;
   std::uint32_t lane;
   std::uint32_t number;
 
@@ -76,16 +75,18 @@ struct Extent {
 
 /// Boxes sorted by level and key, so that a sweep in memory order meets its neighbours in a few parallel streams. Behind
 /// the last box of a level there is at least one place with kNoKey. Boxes that no level suits (unbounded, or too few of
-/// their size to be worth one) are loose: every question asks each of them.
+/// their size to be worth one) are loose: every question asks each of them. Where there are few boxes all are loose.
 struct Levels {
   std::vector<Level> levels;  // small boxes first
-  bsp::PlainArray<Block> blocks;
+  bsp::PlainArray<BoxBlock> blocks;
   bsp::PlainArray<Key> keys;               // by place
   bsp::PlainArray<std::uint32_t> numbers;  // by place
   std::vector<std::uint32_t> directory;    // by bucket of keys: its first place
   std::uint32_t entry_count = 0;
   std::uint32_t loose_begin = 0;  // behind the levels, the first of a block
   std::uint32_t loose_end = 0;
+  SweepAndPrune few;                       // where there are no more than kSweptBoxes, all of them loose; else empty
+  std::vector<std::uint32_t> few_numbers;  // of its boxes, ascending
 
   Entry entry(std::uint32_t place) const {
     return {&blocks[place / kBlock], place % kBlock, numbers[place]};
@@ -111,6 +112,8 @@ struct Levels {
   std::size_t bytes() const;
 
  private:
+  bool are_few(std::span<const Aabb> boxes);
+  void rebuild_few(std::span<const Aabb> boxes);
   void choose_levels(std::span<const Aabb> boxes);
   std::uint32_t lay_out();
   void share_out(std::span<const Aabb> boxes);
@@ -120,11 +123,7 @@ struct Levels {
                   std::vector<Element>& sorted, std::vector<Element>& scratch);
   void index_level(Level& level);
   [[gnu::always_inline]] inline void store(const Aabb& box, std::uint32_t number, Key key, std::uint32_t place) {
-    Block& block = blocks[place / kBlock];
-    for (int axis = 0; axis < 3; ++axis) {
-      block.low[axis][place % kBlock] = box.low[axis];
-      block.high[axis][place % kBlock] = box.high[axis];
-    }
+    blocks[place / kBlock].set(place % kBlock, box);
     keys[place] = key;
     numbers[place] = number;
   }
@@ -133,6 +132,7 @@ struct Levels {
   Extent all_;  // every box of the last rebuild
 
   // Scratch of rebuild, kept to save allocations.
+  std::vector<Aabb> few_boxes_;
   std::vector<std::int16_t> exponent_of_box_;
   std::vector<std::int16_t> level_of_exponent_;
   std::vector<std::uint32_t> members_;

@@ -6,45 +6,13 @@
 #include <algorithm>
 #include <limits>
 
+#include "server/broad_phase/box_block-inl.hpp"
 #include "server/broad_phase/grid_walk.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace collided::grid::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Doubles = hn::CappedTag<double, kBlock>;
-constexpr Doubles kDoubles;
-constexpr std::uint32_t kLanes = static_cast<std::uint32_t>(hn::MaxLanes(kDoubles));
+using Asked = collided::HWY_NAMESPACE::AskedBox;
 constexpr unsigned kAllLanes = (1u << kBlock) - 1;
-
-/// A box that is compared with others, each bound in every lane.
-struct Asked {
-  hn::Vec<Doubles> low[3];
-  hn::Vec<Doubles> high[3];
-
-  HWY_INLINE Asked(const Block& block, std::uint32_t lane)
-      : low{hn::Set(kDoubles, block.low[0][lane]), hn::Set(kDoubles, block.low[1][lane]),
-            hn::Set(kDoubles, block.low[2][lane])},
-        high{hn::Set(kDoubles, block.high[0][lane]), hn::Set(kDoubles, block.high[1][lane]),
-             hn::Set(kDoubles, block.high[2][lane])} {}
-};
-
-/// A bit for each lane of the block that overlaps.
-HWY_INLINE unsigned overlapping(const Block& block, const Asked& asked) {
-  unsigned found = 0;
-  for (std::uint32_t first = 0; first < kBlock; first += kLanes) {
-    auto all = hn::Le(hn::Load(kDoubles, block.low[0] + first), asked.high[0]);
-    all = hn::And(all, hn::Ge(hn::Load(kDoubles, block.high[0] + first), asked.low[0]));
-    for (int axis = 1; axis < 3; ++axis) {
-      all = hn::And(all, hn::Le(hn::Load(kDoubles, block.low[axis] + first), asked.high[axis]));
-      all = hn::And(all, hn::Ge(hn::Load(kDoubles, block.high[axis] + first), asked.low[axis]));
-    }
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(kDoubles, all, bits);
-    found |= static_cast<unsigned>(bits[0]) << first;
-  }
-  return found;
-}
 
 constexpr int kWindows = 5;
 
@@ -122,7 +90,7 @@ struct Search {
       const Key last = key + rows.to_row[w] + Rows::span(w);
       while (last_key(met.block[w]) <= last) {
         ++met.block[w];
-        met.lanes = static_cast<std::uint64_t>(overlapping(levels.blocks[met.block[w]], asked)) << (w * static_cast<int>(kBlock));
+        met.lanes = static_cast<std::uint64_t>(asked.overlapping(levels.blocks[met.block[w]])) << (w * static_cast<int>(kBlock));
         meetings.add(met);
         if (meetings.count == Meetings::kSize && !tell(rows, meetings)) return false;
       }
@@ -139,18 +107,18 @@ struct Search {
     for (std::uint32_t& block : met.block) block = level.begin / kBlock;
     for (std::uint32_t place = level.begin; place < level.end; ++place) {
       const Key key = levels.keys[place];
-      const Block& own = levels.blocks[place / kBlock];
+      const BoxBlock& own = levels.blocks[place / kBlock];
       const Asked asked(own, place % kBlock);
       met.place = place;
       met.block[0] = place / kBlock;
-      met.lanes = overlapping(own, asked) & (kAllLanes << 1 << place % kBlock) & kAllLanes;
+      met.lanes = asked.overlapping(own) & (kAllLanes << 1 << place % kBlock) & kAllLanes;
       unsigned more = last[met.block[0] * kBlock] <= key + 1 ? 1 : 0;
       for (int w = 1; w < kWindows; ++w) {
         const Key first = key + rows.to_row[w];
         std::uint32_t block = met.block[w];
         while (last[block * kBlock] < first) ++block;
         met.block[w] = block;
-        met.lanes |= static_cast<std::uint64_t>(overlapping(levels.blocks[block], asked)) << (w * static_cast<int>(kBlock));
+        met.lanes |= static_cast<std::uint64_t>(asked.overlapping(levels.blocks[block])) << (w * static_cast<int>(kBlock));
         more |= (last[block * kBlock] <= first + 2 ? 1u : 0u) << w;
       }
       meetings.add(met);
@@ -165,7 +133,7 @@ struct Search {
     const Asked asked(levels.blocks[place / kBlock], place % kBlock);
     const std::uint32_t number = levels.numbers[place];
     for (std::uint32_t block = from_place / kBlock; block * kBlock < end_place; ++block) {
-      unsigned met = overlapping(levels.blocks[block], asked);
+      unsigned met = asked.overlapping(levels.blocks[block]);
       if (block * kBlock < from_place) met &= kAllLanes << (from_place % kBlock);
       for (; met != 0; met &= met - 1) {
         if (!report(number, block * kBlock + static_cast<std::uint32_t>(__builtin_ctz(met)))) return false;
@@ -188,7 +156,7 @@ struct Search {
         const std::uint32_t from = levels.first_place(larger, first);
         if (levels.keys[from] > last) return true;
         for (std::uint32_t block = from / kBlock;; ++block) {
-          for (unsigned lanes = overlapping(levels.blocks[block], asked); lanes != 0; lanes &= lanes - 1) {
+          for (unsigned lanes = asked.overlapping(levels.blocks[block]); lanes != 0; lanes &= lanes - 1) {
             const std::uint32_t other = block * kBlock + static_cast<std::uint32_t>(__builtin_ctz(lanes));
             if (levels.keys[other] - first <= last - first && !report(entry.number, other)) return false;
           }
@@ -223,7 +191,25 @@ namespace collided::grid {
 
 HWY_EXPORT(FindPairs);
 
+namespace {
+
+void find_few_pairs(const Levels& levels, Grid::PairFound found, void* context, WalkCost& cost) {
+  struct Call {
+    const Levels& levels;
+    Grid::PairFound found;
+    void* context;
+  } call{levels, found, context};
+  const auto named = [](void* raw, std::uint32_t first, std::uint32_t second) {
+    const Call& c = *static_cast<Call*>(raw);
+    return c.found(c.context, c.levels.few_numbers[first], c.levels.few_numbers[second]);
+  };
+  levels.few.pairs(named, &call, cost);
+}
+
+}  // namespace
+
 void find_pairs(const Levels& levels, Grid::PairFound found, void* context, WalkCost& cost) {
+  if (levels.few.size() > 0) return find_few_pairs(levels, found, context, cost);
   HWY_DYNAMIC_DISPATCH(FindPairs)(levels, found, context, cost);
 }
 

@@ -137,7 +137,8 @@ inline constexpr double kNormalizedSlack = 16 * kRoundoff;
 /// survey in millimetres. Metres. At zero, IntakeSinglePrecision.NearCoordinatesGiveNoWarning fails.
 inline constexpr double kCoarseGrid_m = 1e-3;
 
-/// Of the largest square met, without unit: what the plain test of two balls may be wrong by. Differences, products and
+/// Of the largest square met, without unit: what the plain tests of a ball against a ball, a box or a
+/// capsule may be wrong by. Differences, products and
 /// sums are some twenty roundings of 2^-53 each; the nearest point's place on the way is off by as much, which counts
 /// squared. A thousand times that, since it costs only a candidate in 2^40.
 /// At zero, BallFilter.NeverPartsWhatMeets fails.

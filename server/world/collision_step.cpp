@@ -91,7 +91,10 @@ void Step::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* 
   if (touch.undecided && !touch.yes) ++s.cost.undecided;
   const bool passed = sweep != nullptr && sweep->yes && !touch.yes;
   if (!touch.yes && !passed) return;
-  if (s.cost.truncated && !s.ledger.holds(std::min(a, b), std::max(a, b))) return;
+  const bool is_held = s.ledger.holds(std::min(a, b), std::max(a, b));
+  // Those that hold take their room, whether this search has come to them yet or not.
+  if (!is_held && !passed && s.ledger.open().size() >= s.options.max_contacts) s.cost.truncated = true;
+  if (s.cost.truncated && !is_held) return;
   ++s.cost.contacts;
   FoundContact found{.a = a, .b = b, .a_triangle = touch.a_triangle, .b_triangle = touch.b_triangle,
                      .contact = passed ? sweep->contact : touch.contact};
@@ -105,7 +108,7 @@ void Step::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* 
     found.contact.normal = -found.contact.normal;
   }
   set_bracket(found, sweep, mover);
-  const bool is_told = wishes.persisted || !s.ledger.holds(found.a, found.b);
+  const bool is_told = wishes.persisted || !is_held;
   if (wishes.contacts && is_told) {
     const double time = passed ? sweep->bracket.high : 1;
     const Vec3& point = found.contact.point;

@@ -82,10 +82,14 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
   rows.push_back({"bsp_tree (static)", has_static,
                   has_static ? tree_words(snapshot, c) : "no static triangle is loaded",
                   has_static ? "" : "its memory and a walk a question"});
-  rows.push_back({"grid (objects)", has_objects,
-                  has_objects ? number(c.moving, "moving and ") + number(c.placed, "placed objects")
-                              : "no object moves or is placed",
-                  has_objects ? "" : "a rebuild a step and a walk a question"});
+  const bool is_swept = has_objects && snapshot.grid && snapshot.grid->is_swept();
+  const std::string objects = number(c.moving, "moving and ") + number(c.placed, "placed objects");
+  rows.push_back({"grid (objects)", has_objects && !is_swept,
+                  !has_objects ? "no object moves or is placed" : is_swept ? objects + " are few: swept" : objects,
+                  has_objects && !is_swept ? "" : "a rebuild a step and a walk a question"});
+  rows.push_back({"sweep-and-prune (objects)", is_swept,
+                  is_swept ? objects : has_objects ? "more objects than a sweep is good for" : "no object moves or is placed",
+                  is_swept ? "" : "an order along one axis"});
   rows.push_back({"pair search", c.moving > 0, c.moving > 0 ? number(c.moving, "movers") : "nothing moves",
                   c.moving > 0 ? "" : "the whole collision step"});
   rows.push_back({"swept test", c.moving > 0,

@@ -24,7 +24,8 @@ std::optional<MovingSphere> Step::way_of(std::uint32_t slot) const {
 }
 
 bool Step::is_fast(std::uint32_t slot) const {
-  if (s.motion[slot] != Motion::moved) return false;
+  // A lone sphere is swept by itself at any speed.
+  if (s.motion[slot] != Motion::moved || s.lone_spheres[slot]) return false;
   const MoverSize& size = s.sizes[slot];
   return longest_way_m(s.frames_before[slot], s.frames[slot], size.reach_m) > kUnsweptShare * size.least_width_m;
 }

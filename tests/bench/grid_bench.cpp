@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/broad_phase/grid.hpp"
+#include "server/broad_phase/sweep_and_prune.hpp"
 #include "tests/bench/clock.hpp"
 #include "tests/bench/frame_peers.hpp"
 #include "tests/bench/movers.hpp"
@@ -57,6 +58,27 @@ class OurFrames {
   Grid grid_;
 };
 
+class OurSweeps {
+ public:
+  std::size_t frame(std::span<const Aabb> boxes) {
+    sweep_.update(boxes);
+    std::size_t pairs = 0;
+    WalkCost cost;
+    const auto found = [](void* to, std::uint32_t, std::uint32_t) { return ++*static_cast<std::size_t*>(to) > 0; };
+    sweep_.pairs(found, &pairs, cost);
+    swaps_ += sweep_.report().swaps;
+    ++frames_;
+    return pairs;
+  }
+  double bytes() const { return static_cast<double>(sweep_.bytes()); }
+  double swaps_a_frame() const { return static_cast<double>(swaps_) / static_cast<double>(frames_); }
+
+ private:
+  SweepAndPrune sweep_;
+  std::uint64_t swaps_ = 0;
+  std::uint64_t frames_ = 0;
+};
+
 /// Nanoseconds of a frame by number of objects.
 using Growth = std::map<std::size_t, double>;
 
@@ -78,6 +100,16 @@ void run(const Options& options, std::size_t count, const std::string& kind, Mot
                                .equal = pairs,
                                .of = pairs,
                                .prepare = [&] { movers.step(); }}};
+  OurSweeps sweeps;
+  // Most of a million boxes in a cube overlap a hundred others on any axis.
+  if (count <= 100'000 || kind == "in a line") {
+    const std::size_t found = sweeps.frame(movers.boxes());
+    methods.push_back({.name = "collided, sweep",
+                       .run = [&] { sweeps.frame(movers.boxes()); },
+                       .bytes_each = sweeps.bytes() / static_cast<double>(count),
+                       .equal = std::min(found, pairs),
+                       .of = std::max(found, pairs)});
+  }
   for (const auto& peer : peers) {
     const std::size_t found = peer->frame(movers.boxes());
     methods.push_back({.name = peer->name(),
@@ -86,6 +118,7 @@ void run(const Options& options, std::size_t count, const std::string& kind, Mot
                        .of = std::max(found, pairs)});
   }
   measure(options, {kind, count, work, 1, std::to_string(pairs) + " pairs"}, methods);
+  std::printf("%s, %zu: %.0f swaps a frame\n", kind.c_str(), count, sweeps.swaps_a_frame());
   std::sort(methods[0].ns.begin(), methods[0].ns.end());
   growth[count] = methods[0].ns[methods[0].ns.size() / 2];
 }
@@ -128,9 +161,9 @@ int main(int argc, char** argv) {
   const bench::Options options = bench::read_options(argc, argv);
   std::mt19937_64 random = oracle::seeded(20240607);
   for (const bench::Motion motion : {bench::Motion::flight, bench::Motion::teleport}) {
-    for (const char* kind : {"uniform", "clustered", "one giant", "sizes 1/8 to 8"}) {
+    for (const char* kind : {"uniform", "clustered", "one giant", "sizes 1/8 to 8", "in a line"}) {
       bench::Growth growth;
-      for (const std::size_t count : {10'000, 100'000, 1'000'000}) {
+      for (const std::size_t count : {50, 1'000, 10'000, 100'000, 1'000'000}) {
         if (options.quick && count > 100'000) continue;
         // Somewhere else in every frame, clusters and uniform are the same.
         if (motion == bench::Motion::teleport && kind != std::string("uniform")) continue;

@@ -12,19 +12,31 @@ Vec3 Movers::any(Uniform of) {
   return {x, y, of(random_)};
 }
 
+Vec3 Movers::any_place() { return any(Uniform(0, 1)).cwiseProduct(edges_m_); }
+
+namespace {
+
+/// Ten cubic metres for each.
+Vec3 edges_of(std::size_t count, const std::string& kind) {
+  const double volume_m3 = 10.0 * static_cast<double>(count);
+  if (kind == "in a line") return {volume_m3 / 4, 2, 2};
+  return Vec3::Constant(std::cbrt(volume_m3));
+}
+
+}  // namespace
+
 Movers::Movers(std::size_t count, const std::string& kind, Motion motion, std::mt19937_64& random)
-    : edge_m_(std::cbrt(10.0 * static_cast<double>(count))), motion_(motion), random_(random) {
-  const Uniform place(0, edge_m_);
+    : edges_m_(edges_of(count, kind)), motion_(motion), random_(random) {
   const double size_range = kind == "sizes 1/8 to 8" ? 8 : 1;
   Uniform size(1 / size_range, size_range);
   std::normal_distribution<double> spread(0, 2.5);
   const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
-  Vec3 middle = any(place);
+  Vec3 middle = any_place();
   for (std::size_t i = 0; i < count; ++i) {
-    Vec3 low = any(place);
+    Vec3 low = any_place();
     Vec3 extent = Vec3::Constant(size(random_));
     if (kind == "clustered") {
-      if (i % 100 == 0) middle = any(place);
+      if (i % 100 == 0) middle = any_place();
       const double x = spread(random_);
       const double y = spread(random_);
       low = middle + Vec3(x, y, spread(random_));
@@ -40,7 +52,7 @@ Movers::Movers(std::size_t count, const std::string& kind, Motion motion, std::m
     velocities_.push_back(rests ? Vec3(Vec3::Zero()) : any(Uniform(-0.1, 0.1)));
   }
   if (kind == "one giant") {
-    boxes_.front() = {Vec3::Zero(), Vec3::Constant(edge_m_)};
+    boxes_.front() = {Vec3::Zero(), edges_m_};
     velocities_.front().setZero();
   }
 }
@@ -51,7 +63,7 @@ void Movers::fly(std::size_t i) {
     const double next = boxes_[i].low[k] + velocity[k];
     // Back towards the cube also for those that began outside of it.
     if (next < 0) velocity[k] = std::abs(velocity[k]);
-    if (next > edge_m_) velocity[k] = -std::abs(velocity[k]);
+    if (next > edges_m_[k]) velocity[k] = -std::abs(velocity[k]);
   }
   boxes_[i].low += velocity;
   boxes_[i].high += velocity;
@@ -63,7 +75,7 @@ void Movers::step() {
       fly(i);
     } else {
       const Vec3 extent = boxes_[i].high - boxes_[i].low;
-      boxes_[i].low = any(Uniform(0, edge_m_));
+      boxes_[i].low = any_place();
       boxes_[i].high = boxes_[i].low + extent;
     }
   }

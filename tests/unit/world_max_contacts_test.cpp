@@ -37,6 +37,7 @@ class WorldMaxContacts : public ::testing::Test {
       }
     }
     EXPECT_EQ(told_.size(), world_.contacts().size());
+    EXPECT_LE(told_.size(), 10u);
   }
   bool plan_says_so() const {
     for (const PlanRow& row : plan_of(*world_.newest(), true)) {

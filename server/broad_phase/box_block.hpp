@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/geometry/aabb.hpp"
+
+namespace collided {
+
+/// Eight boxes axis by axis, so that one is compared with all of them in six SIMD comparisons. Where there is no box
+/// all are NaN, which compares as apart from everything.
+struct alignas(64) BoxBlock {
+  static constexpr std::uint32_t kSize = 8;
+
+  double low[3][kSize];
+  double high[3][kSize];
+
+  void set(std::uint32_t lane, const Aabb& box) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis][lane] = box.low[axis];
+      high[axis][lane] = box.high[axis];
+    }
+  }
+};
+
+}  // namespace collided
