@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/exact_phase/plain_range.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::kernel {
-namespace {
-
-/// Squares whose sums and products neither lose their digits nor overflow; false for what is not a number.
-bool in_plain_range(double largest_m2) { return largest_m2 > 0x1p-400 && largest_m2 < 0x1p400; }
-
-}  // namespace
-
 Decision quickly_overlaps(const Sphere& ball, const Box& box) {
   const Vec3 way = ball.center - box.center;
   const Vec3 local = (box.axes.transpose() * way).cwiseMax(-box.half_m).cwiseMin(box.half_m);

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "server/exact_phase/ball_filter.hpp"
+#include "server/exact_phase/capsule_filter.hpp"
 #include "server/exact_phase/general_shapes.hpp"
 #include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/nearest_filter.hpp"
@@ -66,6 +67,8 @@ Verdict overlaps(const Box& a, const Box& b) {
 }
 
 Verdict overlaps(const Box& a, const Capsule& b) {
+  const Decision quick = quickly_overlaps(a, b);
+  if (quick != Decision::undecided) return {quick, Level::filter};
   return climb([&]<class N>() { return sets_meet<N>(a, b); });
 }
 
@@ -84,6 +87,8 @@ Verdict overlaps(const Box& a, const Triangle& b, double& depth_at_most_m) {
 }
 
 Verdict overlaps(const Capsule& a, const Capsule& b) {
+  const Decision quick = quickly_overlaps(a, b);
+  if (quick != Decision::undecided) return {quick, Level::filter};
   return climb([&]<class N>() { return sets_meet<N>(a, b); });
 }
 

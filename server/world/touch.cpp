@@ -146,7 +146,9 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
 }
 
 void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost) {
-  visit_primitives_near(*b.info, *b.frame, bounds_near(a, b.bounds), cost, [&](const Primitive& primitive) {
+  // Bounds cost more than many a test: only where an index asks for them.
+  const Aabb near = b.info->parts ? bounds_near(a, b.bounds) : Aabb{};
+  visit_primitives_near(*b.info, *b.frame, near, cost, [&](const Primitive& primitive) {
     touch_parts(a, wire_contract::kNoTriangle, place(*b.frame, primitive), wire_contract::kNoTriangle, touch);
     return !touch.done();
   });
@@ -154,7 +156,8 @@ void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& c
 }
 
 void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
-  visit_primitives_near(*a.info, *a.frame, bounds_near(b, a.bounds), cost, [&](const Primitive& primitive) {
+  const Aabb near = a.info->parts ? bounds_near(b, a.bounds) : Aabb{};
+  visit_primitives_near(*a.info, *a.frame, near, cost, [&](const Primitive& primitive) {
     touch_object(place(*a.frame, primitive), b, touch, cost);
     return !touch.done();
   });
