@@ -10,7 +10,6 @@
 namespace collided::service {
 
 using wire_contract::EndReason;
-using wire_contract::EventKind;
 using wire_contract::ServerState;
 
 namespace {
@@ -44,7 +43,7 @@ std::chrono::steady_clock::time_point WorldLoop::next_wake() const {
 
 void WorldLoop::run() {
   // Every shard is written once, so that who waits for all of them need not guess which are empty.
-  dirty_shards_.assign(wire_contract::kContactShards, 1);
+  broadcast_.mark_all();
   publish();
   next_status_ns_ = steady_ns();
   next_step_ns_ = next_status_ns_;
@@ -149,71 +148,8 @@ void WorldLoop::step_now() {
 }
 
 void WorldLoop::publish() {
-  const SnapshotRing::Lease state = around_.world.newest();
-  const Stamp stamp{.version = state->version, .world_time_ns = state->world_time_ns};
-  publish_events(stamp);
-  publish_contacts(stamp);
+  broadcast_.publish();
   let_fences_pass();
-}
-
-/// Frames before shards: who joins between the two finds an event twice rather than never.
-void WorldLoop::publish_events(const Stamp& stamp) {
-  const auto name_of = [&](ObjectId id) { return names_.name(id); };
-  const auto send = [&](EventColumns& frame, bool persisted) {
-    if (frame.size() == 0) return;
-    frame.named.fill(name_of);
-    if (persisted) {
-      around_.outlet.write_persisted(frame, stamp);
-    } else {
-      around_.outlet.write_events(frame, stamp);
-    }
-    frame.clear();
-  };
-  events_.clear();
-  persisted_.clear();
-  for (const Event& event : around_.world.events()) {
-    const bool persisted = event.kind == EventKind::persisted;
-    if (!persisted) {
-      const std::uint64_t hash = wire_contract::contact_hash(event.of.a, event.of.b, event.of.episode);
-      contact_hash_ += event.kind == EventKind::began ? hash : 0 - hash;
-      dirty_shards_[wire_contract::contact_shard(event.of.a, event.of.b)] = 1;
-      if (event.kind == EventKind::began) names_.note(event.of, around_.world);
-    }
-    EventColumns& frame = persisted ? persisted_ : events_;
-    frame.add(event);
-    if (frame.size() == wire_contract::kMaxEventsPerFrame) send(frame, persisted);
-  }
-  send(events_, false);
-  send(persisted_, true);
-  for (const Event& event : around_.world.events()) {
-    if (event.kind == EventKind::ended) names_.forget(event.of);
-  }
-}
-
-void WorldLoop::publish_contacts(const Stamp& stamp) {
-  if (std::find(dirty_shards_.begin(), dirty_shards_.end(), 1) == dirty_shards_.end()) return;
-  const std::vector<OpenContact>& open = around_.world.contacts();
-  shard_of_.clear();
-  for (const OpenContact& contact : open) shard_of_.push_back(wire_contract::contact_shard(contact.a, contact.b));
-  const auto name_of = [&](ObjectId id) { return names_.name(id); };
-  for (std::uint32_t shard = 0; shard < dirty_shards_.size(); ++shard) {
-    if (dirty_shards_[shard] == 0) continue;
-    dirty_shards_[shard] = 0;
-    contacts_.clear();
-    contacts_.shard = static_cast<std::uint8_t>(shard);
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if (shard_of_[i] == shard) contacts_.add(open[i]);
-    }
-    contacts_.named.fill(name_of);
-    // DDS delivers no larger message. Names can be missed, contacts cannot.
-    constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
-    if (contacts_.bytes() > kRoom) contacts_.named.clear();
-    if (contacts_.bytes() > kRoom) {
-      around_.notice("more contacts hold than the contact topic carries; who joins now will not learn them all");
-      continue;
-    }
-    around_.outlet.write_contacts(contacts_, stamp, around_.world.last_event_sequence());
-  }
 }
 
 void WorldLoop::let_fences_pass() {
@@ -230,7 +166,7 @@ void WorldLoop::write_status(ServerState state) {
   status_.state = state;
   status_.last_event_sequence = around_.world.last_event_sequence();
   status_.contact_count = static_cast<std::uint32_t>(around_.world.contacts().size());
-  status_.contact_hash = contact_hash_;
+  status_.contact_hash = broadcast_.contact_hash();
   status_.contacts_truncated = newest->contacts_truncated;
   status_.poses_applied = counts.poses_applied;
   status_.poses_dropped =

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/service/broadcast.hpp"
 #include "server/service/clock.hpp"
 #include "server/service/counters.hpp"
 #include "server/service/fences.hpp"
@@ -52,6 +53,7 @@ class WorldLoop {
       : around_(around),
         options_(options),
         publishers_(around.world, options.limits),
+        broadcast_(around.world, around.outlet, around.notice),
         recovering_(options.recovery_ns > 0),
         recovered_ns_(steady_ns() + options.recovery_ns) {}
 
@@ -82,8 +84,6 @@ class WorldLoop {
   void keep_time();
   void step_if_due();
   void publish();
-  void publish_events(const Stamp& stamp);
-  void publish_contacts(const Stamp& stamp);
   void let_fences_pass();
   void write_status(wire_contract::ServerState state);
   void list_publishers();
@@ -95,6 +95,7 @@ class WorldLoop {
   Around around_;
   LoopOptions options_;
   Publishers publishers_;
+  Broadcast broadcast_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> recovering_{false};
   std::int64_t recovered_ns_ = 0;
@@ -105,14 +106,7 @@ class WorldLoop {
   std::int64_t next_status_ns_ = 0;
   LoopCounts counts_;
 
-  NameBook names_;
-  EventColumns events_;
-  EventColumns persisted_;
-  std::vector<std::uint8_t> dirty_shards_;
-  std::vector<std::uint8_t> shard_of_;  // the contacts that hold
-  ContactColumns contacts_;
   StatusColumns status_;
-  std::uint64_t contact_hash_ = 0;
   Fences::Applied applied_;
   mutable std::mutex publisher_names_mutex_;
   std::map<std::uint64_t, std::string> publisher_names_;
