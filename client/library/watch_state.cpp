@@ -15,6 +15,9 @@ std::uint64_t hash_of(const Event& event) {
   return wire_contract::contact_hash(event.a_id, event.b_id, event.episode);
 }
 
+/// In one order, whichever id is the lower: ids change when an object is defined anew.
+std::pair<std::string, std::string> names_of(const Event& event) { return std::minmax(event.a, event.b); }
+
 Event as_open(const Event& event) {
   Event open = event;
   open.what = What::open;
@@ -40,9 +43,10 @@ bool WatchState::is_current(const ServerLife& from, Clock::time_point now) {
 
 void WatchState::start_life(const ServerLife& life) {
   for (auto& [pair, contact] : held_) {
-    carried_.insert_or_assign(Names{contact.a, contact.b}, std::move(contact));
+    carried_.insert_or_assign(names_of(contact), std::move(contact));
   }
   held_.clear();
+  held_by_names_.clear();
   life_ = life;
   applied_ = run_start_ = 0;
   shards_ = {};
@@ -116,10 +120,35 @@ void WatchState::apply_began(const Event& event) {
   } else if (carry_over(event)) {
     return;
   }
+  end_namesake(event);
   Event began = event;
   began.began = began.world_time;
-  held_.insert_or_assign(pair_of(event), as_open(began));
+  hold(as_open(began));
   emit_(began);
+}
+
+void WatchState::hold(const Event& contact) {
+  held_.insert_or_assign(pair_of(contact), contact);
+  held_by_names_.insert_or_assign(names_of(contact), pair_of(contact));
+}
+
+WatchState::Contacts::iterator WatchState::release(Contacts::iterator held) {
+  const auto named = held_by_names_.find(names_of(held->second));
+  if (named != held_by_names_.end() && named->second == held->first) held_by_names_.erase(named);
+  return held_.erase(held);
+}
+
+/// A name is one object at a time: news of a pair with other ids say that the objects were defined anew, and that the
+/// end of what is held under these names was missed.
+void WatchState::end_namesake(const Event& event) {
+  const auto named = held_by_names_.find(names_of(event));
+  if (named == held_by_names_.end() || named->second == pair_of(event)) {
+    return;
+  }
+  doubt();
+  const auto held = held_.find(named->second);
+  emit_missed(held->second, What::ended, Why::none, event.sequence);
+  release(held);
 }
 
 void WatchState::apply_ended(const Event& event) {
@@ -129,14 +158,16 @@ void WatchState::apply_ended(const Event& event) {
     doubt();
     if (held != held_.end()) {
       emit_missed(held->second, What::ended, Why::none, event.sequence);
-      held_.erase(held);
+      release(held);
     }
+    end_namesake(event);
     emit_missed(event, What::began, Why::none, event.sequence);
-    held = held_.emplace(pair_of(event), as_open(event)).first;
+    hold(as_open(event));
+    held = held_.find(pair_of(event));
   }
   Event ended = event;
   ended.began = held->second.began;
-  held_.erase(held);
+  release(held);
   emit_(ended);
 }
 
@@ -159,14 +190,14 @@ void WatchState::hear_persisted(const HeardFrame& frame) {
 
 // The ids of another life mean nothing in this one: names tell which pair it is.
 bool WatchState::carry_over(const Event& event) {
-  const auto carried = carried_.find(Names{event.a, event.b});
+  const auto carried = carried_.find(names_of(event));
   if (carried == carried_.end()) {
     return false;
   }
   Event contact = as_open(event);
   contact.began = carried->second.began;
   carried_.erase(carried);
-  held_.insert_or_assign(pair_of(event), std::move(contact));
+  hold(contact);
   return true;
 }
 
@@ -292,9 +323,9 @@ WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
 
 void WatchState::adopt_first() {
   const std::uint64_t at = bookmark_->last_event_sequence;
-  held_ = state_at(at);
   mode_ = Mode::in_step;
-  for (const auto& [pair, contact] : held_) {
+  for (const auto& [pair, contact] : state_at(at)) {
+    hold(contact);
     emit_missed(contact, What::open, Why::none, at);
   }
   const std::deque<HeardFrame::Entry> recent = recent_;
@@ -321,12 +352,12 @@ void WatchState::adopt_differences() {
     Event ended = held->second;
     ended.world_time = bookmark_->world_time;
     emit_missed(ended, What::ended, Why::none, at);
-    held = held_.erase(held);
+    held = release(held);
   }
   for (const auto& [pair, contact] : state) {
     if (!held_.contains(pair) && !carry_over(contact)) {
       emit_missed(contact, What::began, Why::none, at);
-      held_.emplace(pair, contact);
+      hold(contact);
     }
   }
   if (applied_ < at) {

@@ -58,7 +58,7 @@ struct HeardBookmark {
 /// In step, every event is one more than the last. A gap, a bookmark that disagrees or a new life of the server makes it
 /// doubtful: events still come through, with what they imply about missed ones, until shards and events together give a
 /// state that a bookmark vouches for by count and hash; then the differences follow, marked `resync`.
-/// Always: for every pair, began (or open) and ended alternate in what it emits.
+/// Always: for every pair of ids, and for every pair of names, began (or open) and ended alternate in what it emits.
 class WatchState {
  public:
   using Emit = std::function<void(const Event&)>;
@@ -90,6 +90,9 @@ class WatchState {
   void apply(const Event& event);
   void apply_began(const Event& event);
   void apply_ended(const Event& event);
+  void hold(const Event& contact);
+  Contacts::iterator release(Contacts::iterator held);
+  void end_namesake(const Event& event);
   /// Takes a pair held over from an earlier life into this one; false when there is none of these names.
   bool carry_over(const Event& event);
   void emit_missed(const Event& contact, What what, Why why, std::uint64_t sequence);
@@ -112,6 +115,7 @@ class WatchState {
   std::uint64_t applied_ = 0;    // the newest event heard
   std::uint64_t run_start_ = 0;  // events from here to applied_ came without a gap; 0: none came yet
   Contacts held_;                // what the caller was told
+  std::map<Names, Pair> held_by_names_;
   std::map<Names, Event> carried_;  // told in an earlier life of the server, not yet met in this one
 
   std::array<Shard, wire_contract::kContactShards> shards_;

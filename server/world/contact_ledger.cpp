@@ -103,10 +103,12 @@ void ContactLedger::retell_corrected() {
 }
 
 void ContactLedger::finish_step() {
-  // Within a pair: an old contact ends before a new one begins; a new one begins before it ends. Stable sorting keeps
-  // both, since each was pushed in that order.
-  std::stable_sort(events_.begin(), events_.end(), [](const Event& x, const Event& y) {
-    return std::tie(x.of.a, x.of.b) < std::tie(y.of.a, y.of.b);
+  // What held before ends first: an object that was defined anew has another id, and whoever knows it by its name must
+  // hear of the old one's end before the new one's beginning. A contact that begins and ends in this step does so in
+  // that order, which stable sorting keeps.
+  const auto is_old_end = [](const Event& e) { return e.kind == wire_contract::EventKind::ended && e.of.episode != 0; };
+  std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) {
+    return std::tuple(!is_old_end(x), x.of.a, x.of.b) < std::tuple(!is_old_end(y), y.of.a, y.of.b);
   });
   std::uint64_t passing_episode = 0;
   for (Event& event : events_) {

@@ -285,7 +285,8 @@ bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, Mot
   frames[slot] = frame_of(pose);
   const std::optional<Sphere>& sphere = lone_spheres[slot];
   bounds[slot] = sphere ? collided::bounds(place(frames[slot], *sphere)) : bounds_of(*(*objects)[slot], frames[slot]);
-  posed_ns[slot] = time_ns;
+  // An object's time does not go back, whatever its publisher's clock does: brackets are measured in it.
+  posed_ns[slot] = std::max(posed_ns[slot], time_ns);
   has_way[slot] = how == Motion::moved ? 1 : 0;
   mark(slot, how);
   return true;

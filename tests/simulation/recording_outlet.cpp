@@ -1,0 +1,76 @@
+#include "tests/simulation/recording_outlet.hpp"
+
+namespace collided::simulation {
+
+using wire_contract::EndReason;
+using wire_contract::EventKind;
+
+void RecordingOutlet::check(const service::EventColumns& events, std::size_t i) {
+  const std::uint64_t sequence = events.first_sequence + i;
+  const auto say = [&](const char* what) { violation_("event " + std::to_string(sequence) + ' ' + what); };
+  if (sequence != last_sequence_ + 1) say("does not follow the one before");
+  last_sequence_ = sequence;
+  const std::pair pair(events.a[i], events.b[i]);
+  if (!(pair.first < pair.second)) say("names its pair the wrong way round");
+  const double low_s = events.numbers[i * wire_contract::kEventNumbers + 8];
+  const double high_s = events.numbers[i * wire_contract::kEventNumbers + 9];
+  if (!(low_s >= high_s && high_s >= 0)) say("has a bracket out of order");
+  if (events.kinds[i] == static_cast<std::uint8_t>(EventKind::began)) {
+    if (!open_.emplace(pair, events.episodes[i]).second) say("begins what holds");
+    if (events.episodes[i] != sequence) say("does not begin its own episode");
+    return;
+  }
+  const auto found = open_.find(pair);
+  if (found == open_.end()) return say("ends what does not hold");
+  if (found->second != events.episodes[i]) say("ends another episode");
+  if (events.reasons[i] == static_cast<std::uint8_t>(EndReason::none)) say("ends without a reason");
+  open_.erase(found);
+}
+
+void RecordingOutlet::write_events(const service::EventColumns& events, const service::Stamp&) {
+  for (std::size_t i = 0; i < events.size(); ++i) check(events, i);
+  payload_.put(epoch_);
+  payload_.put(events.first_sequence);
+  payload_.put(events.kinds);
+  payload_.put(events.reasons);
+  payload_.put(events.shards);
+  payload_.put(events.a);
+  payload_.put(events.b);
+  payload_.put(events.a_triangles);
+  payload_.put(events.b_triangles);
+  payload_.put(events.episodes);
+  payload_.put(events.numbers);
+  payload_.put(events.named.ids);
+  payload_.put(events.named.names);
+  payload_.send(Kind::frame, now_ns_, to_);
+}
+
+void RecordingOutlet::write_contacts(const service::ContactColumns& contacts, const service::Stamp&,
+                                     std::uint64_t as_of_sequence) {
+  payload_.put(epoch_);
+  payload_.put(as_of_sequence);
+  payload_.put(contacts.shard);
+  payload_.put(contacts.a);
+  payload_.put(contacts.b);
+  payload_.put(contacts.a_triangles);
+  payload_.put(contacts.b_triangles);
+  payload_.put(contacts.episodes);
+  payload_.put(contacts.began_ns);
+  payload_.put(contacts.numbers);
+  payload_.put(contacts.named.ids);
+  payload_.put(contacts.named.names);
+  payload_.send(Kind::shard, now_ns_, to_);
+}
+
+void RecordingOutlet::write_status(const service::StatusColumns& status) {
+  if (status.last_event_sequence != last_sequence_) violation_("a bookmark that does not name the last event");
+  if (status.contact_count != open_.size()) violation_("a bookmark that counts other contacts than events left open");
+  payload_.put(epoch_);
+  payload_.put(status.last_event_sequence);
+  payload_.put(status.contact_count);
+  payload_.put(status.contact_hash);
+  payload_.put(static_cast<std::uint8_t>(status.state));
+  payload_.send(Kind::bookmark, now_ns_, to_);
+}
+
+}  // namespace collided::simulation

@@ -1,0 +1,77 @@
+#include "tests/simulation/simulated_publisher.hpp"
+
+#include <algorithm>
+
+namespace collided::simulation {
+
+using service::DefinitionSample;
+using service::PoseSample;
+
+bool SimulatedPublisher::has_name(const std::string& name) const {
+  return std::any_of(objects_.begin(), objects_.end(), [&](const auto& entry) { return entry.second.name == name; });
+}
+
+DefinitionSample SimulatedPublisher::definition(std::uint32_t number, bool removed) {
+  DefinitionSample sample;
+  sample.publisher = id_;
+  sample.object_number = number;
+  sample.incarnation = incarnation_;
+  sample.sequence = ++sequence_;
+  sample.removed = removed;
+  sample.publisher_name = "publisher " + std::to_string(id_);
+  definitions_through_ = sequence_;
+  if (removed) return sample;
+  Object& object = objects_.at(number);
+  sample.name = object.name;
+  sample.lost_policy = static_cast<std::uint8_t>(object.policy);
+  std::copy(object.position.begin(), object.position.end(), sample.pose.begin());
+  Shape shape;
+  shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = object.radius_m});
+  sample.shape = std::move(shape);
+  object.is_moved = false;
+  return sample;
+}
+
+DefinitionSample SimulatedPublisher::add(const Object& object) {
+  std::uint32_t number = 0;
+  while (objects_.contains(number)) ++number;
+  objects_.emplace(number, object);
+  return definition(number, false);
+}
+
+DefinitionSample SimulatedPublisher::remove(std::uint32_t number) {
+  objects_.erase(number);
+  return definition(number, true);
+}
+
+std::vector<DefinitionSample> SimulatedPublisher::define_all() {
+  std::vector<DefinitionSample> all;
+  for (const auto& [number, object] : objects_) all.push_back(definition(number, false));
+  return all;
+}
+
+void SimulatedPublisher::move(std::uint32_t number, const Vec3& position) {
+  Object& object = objects_.at(number);
+  object.position = position;
+  object.is_moved = true;
+}
+
+PoseSample SimulatedPublisher::flush(std::int64_t now_ns, bool teleported, bool everything) {
+  PoseSample sample;
+  sample.publisher = id_;
+  sample.incarnation = incarnation_;
+  sample.sequence = ++sequence_;
+  sample.definitions_through = definitions_through_;
+  sample.source_time_ns = now_ns + clock_offset_ns_;
+  sample.flags = teleported ? wire_contract::kTeleported : 0;
+  for (auto& [number, object] : objects_) {
+    if (!object.is_moved && !everything) continue;
+    object.is_moved = false;
+    sample.object_numbers.push_back(number);
+    sample.poses.insert(sample.poses.end(), object.position.begin(), object.position.end());
+    sample.poses.insert(sample.poses.end(), {1, 0, 0, 0});
+  }
+  return sample;
+}
+
+}  // namespace collided::simulation

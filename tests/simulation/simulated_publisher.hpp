@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "server/service/publishers.hpp"
+#include "server/service/samples.hpp"
+
+namespace collided::simulation {
+
+/// A publisher as the client library is one: definitions and poses under one count, everything defined anew after a
+/// hang, a restart or with a new server. What it believes to have said is the truth that the world is held against.
+class SimulatedPublisher {
+ public:
+  struct Object {
+    std::string name;
+    Vec3 position = Vec3::Zero();
+    double radius_m = 0.5;
+    wire_contract::LostPolicy policy = wire_contract::LostPolicy::remove;
+    bool is_moved = false;  // since the last flush
+  };
+
+  SimulatedPublisher(std::uint64_t id, std::uint64_t incarnation, std::int64_t clock_offset_ns)
+      : id_(id), incarnation_(incarnation), clock_offset_ns_(clock_offset_ns) {}
+
+  std::uint64_t id() const { return id_; }
+  const std::map<std::uint32_t, Object>& objects() const { return objects_; }
+  Object& object(std::uint32_t number) { return objects_.at(number); }
+  bool has_name(const std::string& name) const;
+
+  service::DefinitionSample add(const Object& object);
+  service::DefinitionSample remove(std::uint32_t number);
+  /// Every object with its newest pose, as after a hang.
+  std::vector<service::DefinitionSample> define_all();
+  void move(std::uint32_t number, const Vec3& position);
+  /// The poses that were moved since the last flush; all of them where `everything`.
+  service::PoseSample flush(std::int64_t now_ns, bool teleported, bool everything);
+  void jump_clock(std::int64_t by_ns) { clock_offset_ns_ += by_ns; }
+
+ private:
+  service::DefinitionSample definition(std::uint32_t number, bool removed);
+
+  std::uint64_t id_;
+  std::uint64_t incarnation_;
+  std::int64_t clock_offset_ns_;
+  std::uint64_t sequence_ = 0;
+  std::uint64_t definitions_through_ = 0;
+  std::map<std::uint32_t, Object> objects_;
+};
+
+}  // namespace collided::simulation

@@ -1,0 +1,127 @@
+#include "tests/simulation/simulated_server.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "server/exact_phase/overlap.hpp"
+
+namespace collided::simulation {
+
+using service::Applied;
+using service::WriterKind;
+using wire_contract::ServerState;
+
+namespace {
+
+struct Ball {
+  ObjectId id;
+  const std::string* name;
+  Sphere sphere;
+};
+
+std::vector<Ball> balls_of(const World& world) {
+  const SnapshotRing::Lease newest = world.newest();
+  std::vector<Ball> balls;
+  for (const auto& info : *newest->objects) {
+    if (!info) continue;
+    const auto& local = std::get<Sphere>(info->primitives.front());
+    balls.push_back({info->id, &info->name, place(newest->frames[slot_of(info->id)], local)});
+  }
+  return balls;
+}
+
+template <class Touch>
+void each_touching_pair(const World& world, Touch&& touch) {
+  const std::vector<Ball> balls = balls_of(world);
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    for (std::size_t j = i + 1; j < balls.size(); ++j) {
+      if (overlaps(balls[i].sphere, balls[j].sphere).yes()) touch(balls[i], balls[j]);
+    }
+  }
+}
+
+}  // namespace
+
+SimulatedServer::SimulatedServer(std::uint64_t epoch, std::int64_t now_ns, std::FILE* to,
+                                 RecordingOutlet::Violation violation)
+    : epoch_(epoch),
+      started_ns_(now_ns),
+      next_status_ns_(now_ns),
+      violation_(violation),
+      outlet_(std::make_unique<RecordingOutlet>(epoch, to, violation)),
+      world_(WorldOptions{.epoch = epoch}),
+      publishers_(world_, {}),
+      broadcast_(world_, *outlet_, [](const std::string&) {}) {
+  outlet_->set_time(now_ns);
+  broadcast_.mark_all();
+  broadcast_.publish();
+}
+
+template <class Apply>
+void SimulatedServer::apply(std::int64_t now_ns, Apply&& once) {
+  while (once() == Applied::step_first) step(now_ns);
+}
+
+void SimulatedServer::take(service::DefinitionSample& sample, std::int64_t now_ns) {
+  apply(now_ns, [&] { return publishers_.define(sample, now_ns); });
+  apply(now_ns, [&] { return publishers_.release_parked(now_ns); });
+}
+
+void SimulatedServer::take(service::PoseSample& sample, std::int64_t now_ns) {
+  sample.received_ns = now_ns;
+  apply(now_ns, [&] { return publishers_.move(sample, now_ns); });
+}
+
+void SimulatedServer::lost(std::uint64_t publisher, std::int64_t now_ns) {
+  for (const WriterKind kind : {WriterKind::object, WriterKind::pose}) {
+    apply(now_ns, [&] { return publishers_.writer_lost(publisher, kind, now_ns); });
+  }
+}
+
+void SimulatedServer::tick(std::int64_t now_ns) {
+  outlet_->set_time(now_ns);
+  changes_ += publishers_.take_changes();
+  if (changes_ > 0) step(now_ns);
+  if (now_ns < next_status_ns_) return;
+  next_status_ns_ = now_ns + wire_contract::kStatusPeriodNs;
+  publishers_.settle(now_ns);
+  say_status(now_ns);
+}
+
+void SimulatedServer::step(std::int64_t now_ns) {
+  changes_ += publishers_.take_changes();
+  if (!world_.step(now_ns, std::max<std::uint64_t>(1, changes_), {.contacts = true, .persisted = false})) {
+    violation_("a step found no free state though nobody reads");
+  }
+  changes_ = 0;
+  ++steps_;
+  publishers_.stepped();
+  broadcast_.publish();
+  compare_with_all_pairs();
+}
+
+void SimulatedServer::say_status(std::int64_t now_ns) {
+  service::StatusColumns status;
+  const bool recovering = epoch_ > 1 && now_ns - started_ns_ < kRecoveryNs;
+  status.state = recovering ? ServerState::recovering : ServerState::ready;
+  status.last_event_sequence = world_.last_event_sequence();
+  status.contact_count = static_cast<std::uint32_t>(world_.contacts().size());
+  status.contact_hash = broadcast_.contact_hash();
+  outlet_->write_status(status);
+}
+
+void SimulatedServer::compare_with_all_pairs() {
+  std::set<std::pair<ObjectId, ObjectId>> touch;
+  each_touching_pair(world_, [&](const Ball& a, const Ball& b) { touch.insert(std::minmax(a.id, b.id)); });
+  bool same = touch.size() == outlet_->open().size();
+  for (const auto& [pair, episode] : outlet_->open()) same = same && touch.contains(pair);
+  if (!same) violation_("contacts are not those of all pairs after step " + std::to_string(steps_));
+}
+
+std::set<NamedPair> SimulatedServer::touching() const {
+  std::set<NamedPair> pairs;
+  each_touching_pair(world_, [&](const Ball& a, const Ball& b) { pairs.insert(std::minmax(*a.name, *b.name)); });
+  return pairs;
+}
+
+}  // namespace collided::simulation

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "server/service/broadcast.hpp"
+#include "server/service/publishers.hpp"
+#include "server/world/world.hpp"
+#include "tests/simulation/recording_outlet.hpp"
+
+namespace collided::simulation {
+
+using NamedPair = std::pair<std::string, std::string>;
+
+/// One life of a server without network, thread or clock: the world, its publishers' book and what it tells, in the
+/// order in which the server's loop calls them. After each step all pairs of objects are compared with the contacts
+/// that hold.
+class SimulatedServer {
+ public:
+  static constexpr std::int64_t kRecoveryNs = 300'000'000;
+
+  SimulatedServer(std::uint64_t epoch, std::int64_t now_ns, std::FILE* to, RecordingOutlet::Violation violation);
+
+  std::uint64_t epoch() const { return epoch_; }
+  std::uint64_t steps() const { return steps_; }
+  const World& world() const { return world_; }
+
+  void take(service::DefinitionSample& sample, std::int64_t now_ns);
+  void take(service::PoseSample& sample, std::int64_t now_ns);
+  void lost(std::uint64_t publisher, std::int64_t now_ns);
+  /// A step where something has changed; ten bookmarks a second.
+  void tick(std::int64_t now_ns);
+  /// Of what is in the world now, by all pairs.
+  std::set<NamedPair> touching() const;
+
+ private:
+  template <class Apply>
+  void apply(std::int64_t now_ns, Apply&& once);
+  void step(std::int64_t now_ns);
+  void say_status(std::int64_t now_ns);
+  void compare_with_all_pairs();
+
+  std::uint64_t epoch_;
+  std::int64_t started_ns_;
+  std::int64_t next_status_ns_;
+  RecordingOutlet::Violation violation_;
+  std::unique_ptr<RecordingOutlet> outlet_;
+  World world_;
+  service::Publishers publishers_;
+  service::Broadcast broadcast_;
+  std::uint64_t changes_ = 0;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace collided::simulation

@@ -1,0 +1,197 @@
+// The watchers' side of the simulation: reads a record from its standard input, each watcher behind a line of its own,
+// and prints what the whole run amounted to. Exit status 1 where the contract was broken.
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "client/library/watch_decoding.hpp"
+#include "tests/simulation/record.hpp"
+#include "tests/simulation/simulated_watcher.hpp"
+
+namespace collided::simulation {
+namespace {
+
+client::ServerLife life_of(std::uint64_t epoch) { return {epoch, epoch}; }
+
+/// Decoded as off the wire: the same checks and the same book of names.
+client::HeardFrame frame_of(Message& message, client::Names& names) {
+  dds::Sample<wire::EventFrame> frame;
+  frame->epoch = message.get<std::uint64_t>();
+  frame->server = life_of(frame->epoch).server;
+  frame->first_sequence = message.get<std::uint64_t>();
+  frame->world_time_ns = message.time_ns();
+  const auto kinds = message.get_all<std::uint8_t>();
+  const auto reasons = message.get_all<std::uint8_t>();
+  const auto shards = message.get_all<std::uint8_t>();
+  const auto a = message.get_all<std::uint64_t>();
+  const auto b = message.get_all<std::uint64_t>();
+  const auto a_triangles = message.get_all<std::uint32_t>();
+  const auto b_triangles = message.get_all<std::uint32_t>();
+  const auto episodes = message.get_all<std::uint64_t>();
+  const auto numbers = message.get_all<double>();
+  const auto ids = message.get_all<std::uint64_t>();
+  const auto text = message.get_all<std::uint8_t>();
+  dds::borrow(frame->kinds, kinds);
+  dds::borrow(frame->reasons, reasons);
+  dds::borrow(frame->shards, shards);
+  dds::borrow(frame->a, a);
+  dds::borrow(frame->b, b);
+  dds::borrow(frame->a_triangles, a_triangles);
+  dds::borrow(frame->b_triangles, b_triangles);
+  dds::borrow(frame->episodes, episodes);
+  dds::borrow(frame->numbers, numbers);
+  dds::borrow(frame->named_ids, ids);
+  dds::borrow(frame->names, text);
+  return client::decode(*frame, names).value();
+}
+
+client::HeardShard shard_of(Message& message, client::Names& names) {
+  dds::Sample<wire::ContactShard> shard;
+  shard->epoch = message.get<std::uint64_t>();
+  shard->server = life_of(shard->epoch).server;
+  shard->as_of_sequence = message.get<std::uint64_t>();
+  shard->shard = message.get<std::uint8_t>();
+  const auto a = message.get_all<std::uint64_t>();
+  const auto b = message.get_all<std::uint64_t>();
+  const auto a_triangles = message.get_all<std::uint32_t>();
+  const auto b_triangles = message.get_all<std::uint32_t>();
+  const auto episodes = message.get_all<std::uint64_t>();
+  const auto began_ns = message.get_all<std::int64_t>();
+  const auto numbers = message.get_all<double>();
+  const auto ids = message.get_all<std::uint64_t>();
+  const auto text = message.get_all<std::uint8_t>();
+  dds::borrow(shard->a, a);
+  dds::borrow(shard->b, b);
+  dds::borrow(shard->a_triangles, a_triangles);
+  dds::borrow(shard->b_triangles, b_triangles);
+  dds::borrow(shard->episodes, episodes);
+  dds::borrow(shard->began_ns, began_ns);
+  dds::borrow(shard->numbers, numbers);
+  dds::borrow(shard->named_ids, ids);
+  dds::borrow(shard->names, text);
+  return client::decode(*shard, names).value();
+}
+
+client::HeardBookmark bookmark_of(Message& message) {
+  dds::Sample<wire::Status> status;
+  status->epoch = message.get<std::uint64_t>();
+  status->server = life_of(status->epoch).server;
+  status->last_event_sequence = message.get<std::uint64_t>();
+  status->contact_count = message.get<std::uint32_t>();
+  status->contact_hash = message.get<std::uint64_t>();
+  status->state = message.get<std::uint8_t>();
+  status->world_time_ns = message.time_ns();
+  return client::decode(*status);
+}
+
+std::set<NamedPair> truth_of(Message& message) {
+  const auto bytes = message.get_all<std::uint8_t>();
+  std::vector<std::string> names;
+  for (std::size_t start = 0; start < bytes.size(); start += names.back().size() + 1) {
+    names.emplace_back(reinterpret_cast<const char*>(&bytes[start]));
+  }
+  std::set<NamedPair> pairs;
+  for (std::size_t i = 0; i + 1 < names.size(); i += 2) pairs.insert({names[i], names[i + 1]});
+  return pairs;
+}
+
+struct Totals {
+  std::uint64_t violations = 0;
+  std::uint64_t resyncs = 0;
+  std::uint64_t events = 0;
+};
+
+/// One seed's watchers.
+class Run {
+ public:
+  Run(std::uint64_t seed, std::int64_t started_ns, Totals& totals) : seed_(seed), totals_(totals) {
+    constexpr std::int64_t kMs = 1'000'000;
+    const auto violation = [this](const std::string& what) {
+      ++totals_.violations;
+      std::fprintf(stderr, "violation: seed=%llu: %s\n", static_cast<unsigned long long>(seed_), what.c_str());
+    };
+    const auto add = [&](const char* name, const Line& line) {
+      watchers_.push_back(std::make_unique<SimulatedWatcher>(name, line, seed * 8 + watchers_.size(), violation));
+    };
+    const auto late_ns = static_cast<std::int64_t>(seed % 1'500) * kMs;
+    add("good line", {});
+    add("lossy line", {.loss = 0.1, .repeats = 0.05, .longest_delay_ns = 60 * kMs});
+    add("partitions", {.loss = 0.01, .longest_delay_ns = 20 * kMs, .partitions = 0.01, .longest_partition_ns = 900 * kMs});
+    add("late joiner", {.loss = 0.02, .joins_ns = started_ns + late_ns});
+  }
+
+  void take(Message& message) {
+    switch (message.kind()) {
+      case Kind::frame: {
+        const client::HeardFrame frame = frame_of(message, names_);
+        last_sequence_ = frame.first_sequence + frame.entries.size() - 1;
+        totals_.events += frame.entries.size();
+        return send(frame, message.time_ns());
+      }
+      case Kind::shard: return send(shard_of(message, names_), message.time_ns());
+      case Kind::bookmark: return send(bookmark_of(message), message.time_ns());
+      case Kind::calm:
+        for (auto& watcher : watchers_) watcher->calm(message.time_ns());
+        return;
+      default: finish(truth_of(message));
+    }
+  }
+
+ private:
+  void send(const SimulatedWatcher::Heard& heard, std::int64_t now_ns) {
+    epoch_ = std::visit([](const auto& message) { return message.from.epoch; }, heard);
+    for (auto& watcher : watchers_) watcher->send(heard, now_ns);
+  }
+
+  void finish(const std::set<NamedPair>& truth) {
+    for (auto& watcher : watchers_) {
+      watcher->compare(truth);
+      totals_.resyncs += watcher->resyncs();
+    }
+    // Nothing was lost and the server never fell: each event came once, as it happened.
+    const std::vector<std::uint64_t>& told = watchers_.front()->told();
+    bool is_each_once = epoch_ != 1 || told.size() == last_sequence_;
+    for (std::size_t i = 0; i < told.size() && epoch_ == 1; ++i) is_each_once = is_each_once && told[i] == i + 1;
+    if (is_each_once) return;
+    ++totals_.violations;
+    std::fprintf(stderr, "violation: seed=%llu: a good line told %zu events of %llu\n", static_cast<unsigned long long>(seed_),
+                 told.size(), static_cast<unsigned long long>(last_sequence_));
+  }
+
+  std::uint64_t seed_;
+  Totals& totals_;
+  client::Names names_;
+  std::vector<std::unique_ptr<SimulatedWatcher>> watchers_;
+  std::uint64_t epoch_ = 0;
+  std::uint64_t last_sequence_ = 0;
+};
+
+}  // namespace
+}  // namespace collided::simulation
+
+int main() {
+  using namespace collided::simulation;
+  Totals totals;
+  std::unique_ptr<Run> run;
+  Message message;
+  while (message.receive(stdin)) {
+    if (message.kind() == Kind::run) {
+      run = std::make_unique<Run>(message.get<std::uint64_t>(), message.time_ns(), totals);
+    } else if (message.kind() == Kind::end) {
+      const auto seeds = message.get<std::uint64_t>();
+      const auto steps = message.get<std::uint64_t>();
+      const std::uint64_t violations = totals.violations + message.get<std::uint64_t>();
+      std::printf("seeds=%llu steps=%llu events=%llu resyncs=%llu violations=%llu\n", static_cast<unsigned long long>(seeds),
+                  static_cast<unsigned long long>(steps), static_cast<unsigned long long>(totals.events),
+                  static_cast<unsigned long long>(totals.resyncs), static_cast<unsigned long long>(violations));
+      return violations == 0 ? 0 : 1;
+    } else {
+      run->take(message);
+    }
+    if (message.is_short()) break;
+  }
+  std::fprintf(stderr, "the record ended early\n");
+  return 2;
+}
