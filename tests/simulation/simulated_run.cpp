@@ -95,10 +95,13 @@ void SimulatedRun::crash(Host& host) {
 /// The same program again: mostly under a new number, as the library makes one, else a greater incarnation of the old.
 void SimulatedRun::come_back(Host& host) {
   const bool is_known = chance(0.3);
+  // What the old one had defined may be told once more, and late.
+  std::vector<DefinitionSample> stale = host.publisher.define_all();
   SimulatedPublisher again(is_known ? host.publisher.id() : next_id_++, static_cast<std::uint64_t>(now_ns_), 0);
   host = {.publisher = again, .definitions_at_ns = host.definitions_at_ns, .notices_at_ns = now_ns_};
   // The old one's end is news of its writers; those of the new one with the same number live.
   if (is_known) {
+    for (DefinitionSample& sample : stale) under_way_.push_back({now_ns_ + up_to(100'000'000), std::move(sample)});
     std::erase_if(under_way_, [&](const Sent& sent) {
       const Lost* lost = std::get_if<Lost>(&sent.what);
       return lost != nullptr && lost->publisher == again.id();

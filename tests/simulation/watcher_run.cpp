@@ -152,7 +152,7 @@ class Run {
     }
     // Nothing was lost and the server never fell: each event came once, as it happened.
     const std::vector<std::uint64_t>& told = watchers_.front()->told();
-    bool is_each_once = epoch_ != 1 || told.size() == last_sequence_;
+    bool is_each_once = epoch_ != 1 || (told.size() == last_sequence_ && watchers_.front()->resyncs() == 0);
     for (std::size_t i = 0; i < told.size() && epoch_ == 1; ++i) is_each_once = is_each_once && told[i] == i + 1;
     if (is_each_once) return;
     ++totals_.violations;
