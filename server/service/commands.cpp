@@ -35,8 +35,8 @@ std::string dump(const json& value) {
 }  // namespace
 
 Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-                   const BackgroundAudit& audit)
-    : loop_(loop), inbox_(inbox), clock_(clock), counts_(counts), audit_(audit), slow_jobs_(kMostSlowJobs), slow_thread_([this] {
+                   const BackgroundAudit& audit, DurableState* durable)
+    : loop_(loop), inbox_(inbox), clock_(clock), counts_(counts), audit_(audit), durable_(durable), slow_jobs_(kMostSlowJobs), slow_thread_([this] {
         while (std::optional<SlowJob> job = slow_jobs_.pop()) (*job)();
       }) {}
 
@@ -53,10 +53,10 @@ void Commands::stop() {
 /// The answer of some work, or the refusal that it threw.
 void Commands::answer(const CommandAsk& ask, const std::function<json()>& work) {
   const auto refuse = [&](const std::string& error, const std::string& hint) {
-    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(error, hint));
+    send(ask, ReplyStatus::refused, refusal_text(error, hint));
   };
   try {
-    answering_->send_text(ask.client, ask.request, ReplyStatus::ok, dump(work()));
+    send(ask, ReplyStatus::ok, dump(work()));
   } catch (const BadCommand& bad) {
     refuse(bad.what(), bad.hint);
   } catch (const std::bad_alloc&) {
@@ -64,6 +64,64 @@ void Commands::answer(const CommandAsk& ask, const std::function<json()>& work) 
   } catch (const std::exception& failed) {
     refuse(failed.what(), "");
   }
+}
+
+/// As answer(), but an answer that says "done" waits until what was done is on the disk.
+void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json()>& work) {
+  if (durable_ == nullptr) return answer(ask, work);
+  json result;
+  try {
+    result = work();
+    forget_what_is_gone();
+  } catch (...) {
+    return answer(ask, []() -> json { throw; });
+  }
+  const CommandAsk whose{ask.client, ask.request, {}, {}};
+  durable_->then([this, whose, result](const std::string& not_kept) mutable {
+    if (!not_kept.empty()) result["not_kept"] = not_kept;
+    send(whose, ReplyStatus::ok, dump(result));
+  });
+}
+
+void Commands::forget_what_is_gone() {
+  const World& world = loop_.world();
+  const auto has_scene = [&](std::string_view name) {
+    const SnapshotRing::Lease state = world.newest();
+    return std::any_of(state->scenes.begin(), state->scenes.end(), [&](const auto& scene) { return scene->name == name; });
+  };
+  durable_->keep_only(has_scene, [&](std::string_view name) { return world.find(name).has_value(); });
+}
+
+/// Scenes on the thread for slow work; objects behind them on the world's.
+void Commands::replay(const std::vector<CommandAsk>& asks) {
+  if (asks.empty()) return;
+  replaying_.store(true);
+  slow_jobs_.push([this, asks] {
+    std::vector<CommandAsk> objects;
+    for (const CommandAsk& ask : asks) {
+      try {
+        const Arguments arguments(ask.text);
+        if (arguments.command() == names::kLoad) {
+          load_one(parse_load(ask, arguments));
+        } else {
+          objects.push_back(ask);
+        }
+      } catch (const BadCommand& bad) {
+        send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
+      }
+    }
+    const bool taken = inbox_.push_job([this, objects] {
+      for (const CommandAsk& ask : objects) answer_once_kept(ask, [&] { return add(ask, Arguments(ask.text)); });
+      replaying_.store(false);
+    });
+    if (!taken) replaying_.store(false);
+  });
+}
+
+/// What is carried out once more was asked by nobody that waits; the log hears what could not be done.
+void Commands::send(const CommandAsk& ask, ReplyStatus status, const std::string& text) {
+  if (ask.client != 0) return answering_->send_text(ask.client, ask.request, status, text);
+  if (status == ReplyStatus::refused) loop_.say("what was added before the crash cannot be added again: " + text);
 }
 
 void Commands::run(CommandAsk ask) {
@@ -75,7 +133,7 @@ void Commands::run(CommandAsk ask) {
   try {
     arguments.emplace(ask.text);
   } catch (const BadCommand& bad) {
-    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what()));
+    send(ask, ReplyStatus::refused, refusal_text(bad.what()));
     return;
   }
   const std::string& command = arguments->command();
@@ -96,10 +154,13 @@ void Commands::run(CommandAsk ask) {
 
 void Commands::on_world_thread(CommandAsk ask, Change change) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
-  const bool taken = inbox_.push_job(
-      [this, shared, change] { answer(*shared, [&] { return (this->*change)(*shared, Arguments(shared->text)); }); });
+  const bool is_change = change != &Commands::get;
+  const bool taken = inbox_.push_job([this, shared, change, is_change] {
+    const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };
+    is_change ? answer_once_kept(*shared, work) : answer(*shared, work);
+  });
   if (!taken) {
-    answering_->send_text(shared->client, shared->request, ReplyStatus::refused,
+    send(*shared, ReplyStatus::refused,
                           refusal_text("too many commands wait already", "ask again"));
   }
 }
@@ -223,6 +284,7 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
                                                                         .filter = filter,
                                                                         .moving = arguments.truth("moving", true)});
   if (const auto* refusal = std::get_if<Refusal>(&defined)) throw BadCommand(refusal->reason);
+  if (durable_ != nullptr) durable_->object_added(name, ask);
   return {{"name", name}, {"id", std::get<ObjectId>(defined)}, {"version", step()}};
 }
 

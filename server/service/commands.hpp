@@ -11,6 +11,7 @@
 #include "server/service/answering.hpp"
 #include "server/service/background_audit.hpp"
 #include "server/service/command_arguments.hpp"
+#include "server/service/durable_state.hpp"
 #include "server/service/inbox.hpp"
 #include "server/service/scene_loading.hpp"
 #include "server/service/work_queue.hpp"
@@ -22,12 +23,16 @@ namespace collided::service {
 /// becomes a job of the world's thread; files are read on a thread of their own.
 class Commands {
  public:
+  /// durable  what commands add, kept over a crash; null: nothing is
   Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-           const BackgroundAudit& audit);
+           const BackgroundAudit& audit, DurableState* durable);
   ~Commands();
 
   /// Where the answers go; before the first run().
   void connect(Answering& answering) { answering_ = &answering; }
+  /// Carries out once more what an earlier process had been told; after connect().
+  void replay(const std::vector<CommandAsk>& asks);
+  bool replayed() const { return !replaying_.load(); }
   /// Any thread; returns at once or after looking.
   void run(CommandAsk ask);
   /// Calls off the load under way and ends.
@@ -43,8 +48,11 @@ class Commands {
     bool replace = false;
   };
 
+  void send(const CommandAsk& ask, wire_contract::ReplyStatus status, const std::string& text);
   void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
+  void answer_once_kept(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
   void on_world_thread(CommandAsk ask, Change change);
+  void forget_what_is_gone();
 
   // Where it is asked.
   nlohmann::json list(const Arguments& arguments) const;
@@ -66,6 +74,7 @@ class Commands {
   // On a thread of their own, one after the other.
   using SlowJob = std::function<void()>;
   void make_room(const char* what) const;
+  static Load parse_load(CommandAsk ask, const Arguments& arguments);
   void load_later(CommandAsk ask, const Arguments& arguments);
   void load_one(Load load);
   void menu_later(CommandAsk ask, const Arguments& arguments);
@@ -77,6 +86,8 @@ class Commands {
   Answering* answering_ = nullptr;
   const QuestionCounts& counts_;
   const BackgroundAudit& audit_;
+  DurableState* durable_;
+  std::atomic<bool> replaying_{false};
   WorkQueue<SlowJob> slow_jobs_;
   std::atomic<bool> stopping_{false};
   std::thread slow_thread_;

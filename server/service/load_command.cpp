@@ -30,32 +30,38 @@ void refuse_taken_names(const World& world, const Scene& scene) {
 
 }  // namespace
 
-void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
+/// Throws BadCommand.
+Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
   Load load;
-  try {
-    arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace"});
-    load.path = arguments.text("path");
-    load.options.name = arguments.text("name");
-    load.options.unit_m = arguments.number("unit_m", 1);
-    load.options.radius_m = arguments.number("radius_m", 0);
-    const std::string up = arguments.text("up", "z");
-    load.options.strict = arguments.truth("strict", false);
-    load.replace = arguments.truth("replace", false);
-    if (load.path.empty()) throw BadCommand("load: without a path");
-    if (!load.options.name.empty() && !is_good_name(load.options.name))
-      throw BadCommand("load: the name is too long or not text");
-    if (up != "y" && up != "z") throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z'", printable(up)));
-    if (!(load.options.unit_m > 0))
-      throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
-    make_room("load");
-    load.options.up = up[0];
-  } catch (const BadCommand& bad) {
-    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-    return;
-  }
+  arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace"});
+  load.path = arguments.text("path");
+  load.options.name = arguments.text("name");
+  load.options.unit_m = arguments.number("unit_m", 1);
+  load.options.radius_m = arguments.number("radius_m", 0);
+  const std::string up = arguments.text("up", "z");
+  load.options.strict = arguments.truth("strict", false);
+  load.replace = arguments.truth("replace", false);
+  if (load.path.empty()) throw BadCommand("load: without a path");
+  if (!load.options.name.empty() && !is_good_name(load.options.name))
+    throw BadCommand("load: the name is too long or not text");
+  if (up != "y" && up != "z") throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z'", printable(up)));
+  if (!(load.options.unit_m > 0))
+    throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
+  load.options.up = up[0];
   load.ask = std::move(ask);
-  const auto shared = std::make_shared<Load>(std::move(load));
-  slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
+  return load;
+}
+
+void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
+  const std::uint64_t client = ask.client;
+  const std::uint64_t request = ask.request;
+  try {
+    make_room("load");
+    const auto shared = std::make_shared<Load>(parse_load(std::move(ask), arguments));
+    slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
+  } catch (const BadCommand& bad) {
+    answering_->send_text(client, request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
+  }
 }
 
 void Commands::load_one(Load load) {
@@ -67,26 +73,26 @@ void Commands::load_one(Load load) {
     const std::int64_t now_ns = steady_ns();
     // Reported from any of the threads that build; one of them wins.
     if (now_ns - last_ns < kProgressPeriodNs || !told_ns.compare_exchange_strong(last_ns, now_ns)) return;
-    answering_->send_text(ask.client, ask.request, ReplyStatus::progress,
+    send(ask, ReplyStatus::progress,
                           fmt::format("{{\"fraction\": {:.4f}}}", fraction));
   };
   const auto loaded = std::make_shared<LoadedScene>();
   try {
     *loaded = load_and_index(load.path, load.options);
   } catch (const LoadError& failed) {
-    answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(failed.what()));
+    send(ask, ReplyStatus::refused, refusal_text(failed.what()));
     return;
   } catch (const std::bad_alloc&) {
-    answering_->send_text(ask.client, ask.request, ReplyStatus::refused,
+    send(ask, ReplyStatus::refused,
                           refusal_text(load.path + ": not enough memory. Nothing was loaded."));
     return;
   }
   load.options = {};  // its functions point at what ends here
   const auto shared = std::make_shared<Load>(std::move(load));
   const bool taken =
-      inbox_.push_job([this, shared, loaded] { answer(shared->ask, [&] { return add_scene(*shared, *loaded); }); });
+      inbox_.push_job([this, shared, loaded] { answer_once_kept(shared->ask, [&] { return add_scene(*shared, *loaded); }); });
   if (!taken) {
-    answering_->send_text(shared->ask.client, shared->ask.request, ReplyStatus::refused,
+    send(shared->ask, ReplyStatus::refused,
                           refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
   }
 }
@@ -108,6 +114,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
   }
   const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
+  if (durable_ != nullptr) durable_->scene_loaded(loaded.scene.name, load.ask);
   const std::uint64_t version = step();
   json left_out = json::array();
   for (const PlanRow& row : plan_of(*world.newest(), loop_.contacts_wanted())) {

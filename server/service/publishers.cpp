@@ -471,6 +471,11 @@ bool Publishers::is_live(std::uint64_t publisher) const {
   return found && !found->lost;
 }
 
+bool Publishers::is_complete(std::uint64_t publisher) const {
+  const Publisher* found = find(publisher);
+  return found && !found->lost && found->object_writer && found->pose_writer && found->parked.empty();
+}
+
 std::uint64_t Publishers::applied_through(std::uint64_t publisher) const {
   const Publisher* found = find(publisher);
   return found ? found->watermark.through() : 0;

@@ -89,6 +89,8 @@ class Publishers {
 
   std::size_t size() const { return publishers_.size(); }
   bool is_live(std::uint64_t publisher) const;
+  /// It lives, and its poses have come as well as the definitions that they were to follow.
+  bool is_complete(std::uint64_t publisher) const;
   std::uint64_t applied_through(std::uint64_t publisher) const;
   /// Linear then angular, as last sent for this object; nothing where it came without.
   std::optional<std::array<double, 6>> velocity(ObjectId id) const;

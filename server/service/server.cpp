@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <future>
 #include <random>
+#include <set>
 
 #include "server/service/answering.hpp"
 #include "server/service/commands.hpp"
+#include "server/service/durable_state.hpp"
 #include "server/service/epoch.hpp"
 #include "server/service/listeners.hpp"
 #include "server/service/self_test.hpp"
@@ -80,6 +84,8 @@ struct Server::Parts {
   Epoch make_epoch();
   void tick();
   void let_jobs_end();
+  std::unique_ptr<DurableState> keep();
+  bool has_all_back() const;
 
   const Options options;
   const std::shared_ptr<spdlog::logger> log;
@@ -95,6 +101,7 @@ struct Server::Parts {
   Inbox inbox;
   WireOutlet outlet;
   WorldLoop loop;
+  std::unique_ptr<DurableState> durable;  // null where nothing can be written
   Commands commands;
   dds::Topic<wire::Reply> reply_topic;
   std::unique_ptr<Answering> answering;
@@ -111,7 +118,7 @@ Epoch Server::Parts::make_epoch() {
     log->warn("the epoch is the clock's seconds, {}: {}; --state-dir names a folder that can be written", kept.value,
               kept.problem);
   }
-  if (kept.crashed) log->warn("the last server did not end in order; recovering for {} s", kRecoveryNs / 1'000'000'000);
+  if (kept.crashed) log->warn("the last server did not end in order; recovering for up to {} s", kRecoveryNs / 1'000'000'000);
   return kept;
 }
 
@@ -135,17 +142,41 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .questions = questions,
             .admit = [this](AskPointer ask) { answering->admit(std::move(ask)); },
             .tick = [this] { tick(); },
-            .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
+            .notice = [this](const std::string& sentence) { log->warn("{}", sentence); },
+            .has_all_back = [this] { return has_all_back(); }},
            {.step_ns = options.step_ns,
             .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
-      commands(loop, inbox, clock, questions, audit),
+      durable(keep()),
+      commands(loop, inbox, clock, questions, audit, durable.get()),
       reply_topic(participant, options.name_space) {
   if (participant.configured_by_environment())
     log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
 }
 
+std::unique_ptr<DurableState> Server::Parts::keep() {
+  if (epoch.kept_in.empty()) return nullptr;
+  const std::filesystem::path beside = std::filesystem::path(epoch.kept_in).replace_extension(".journal");
+  auto kept = std::make_unique<DurableState>(disk_in(beside.parent_path().string()), beside.filename().string(), epoch.crashed,
+                                             [this](const std::string& sentence) { log->warn("{}", sentence); });
+  if (!kept->commands_left().empty()) log->warn("adding again {} scenes and objects from before", kept->commands_left().size());
+  return kept;
+}
+
+bool Server::Parts::has_all_back() const {
+  if (!durable) return false;
+  const auto& left = durable->publishers_left();
+  return commands.replayed() && std::all_of(left.begin(), left.end(), [&](std::uint64_t publisher) {
+           return loop.publishers().is_complete(publisher);
+         });
+}
+
 void Server::Parts::tick() {
+  if (durable) {
+    std::set<std::uint64_t> there;
+    loop.publishers().for_each(clock.now_ns(), [&](const PublisherView& view) { there.insert(view.publisher); });
+    durable->set_publishers(there);
+  }
   answering->tick(listeners->askers());
   listeners->take_left_definitions();
 }
@@ -175,6 +206,7 @@ std::string Server::start() {
                                   [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering);
+  if (p.durable) p.commands.replay(p.durable->commands_left());
   p.world_thread = std::thread([&p] { p.loop.run(); });
   const SnapshotRing::Lease state = p.world.newest();
   std::string scenes;
@@ -189,6 +221,7 @@ void Server::stop() {
   // Nothing new comes in; what is in is answered; then the world ends its contacts, and says so.
   p.commands.stop();
   p.let_jobs_end();
+  if (p.durable) p.durable->finish();
   p.answering->stop();
   p.audit.stop();
   p.loop.stop();

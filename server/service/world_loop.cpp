@@ -69,10 +69,18 @@ void WorldLoop::keep_time() {
   if (steady_ns() < next_status_ns_) return;
   next_status_ns_ = steady_ns() + wire_contract::kStatusPeriodNs;
   publishers_.settle(around_.clock.now_ns());
-  if (steady_ns() >= recovered_ns_) recovering_.store(false);
+  if (recovering() && has_recovered()) recovering_.store(false);
   write_status(recovering() ? ServerState::recovering : ServerState::ready);
   around_.tick();
   say_notices();
+}
+
+/// All that an earlier process knew is back, and who came in its last moments has had the time to find this one; or the
+/// wait is over.
+bool WorldLoop::has_recovered() const {
+  const std::int64_t waited_ns = steady_ns() - started_ns_;
+  const bool is_early = waited_ns < wire_contract::kPublisherLeaseNs;
+  return waited_ns >= options_.recovery_ns || (!is_early && around_.has_all_back && around_.has_all_back());
 }
 
 /// Offers a sample until it is applied, with steps between where it asks for them.

@@ -22,7 +22,7 @@ namespace collided::service {
 
 struct LoopOptions {
   std::int64_t step_ns = 0;      // 0: a step as soon as something has changed
-  std::int64_t recovery_ns = 0;  // after a crash, until publishers have found this server
+  std::int64_t recovery_ns = 0;  // after a crash, the longest wait for publishers to find this server
   PublisherLimits limits;
 };
 
@@ -47,6 +47,7 @@ class WorldLoop {
     std::function<void(AskPointer)> admit;           // asks whose fence has been passed
     std::function<void()> tick;                      // ten times a second
     std::function<void(const std::string&)> notice;  // a sentence for the log
+    std::function<bool()> has_all_back = {};         // asked after a crash: whatever was there before is there again
   };
 
   WorldLoop(const Around& around, const LoopOptions& options)
@@ -55,7 +56,7 @@ class WorldLoop {
         publishers_(around.world, options.limits),
         broadcast_(around.world, around.outlet, around.notice),
         recovering_(options.recovery_ns > 0),
-        recovered_ns_(steady_ns() + options.recovery_ns) {}
+        started_ns_(steady_ns()) {}
 
   /// Runs until stop(); then ends every contact with server_stopping and says so.
   void run();
@@ -74,6 +75,8 @@ class WorldLoop {
   std::string publisher_name(std::uint64_t publisher) const;
   /// Not everything that was there before a crash may be back yet. Any thread.
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
+  /// A sentence for the log; any thread.
+  void say(const std::string& sentence) const { around_.notice(sentence); }
   bool contacts_wanted() const { return around_.outlet.contacts_wanted(); }
 
  private:
@@ -82,6 +85,7 @@ class WorldLoop {
   template <class Apply>
   void apply(Apply&& once);
   void keep_time();
+  bool has_recovered() const;
   void step_if_due();
   void publish();
   void let_fences_pass();
@@ -98,7 +102,7 @@ class WorldLoop {
   Broadcast broadcast_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> recovering_{false};
-  std::int64_t recovered_ns_ = 0;
+  std::int64_t started_ns_ = 0;
   std::vector<Arrival> arrivals_;
   std::uint64_t own_changes_ = 0;
   std::uint64_t pending_changes_ = 0;

@@ -175,5 +175,42 @@ TEST_F(ServerEvents, ACrashIsRecoveredFrom) {
   EXPECT_EQ(events.open_contacts(), 1U);
 }
 
+// Objects and scenes that commands added are there again after a crash, those that were removed are not; after an orderly
+// stop none is.
+TEST_F(ServerEvents, WhatCommandsAddedOutlivesACrash) {
+  const std::string scene = folder_.write("plate.obj", "v 50 0 0\nv 51 0 0\nv 50 1 0\nf 1 2 3\n");
+  const auto run = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> command{COLLIDED_CLI, "--domain", std::to_string(domain_)};
+    command.insert(command.end(), words.begin(), words.end());
+    testing_support::ChildProcess asker(command, folder_.path(), "asker");
+    return asker.wait(20s) == 0;
+  };
+  const auto is_there = [&](double x) {
+    Client client = connect();
+    const auto until = std::chrono::steady_clock::now() + 15s;
+    while (std::chrono::steady_clock::now() < until && !(client.status() && client.status()->state == "ready")) std::this_thread::sleep_for(20ms);
+    return client.ask(RayQuestion{.origin = {x, 0.2, 5}, .direction = {0, 0, -1}})->verdict == Verdict::hit;
+  };
+  testing_support::ChildProcess& first = start({}, "first");
+  EXPECT_TRUE(run({"add", "crate", "box", "0.4", "0.4", "0.4", "--at", "60.2", "0.2", "2"}));
+  EXPECT_TRUE(run({"add", "barrel", "sphere", "0.5", "--at", "70.2", "0.2", "2"}));
+  EXPECT_TRUE(run({"load", scene}));
+  EXPECT_TRUE(run({"rm", "barrel"}));
+  first.signal(SIGKILL);
+  first.wait(5s);
+  testing_support::ChildProcess& second = start({}, "second");
+  EXPECT_TRUE(is_there(60.2));
+  EXPECT_TRUE(is_there(50.2));
+  EXPECT_FALSE(is_there(70.2));
+  second.signal(SIGKILL);
+  second.wait(5s);
+  testing_support::ChildProcess& third = start({}, "third");
+  EXPECT_TRUE(is_there(60.2)) << "a second crash loses nothing either";
+  third.signal(SIGTERM);
+  third.wait(10s);
+  start({}, "fourth");
+  EXPECT_FALSE(is_there(60.2)) << "a stop in order forgets";
+}
+
 }  // namespace
 }  // namespace collided

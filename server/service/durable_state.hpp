@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "server/service/answering.hpp"
+#include "server/service/journal.hpp"
+#include "server/service/work_queue.hpp"
+
+namespace collided::service {
+
+/// What a server brings back after a crash: the scenes and objects that commands added, and which publishers were there,
+/// so that it knows for whom to wait. Poses and events are not kept: publishers send them anew.
+///
+/// threads  the world's; writing and syncing is done on a thread of its own, in order, so that a slow disk delays the
+///          answers of commands and nothing else
+class DurableState {
+ public:
+  using Notice = std::function<void(const std::string&)>;
+  /// notice  takes a sentence for the log; called on the thread of its own
+  DurableState(std::unique_ptr<Disk> disk, const std::string& file, bool crashed, Notice notice);
+  ~DurableState();
+  DurableState(const DurableState&) = delete;
+  DurableState& operator=(const DurableState&) = delete;
+
+  /// The commands that an earlier process had carried out, scenes first; empty where it ended in order.
+  const std::vector<CommandAsk>& commands_left() const { return commands_left_; }
+  /// The publishers that it knew.
+  const std::vector<std::uint64_t>& publishers_left() const { return publishers_left_; }
+
+  void scene_loaded(const std::string& scene, const CommandAsk& ask);
+  void object_added(const std::string& object, const CommandAsk& ask);
+  /// Forgets the scenes and objects of which this is false.
+  void keep_only(const std::function<bool(std::string_view scene)>& has_scene,
+                 const std::function<bool(std::string_view object)>& has_object);
+  void set_publishers(const std::set<std::uint64_t>& publishers);
+  /// Called once all of the above is on the disk, or has failed to get there: then not_kept says why.
+  void then(std::function<void(const std::string& not_kept)> done);
+  /// Writes what waits, calls whoever waits for it, and takes nothing more.
+  void finish();
+
+ private:
+  static constexpr std::size_t kMostJobs = 4'096;  // that wait; commands come in dozens
+  using Job = std::function<void()>;
+
+  void put(Journal::Entry entry, Journal::Sync sync);
+  void erase(std::vector<std::string> keys, Journal::Sync sync);
+  void say_problem();
+
+  Journal journal_;  // after the start only on the thread
+  std::string said_;
+  Notice notice_;
+  std::vector<CommandAsk> commands_left_;
+  std::vector<std::uint64_t> publishers_left_;
+  std::set<std::string> keys_;
+  std::set<std::uint64_t> publishers_;
+  WorkQueue<Job> jobs_;
+  std::thread thread_;
+};
+
+}  // namespace collided::service

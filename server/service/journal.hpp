@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace collided::service {
+
+/// The files of one folder, as far as the journal needs them; the POSIX ones below, failing and forgetful ones in tests.
+/// Every call says whether it was done.
+class Disk {
+ public:
+  virtual ~Disk() = default;
+  virtual std::optional<std::vector<std::byte>> read(const std::string& name) = 0;
+  /// An empty file in place of whatever is there.
+  virtual bool create(const std::string& name) = 0;
+  virtual bool append(const std::string& name, std::span<const std::byte> bytes) = 0;
+  /// What was appended outlives a loss of power from now on.
+  virtual bool sync(const std::string& name) = 0;
+  /// In place of what is there, lasting.
+  virtual bool rename(const std::string& from, const std::string& to) = 0;
+};
+std::unique_ptr<Disk> disk_in(const std::string& folder);
+
+/// What must outlive a crash: named entries, the last one of a name counts. Appended to a file, each record with its
+/// length and checksum; rewritten beside it, synced and renamed over it once most of it is stale. A write, sync or rename
+/// that failed makes the file a failed one: nothing is appended to it any more, the next entry goes to a new one with all
+/// that is live, and until that has worked problem() says so.
+///
+/// threads  one at a time
+class Journal {
+ public:
+  struct Entry {
+    std::string key;
+    std::string text;
+    std::vector<std::byte> blob;
+    bool operator==(const Entry&) const = default;
+  };
+  enum class Sync : std::uint8_t { now, later };  // later: outlives this process, not a loss of power
+
+  /// Reads what an earlier process left. A record that is cut or does not fit its checksum ends the reading: the state
+  /// before it is kept, and damage() says what was lost.
+  Journal(std::unique_ptr<Disk> disk, std::string name);
+
+  /// In the order of their first writing.
+  const std::vector<Entry>& entries() const { return entries_; }
+  /// Empty, or what was found damaged.
+  const std::string& damage() const { return damage_; }
+  /// Empty while everything that was put is on the disk.
+  const std::string& problem() const { return problem_; }
+
+  void put(Entry entry, Sync sync);
+  void erase(std::span<const std::string> keys, Sync sync);
+  void clear();
+
+ private:
+  void read();
+  void apply(Entry entry, bool is_erased);
+  void write(std::span<const std::byte> record, Sync sync);
+  void rewrite();
+  std::uint64_t live_bytes() const;
+
+  std::unique_ptr<Disk> disk_;
+  std::string name_;
+  std::vector<Entry> entries_;
+  std::uint64_t file_bytes_ = 0;
+  bool has_file_ = false;  // that may be appended to
+  std::string damage_;
+  std::string problem_;
+};
+
+}  // namespace collided::service

@@ -1,0 +1,208 @@
+// What outlives a crash, under every failure of the disk, losses of power, cuts and flipped bits.
+#include "server/service/journal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <random>
+
+#include "tests/oracle/seed.hpp"
+
+namespace collided::service {
+namespace {
+
+using Entries = std::vector<Journal::Entry>;
+using Bytes = std::vector<std::byte>;
+
+/// A disk in memory: what was not synced may be gone, in part, when the power fails.
+struct Platter {
+  struct File {
+    Bytes content;
+    std::size_t synced = 0;
+  };
+  std::map<std::string, File> files;
+  int calls = 0;
+  int fails_at = -1;  // this call, and with it a part of what it was to do
+
+  void lose_power(std::mt19937_64& random) {
+    for (auto& [name, file] : files) {
+      file.content.resize(file.synced + random() % (file.content.size() - file.synced + 1));
+      file.synced = file.content.size();
+    }
+  }
+};
+
+class MemoryDisk final : public Disk {
+ public:
+  explicit MemoryDisk(Platter& platter) : platter_(platter) {}
+  std::optional<Bytes> read(const std::string& name) override {
+    const auto found = platter_.files.find(name);
+    return found == platter_.files.end() ? std::nullopt : std::optional(found->second.content);
+  }
+  bool create(const std::string& name) override {
+    if (fails()) return false;
+    platter_.files[name] = {};
+    return true;
+  }
+  bool append(const std::string& name, std::span<const std::byte> bytes) override {
+    const bool failed = fails();
+    Bytes& content = platter_.files[name].content;
+    const std::size_t part = failed ? bytes.size() / 2 : bytes.size();
+    content.insert(content.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part));
+    return !failed;
+  }
+  bool sync(const std::string& name) override {
+    if (fails()) return false;
+    platter_.files[name].synced = platter_.files[name].content.size();
+    return true;
+  }
+  bool rename(const std::string& from, const std::string& to) override {
+    if (fails()) return false;
+    platter_.files[to] = platter_.files[from];
+    platter_.files.erase(from);
+    return true;
+  }
+
+ private:
+  bool fails() { return platter_.calls++ == platter_.fails_at; }
+  Platter& platter_;
+};
+
+Journal open(Platter& platter) { return Journal(std::make_unique<MemoryDisk>(platter), "it"); }
+
+Journal::Entry entry(std::uint64_t number, std::mt19937_64& random) {
+  Bytes blob(random() % 300);
+  for (std::byte& byte : blob) byte = static_cast<std::byte>(random());
+  return {.key = "object/" + std::to_string(number), .text = "add " + std::to_string(random() % 1000), .blob = blob};
+}
+
+/// What the journal's user has done; the journal's entries must always be these.
+struct Book {
+  Entries entries;
+  void put(const Journal::Entry& entry) {
+    const auto known = std::ranges::find(entries, entry.key, &Journal::Entry::key);
+    if (known != entries.end()) {
+      *known = entry;
+    } else {
+      entries.push_back(entry);
+    }
+  }
+  void erase(const std::string& key) { std::erase_if(entries, [&](const Journal::Entry& e) { return e.key == key; }); }
+};
+
+/// Some changes; every state on the way, the last one last.
+std::vector<Entries> work(Journal& journal, int changes, std::mt19937_64& random) {
+  Book book{journal.entries()};
+  std::vector<Entries> states{book.entries};
+  for (int i = 0; i < changes; ++i) {
+    if (random() % 4 == 0) {
+      const std::string key = "object/" + std::to_string(random() % 8);
+      journal.erase(std::span(&key, 1), Journal::Sync::now);
+      book.erase(key);
+    } else {
+      const Journal::Entry made = entry(random() % 8, random);
+      journal.put(made, Journal::Sync::now);
+      book.put(made);
+    }
+    EXPECT_EQ(journal.entries(), book.entries);
+    states.push_back(book.entries);
+  }
+  return states;
+}
+
+TEST(ServiceJournal, WhatWasPutIsThereForTheNextProcess) {
+  std::mt19937_64 random = oracle::seeded(91);
+  const auto folder = std::filesystem::temp_directory_path() / ("journal_" + std::to_string(random()));
+  std::filesystem::create_directories(folder);
+  Entries last;
+  for (int life = 0; life < 5; ++life) {
+    Journal journal(disk_in(folder.string()), "it.journal");
+    EXPECT_EQ(journal.entries(), last);
+    EXPECT_EQ(journal.damage(), "");
+    last = work(journal, 30, random).back();
+    EXPECT_EQ(journal.problem(), "");
+  }
+  std::filesystem::remove_all(folder);
+  Journal gone(disk_in(folder.string()), "it.journal");
+  EXPECT_TRUE(gone.entries().empty());
+  gone.put(entry(1, random), Journal::Sync::now);
+  EXPECT_NE(gone.problem(), "") << "a folder that is not there cannot be written";
+}
+
+// The n-th call of the disk fails, half done: nothing is lost as long as the disk works again, and it is said until it
+// does; a loss of power at the end leaves the last state of which nothing was said.
+TEST(ServiceJournal, EveryFailureOfTheDiskIsSurvivedAndSaid) {
+  std::mt19937_64 random = oracle::seeded(92);
+  int said = 0;
+  for (int n = 0; n < 500; ++n) {
+    Platter platter;
+    Journal journal = open(platter);
+    platter.fails_at = n % 160;
+    std::vector<Entries> states{{}};
+    std::size_t safe = 0;  // newest state of which no problem was said
+    for (int i = 0; i < 40; ++i) {
+      states.push_back(work(journal, 1, random).back());
+      if (journal.problem().empty()) {
+        safe = states.size() - 1;
+      } else {
+        ++said;
+      }
+      if (random() % 20 == 0) break;
+    }
+    platter.lose_power(random);
+    const Journal next = open(platter);
+    const auto kept = std::find(states.begin() + static_cast<std::ptrdiff_t>(safe), states.end(), next.entries());
+    ASSERT_NE(kept, states.end()) << "call " << n << ": neither the last safe state nor a later one";
+  }
+  EXPECT_GT(said, 10) << "the failures must be worth testing";
+}
+
+TEST(ServiceJournal, CutsAndFlippedBitsAreDetected) {
+  std::mt19937_64 random = oracle::seeded(93);
+  Platter good;
+  Journal journal = open(good);
+  const std::vector<Entries> states = work(journal, 40, random);
+  const Bytes& whole = good.files["it"].content;
+  int detected = 0;
+  constexpr int kCases = 10'000;
+  for (int i = 0; i < kCases; ++i) {
+    Platter damaged = good;
+    Bytes& content = damaged.files["it"].content;
+    const bool is_cut = i % 2 == 0;
+    if (is_cut) {
+      content.resize(random() % whole.size());
+    } else {
+      content[random() % whole.size()] ^= static_cast<std::byte>(1u << random() % 8);
+    }
+    const Journal next = open(damaged);
+    ASSERT_NE(std::ranges::find(states, next.entries()), states.end()) << "a state that never was";
+    // A cut between two records cannot be told from a shorter life.
+    detected += !next.damage().empty() || (is_cut && next.entries() != states.back()) || is_cut ? 1 : 0;
+    if (!is_cut) {
+      ASSERT_NE(next.damage(), "");
+    }
+  }
+  EXPECT_EQ(detected, kCases);
+}
+
+TEST(ServiceJournal, StaleRecordsDoNotPileUp) {
+  std::mt19937_64 random = oracle::seeded(94);
+  Platter platter;
+  Journal journal = open(platter);
+  for (int i = 0; i < 20'000; ++i) journal.put(entry(random() % 4, random), Journal::Sync::later);
+  EXPECT_LT(platter.files["it"].content.size(), std::size_t{2} << 20);
+  EXPECT_EQ(open(platter).entries(), journal.entries());
+}
+
+TEST(ServiceJournal, AFileOfSomethingElseIsLeftAlone) {
+  Platter platter;
+  platter.files["it"].content = Bytes(100, std::byte{7});
+  const Journal journal = open(platter);
+  EXPECT_TRUE(journal.entries().empty());
+  EXPECT_NE(journal.damage().find("not a journal"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace collided::service
