@@ -30,6 +30,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
 
   std::optional<Error> say_alive();
   bool is_forgotten() const;
+  bool is_behind() const;
   std::optional<Error> define_all();
   std::optional<Error> write_definition(std::uint32_t number, const client::PublishedObject& object, bool removed);
   std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, bool teleported, std::int64_t time_ns);
@@ -47,6 +48,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::uint64_t server_ = 0;
   std::uint32_t batches_unacknowledged_ = 0;
   client::Clock::time_point last_word_;
+  client::Clock::time_point last_sample_;
   dds::Sample<wire::Definition> definition_;
   dds::Sample<wire::PoseBatch> batch_;
   std::vector<double> poses_;

@@ -17,6 +17,8 @@ namespace {
 // pose of some object.
 constexpr std::uint32_t kMostUnacknowledged = wire_contract::kPoseTopic.keep_last - 8;
 constexpr std::int64_t kAcknowledgementNs = 1'000'000'000;
+// Several statuses after the last sample; one of them must have counted it.
+constexpr std::chrono::milliseconds kBehind{500};
 
 double* put_pose(const Pose& pose, double* numbers) {
   numbers = std::copy_n(pose.position.data(), 3, numbers);
@@ -42,7 +44,7 @@ std::optional<Error> guarded(const Write& write) {
 }  // namespace
 
 std::optional<Error> Publisher::State::say_alive() {
-  if (is_forgotten()) {
+  if (is_forgotten() || is_behind()) {
     return define_all();
   }
   return guarded([&]() -> std::optional<Error> {
@@ -61,6 +63,14 @@ bool Publisher::State::is_forgotten() const {
   // A status from before everything was defined anew says nothing about now.
   const auto view = connection_->pulse().publisher(publisher_);
   return view && view->lost && view->applied_sequence >= defined_all_at_;
+}
+
+// A batch may have been written before a new server's reader was there to take it: its poses would be missing until the
+// objects move again.
+bool Publisher::State::is_behind() const {
+  const auto view = connection_->pulse().publisher(publisher_);
+  return view && !view->lost && view->applied_sequence < sequence_ && !connection_->pulse().silent() &&
+         Clock::now() - last_sample_ > kBehind;
 }
 
 std::optional<Error> Publisher::State::define_all() {
@@ -133,7 +143,7 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
 
 void Publisher::State::note_written() {
   ++sequence_;
-  last_word_ = Clock::now();
+  last_word_ = last_sample_ = Clock::now();
   connection_->note_write({publisher_, sequence_});
 }
 

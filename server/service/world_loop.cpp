@@ -80,7 +80,10 @@ void WorldLoop::keep_time() {
 bool WorldLoop::has_recovered() const {
   const std::int64_t waited_ns = steady_ns() - started_ns_;
   const bool is_early = waited_ns < wire_contract::kPublisherLeaseNs;
-  return waited_ns >= options_.recovery_ns || (!is_early && around_.has_all_back && around_.has_all_back());
+  if (!is_early && around_.has_all_back && around_.has_all_back()) return true;
+  if (waited_ns < options_.recovery_ns) return false;
+  around_.notice("not all that was here before the crash has come back; ready without it");
+  return true;
 }
 
 /// Offers a sample until it is applied, with steps between where it asks for them.

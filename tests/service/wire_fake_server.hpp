@@ -95,6 +95,7 @@ class FakeServer {
   std::size_t most_in_flight() const { return most_in_flight_; }
   std::atomic<int> delay_us{0};  // of every answer, on a thread of its own
   std::atomic<bool> hold_publisher_lost{false};
+  std::atomic<bool> missed_the_last{false};  // says that the newest sample of each publisher has not come
 
   void send_status() {
     const std::lock_guard lock(mutex);
@@ -162,7 +163,7 @@ class FakeServer {
     std::vector<std::string> names;
     for (const auto& [publisher, sequence] : applied_) {
       publishers_.push_back(publisher);
-      sequences_.push_back(sequence);
+      sequences_.push_back(sequence - (missed_the_last ? 1 : 0));
       silent_.push_back(0);
       names.push_back("publisher");
     }

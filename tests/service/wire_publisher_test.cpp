@@ -197,6 +197,23 @@ TEST_F(ClientPublish, ServerThatCallsItLostGetsEverythingOnce) {
   EXPECT_EQ(server_.received().definition_count, count);
 }
 
+// A batch that found no reader: nobody would send it again, and the object would stay where its definition put it.
+TEST_F(ClientPublish, WhatTheServerHasMissedIsSaidAgain) {
+  const Publisher::Object object = add("first");
+  ASSERT_TRUE(publisher_->move(object, {.position = {1, 0, 0}}));
+  ASSERT_TRUE(publisher_->flush());
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  EXPECT_EQ(server_.received().definition_count, 1u);
+  server_.missed_the_last = true;
+  ASSERT_TRUE(eventually([&] {
+    EXPECT_TRUE(publisher_->keep_alive());
+    return server_.received().definition_count >= 2;
+  }));
+  server_.missed_the_last = false;
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  EXPECT_EQ(server_.received().poses.at(0).numbers[0], 1);
+}
+
 TEST_F(ClientPublish, LeavingRemovesItsObjects) {
   add("first");
   add("second");

@@ -103,6 +103,7 @@ class KillLoop {
       return status && status->pid == static_cast<std::uint32_t>(server_->pid()) && status->state == "ready";
     });
     ready_ms_.push_back(ms_since(started));
+    if (ready_ms_.back() > 2'000) std::fprintf(stderr, "ready only after %.0f ms:\n%s", ready_ms_.back(), server_->errors().c_str());
   }
 
   /// What every subscriber holds is what touches; counted where it does not become so.
