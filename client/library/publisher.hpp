@@ -31,6 +31,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::optional<Error> say_alive();
   bool is_forgotten() const;
   bool is_behind() const;
+  bool is_followed() const;
   std::optional<Error> define_all();
   std::optional<Error> write_definition(std::uint32_t number, const client::PublishedObject& object, bool removed);
   std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, bool teleported, std::int64_t time_ns);

@@ -73,7 +73,16 @@ bool Publisher::State::is_behind() const {
          Clock::now() - last_sample_ > kBehind;
 }
 
+// The server itself says that it has nearly all: whoever has not acknowledged is a dead server's reader, which DDS keeps
+// for its participant's lease of ten seconds.
+bool Publisher::State::is_followed() const {
+  const auto view = connection_->pulse().publisher(publisher_);
+  return view && !connection_->pulse().silent() && view->applied_sequence + kMostUnacknowledged > sequence_;
+}
+
 std::optional<Error> Publisher::State::define_all() {
+  // A new server's reader has everything of this life still before it.
+  if (server_ != connection_->pulse().server()) batches_unacknowledged_ = 0;
   server_ = connection_->pulse().server();
   defined_all_at_ = sequence_ + 1;
   for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
@@ -126,7 +135,7 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
   dds::borrow(batch_->object_numbers, numbers);
   dds::borrow(batch_->poses, poses_);
   return guarded([&]() -> std::optional<Error> {
-    if (batches_unacknowledged_ >= kMostUnacknowledged) {
+    if (batches_unacknowledged_ >= kMostUnacknowledged && !is_followed()) {
       if (!pose_writer_.wait_for_acknowledgements(kAcknowledgementNs)) {
         return not_taken();
       }

@@ -175,6 +175,25 @@ TEST_F(ServerEvents, ACrashIsRecoveredFrom) {
   EXPECT_EQ(events.open_contacts(), 1U);
 }
 
+// DDS holds on to a killed server's reader for ten seconds, and it acknowledges nothing; the next server gets every pose.
+TEST_F(ServerEvents, ADeadServersReaderHoldsNobodyUp) {
+  testing_support::ChildProcess& first = start({}, "first");
+  Client client = connect();
+  Publisher publisher = publish(client, "thrower");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  first.signal(SIGKILL);
+  first.wait(5s);
+  start({}, "second");
+  int held_up = 0;
+  for (int i = 0; i < 300; ++i) {
+    EXPECT_TRUE(publisher.move(ball, at(6, 0, 1 + 0.01 * i)));
+    held_up += publisher.flush() ? 0 : 1;
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_EQ(held_up, 0);
+  EXPECT_TRUE(publisher.wait_applied(5s));
+}
+
 // Objects and scenes that commands added are there again after a crash, those that were removed are not; after an orderly
 // stop none is.
 TEST_F(ServerEvents, WhatCommandsAddedOutlivesACrash) {
