@@ -170,7 +170,7 @@ class WatchCommand : public Command {
     const Clock::time_point start = Clock::now();
     std::uint64_t count = 0;
     while (!until.reached(count) && session.io.out.good()) {
-      const std::optional<Event> event = next(watch, session.io, until);
+      const std::optional<Event> event = next_of(watch, session.io, until);
       tell_of_silence(session, globals, watch);
       if (!event) continue;
       print(printer, *event, session.io);
@@ -184,15 +184,6 @@ class WatchCommand : public Command {
   }
 
  private:
-  /// The next event; what is printed so far goes out before waiting for it.
-  static std::optional<Event> next(Watch& watch, Io& io, const Until& until) {
-    if (std::optional<Event> event = watch.next(std::chrono::nanoseconds(0))) return event;
-    io.out.flush();
-    constexpr std::chrono::milliseconds kInterruptCheck{50};
-    const std::chrono::nanoseconds left = until.end() - Clock::now();
-    return watch.next(std::clamp<std::chrono::nanoseconds>(left, std::chrono::nanoseconds(0), kInterruptCheck));
-  }
-
   void print(Printer& printer, const Event& event, Io& io) const {
     if (line_) printer.line(line_->fill(event, [&](std::string_view, const Value& value) { return io.out_is_terminal ? printable(value_text(value)) : value_text(value); }));
     else if (printer.human()) printer.line(event_line(printer, event));

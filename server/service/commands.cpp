@@ -36,9 +36,15 @@ std::string dump(const json& value) {
 
 Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
                    const BackgroundAudit& audit)
-    : loop_(loop), inbox_(inbox), clock_(clock), counts_(counts), audit_(audit), slow_jobs_(kMostSlowJobs), slow_thread_([this] {
-        while (std::optional<SlowJob> job = slow_jobs_.pop()) (*job)();
-      }) {}
+    : loop_(loop), inbox_(inbox), clock_(clock), counts_(counts), audit_(audit), slow_jobs_(kMostSlowJobs), pair_jobs_(kMostPairJobs) {
+  const auto work = [](WorkQueue<SlowJob>& jobs) {
+    return std::thread([&jobs] {
+      while (std::optional<SlowJob> job = jobs.pop()) (*job)();
+    });
+  };
+  slow_thread_ = work(slow_jobs_);
+  pair_thread_ = work(pair_jobs_);
+}
 
 Commands::~Commands() {
   stop();
@@ -46,8 +52,10 @@ Commands::~Commands() {
 
 void Commands::stop() {
   stopping_.store(true);
-  slow_jobs_.close();
-  if (slow_thread_.joinable()) slow_thread_.join();
+  for (auto* jobs : {&slow_jobs_, &pair_jobs_}) jobs->close();
+  for (auto* thread : {&slow_thread_, &pair_thread_}) {
+    if (thread->joinable()) thread->join();
+  }
 }
 
 /// The answer of some work, or the refusal that it threw.
@@ -69,7 +77,8 @@ void Commands::answer(const CommandAsk& ask, const std::function<json()>& work) 
 void Commands::run(CommandAsk ask) {
   static const std::vector<std::pair<std::string, Change>> kChanges{
       {names::kGet, &Commands::get},       {names::kAdd, &Commands::add},     {names::kMove, &Commands::move},
-      {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear},
+      {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear}, {names::kProbe, &Commands::probe},
+      {names::kProbes, &Commands::probes},
   };
   std::optional<Arguments> arguments;
   try {
@@ -87,9 +96,11 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
+  if (command == names::kPair) return pair_later(std::move(ask), *arguments);
   answer(ask, [&]() -> json {
     const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
-                                         names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu};
+                                         names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
+                                         names::kPair, names::kProbe, names::kProbes};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

@@ -47,7 +47,7 @@ void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
     if (up != "y" && up != "z") throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z'", printable(up)));
     if (!(load.options.unit_m > 0))
       throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
-    make_room("load");
+    make_room("load", slow_jobs_);
     load.options.up = up[0];
   } catch (const BadCommand& bad) {
     answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));

@@ -62,6 +62,9 @@ class WorldLoop {
 
   /// For jobs on this thread.
   World& world() { return around_.world; }
+  Probes& probes() { return probes_; }
+  /// In the newest state, in the order of probes().definition(); for jobs on this thread.
+  const std::vector<ProbeReading>& read_probes();
   const Publishers& publishers() const { return publishers_; }
   /// All changes so far become events and a state. What began and ended is in world().events() until the next step.
   void step_now();
@@ -84,6 +87,7 @@ class WorldLoop {
   void publish();
   void publish_events(const Stamp& stamp);
   void publish_contacts(const Stamp& stamp);
+  void publish_probes(const Stamp& stamp);
   void let_fences_pass();
   void write_status(wire_contract::ServerState state);
   void list_publishers();
@@ -111,6 +115,9 @@ class WorldLoop {
   std::vector<std::uint8_t> dirty_shards_;
   std::vector<std::uint8_t> shard_of_;  // the contacts that hold
   ContactColumns contacts_;
+  Probes probes_;
+  std::vector<ProbeReading> probe_readings_;
+  ProbeColumns probe_columns_;
   StatusColumns status_;
   std::uint64_t contact_hash_ = 0;
   Fences::Applied applied_;

@@ -1,0 +1,263 @@
+#include "server/exact_phase/proof.hpp"
+
+#include <cmath>
+
+#include "server/exact_phase/closest.hpp"
+#include "server/exact_phase/part_convex.hpp"
+#include "server/exact_phase/polytope_kernel.hpp"
+
+namespace collided {
+namespace {
+
+using kernel::CommonPoint;
+using kernel::Convex;
+using kernel::Vector;
+using Mix = CommonPoint::Mix;
+
+/// The number as a sum of doubles, largest first. Not all of it where it leaves their range: then nothing is proved.
+bool append_sum(Dyadic x, ExactSum& sum) {
+  while (x.sign() != 0) {
+    const auto [fraction, power] = x.split();
+    // Products of the terms are to stay in range too.
+    if (!x.finite() || std::abs(power) > 900) return false;
+    const double term = std::ldexp(fraction, static_cast<int>(power));
+    sum.push_back(term);
+    x = x - Dyadic(term);
+  }
+  if (sum.empty()) sum.push_back(0);
+  return true;
+}
+
+bool append_mix(const Mix& mix, ExactMix& sums) {
+  for (const auto& [corner, weight] : mix) {
+    sums.emplace_back(corner, ExactSum());
+    if (!append_sum(weight, sums.back().second)) return false;
+  }
+  return true;
+}
+
+/// A candidate for a common point: point / divisor, the divisor above 0.
+struct Candidate {
+  Vector<Dyadic> point;
+  Dyadic divisor{1.0};
+};
+
+Vector<Dyadic> at(const Vec3& p) { return Vector<Dyadic>(p); }
+
+bool is_flat_hull(const ConvexPart& part, const Convex& set) {
+  return set.hull != nullptr || std::holds_alternative<Triangle>(part);
+}
+
+/// What of the part's points the candidate stands beside; nothing where none is known.
+std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const Candidate& c) {
+  const Mix whole{{0, Dyadic(1.0)}};
+  if (set.disc_m > 0 || (std::holds_alternative<Primitive>(part) && set.plus == Convex::Plus::nothing && set.count() == 2 && set.ball_m == 0)) {
+    // The foot on the axis, exactly: shares in the quotient of two products.
+    const Vector<Dyadic> d = at(set.carrier[1]) - at(set.carrier[0]);
+    const Dyadic along = dot(c.point - c.divisor * at(set.carrier[0]), d);
+    const Dyadic rest = c.divisor * square(d) - along;
+    if (along.sign() < 0 || rest.sign() < 0) return std::nullopt;
+    return Mix{{0, rest}, {1, along}};
+  }
+  if (set.plus != Convex::Plus::nothing || set.count() == 1) return whole;
+  const auto plain_of = [&](const Dyadic& x) {
+    const auto [top, top_power] = x.split();
+    const auto [bottom, bottom_power] = c.divisor.split();
+    return top == 0 ? 0.0 : std::ldexp(top / bottom, static_cast<int>(std::clamp(top_power - bottom_power, -2000L, 2000L)));
+  };
+  const Vec3 rounded(plain_of(c.point.x), plain_of(c.point.y), plain_of(c.point.z));
+  if (!is_flat_hull(part, set)) {
+    // A capsule: its ball covers what rounding the foot costs.
+    const Vec3 d = set.carrier[1] - set.carrier[0];
+    const double t = std::clamp((rounded - set.carrier[0]).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+    return Mix{{0, Dyadic(1.0) - Dyadic(t)}, {1, Dyadic(t)}};
+  }
+  // Only a point that is a double itself is looked for in a hull.
+  const std::optional<CommonPoint> held = common_point(set, Convex(Sphere{rounded, 0}));
+  if (!held) return std::nullopt;
+  return held->mix_a;
+}
+
+/// The same formulas as whoever checks the proof has them, over other numbers.
+bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const Mix& mix) {
+  if (const HalfSpace* ground = half_space_of(part)) {
+    return dot(at(ground->normal), c.point - c.divisor * at(ground->point)).sign() <= 0;
+  }
+  Dyadic total;
+  Dyadic of_discs;
+  Vector<Dyadic> beside = at(Vec3::Zero());
+  for (const auto& [corner, weight] : mix) {
+    if (weight.sign() < 0) return false;
+    total = total + weight;
+    if (static_cast<int>(corner) >= set.first_disc) of_discs = of_discs + weight;
+    beside = beside - weight * at(set.point(static_cast<int>(corner)));
+  }
+  if (total.sign() <= 0) return false;
+  beside = c.divisor * beside + total * c.point;
+  const Dyadic scale = total * c.divisor;
+  const auto at_most_square = [](const Dyadic& square_of, const Dyadic& root) { return (square_of - root * root).sign() <= 0; };
+  if (set.plus != Convex::Plus::nothing) {
+    const Vector<Dyadic> axis[3] = {at(set.axes.col(0)), at(set.axes.col(1)), at(set.axes.col(2))};
+    const Dyadic volume = dot(axis[0], cross(axis[1], axis[2]));
+    if (volume.sign() == 0) return false;
+    Dyadic squares;
+    for (int k = 0; k < 3; ++k) {
+      const Dyadic along = dot(beside, cross(axis[(k + 1) % 3], axis[(k + 2) % 3]));
+      if (set.plus == Convex::Plus::box && !at_most_square(along * along, Dyadic(set.half_m[k]) * volume * scale)) return false;
+      const Dyadic part_of = along * Dyadic(set.half_m[(k + 1) % 3]) * Dyadic(set.half_m[(k + 2) % 3]);
+      squares = squares + part_of * part_of;
+    }
+    const Dyadic halves = Dyadic(set.half_m[0]) * Dyadic(set.half_m[1]) * Dyadic(set.half_m[2]);
+    return set.plus == Convex::Plus::box || at_most_square(squares, halves * volume * scale);
+  }
+  if (set.disc_m > 0) {
+    const bool is_across = dot(beside, at(set.carrier[1]) - at(set.carrier[0])).sign() == 0;
+    return is_across && at_most_square(square(beside), Dyadic(set.disc_m) * of_discs * c.divisor);
+  }
+  return at_most_square(square(beside), Dyadic(set.ball_m) * scale);
+}
+
+bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mix& mix_a, const Mix& mix_b, Proof& proof) {
+  if (!holds(a, convex_of(a), c, mix_a) || !holds(b, convex_of(b), c, mix_b)) return false;
+  proof.touches = true;
+  const Dyadic* coordinates[3] = {&c.point.x, &c.point.y, &c.point.z};
+  for (int k = 0; k < 3; ++k) {
+    proof.point[k].clear();
+    if (!append_sum(*coordinates[k], proof.point[k])) return false;
+  }
+  proof.divisor.clear();
+  proof.mix_a.clear();
+  proof.mix_b.clear();
+  return append_sum(c.divisor, proof.divisor) && append_mix(mix_a, proof.mix_a) && append_mix(mix_b, proof.mix_b);
+}
+
+/// The corners that a box's common point is made of are none of its points: it stands beside its middle.
+Mix of_points(const Convex& set, Mix mix) {
+  return set.plus == Convex::Plus::box ? Mix{{0, Dyadic(1.0)}} : std::move(mix);
+}
+
+/// A point of the triangle near the hint, by weights that are doubles.
+bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& triangle, const Vec3& hint, bool is_a, Proof& proof) {
+  const Vec3 foot = closest(hint, triangle).point;
+  const Vec3 u = triangle.b - triangle.a;
+  const Vec3 v = triangle.c - triangle.a;
+  const Vec3 n = u.cross(v);
+  const double nn = std::max(n.squaredNorm(), 1e-300);
+  const double of_b = std::clamp(n.dot((foot - triangle.a).cross(v)) / nn, 0.0, 1.0);
+  const double of_c = std::clamp(n.dot(u.cross(foot - triangle.a)) / nn, 0.0, 1.0 - of_b);
+  const Mix mix{{0, Dyadic(std::max(0.0, 1 - of_b - of_c))}, {1, Dyadic(of_b)}, {2, Dyadic(of_c)}};
+  Candidate c{at(Vec3::Zero()), Dyadic()};
+  const Vec3 corner[3] = {triangle.a, triangle.b, triangle.c};
+  for (const auto& [i, weight] : mix) {
+    c.point = c.point + weight * at(corner[i]);
+    c.divisor = c.divisor + weight;
+  }
+  if (c.divisor.sign() <= 0) return false;
+  const ConvexPart& other = is_a ? b : a;
+  const std::optional<Mix> beside = mix_beside(other, convex_of(other), c);
+  if (!beside) return false;
+  return is_a ? fill(a, b, c, mix, *beside, proof) : fill(a, b, c, *beside, mix, proof);
+}
+
+bool at_point(const ConvexPart& a, const ConvexPart& b, const Candidate& c, Proof& proof) {
+  const std::optional<Mix> mix_a = mix_beside(a, convex_of(a), c);
+  if (!mix_a) return false;
+  const std::optional<Mix> mix_b = mix_beside(b, convex_of(b), c);
+  return mix_b && fill(a, b, c, *mix_a, *mix_b, proof);
+}
+
+/// The point of a polytope that is farthest behind a plane, its ball left out.
+bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& b, const ConvexPart& solid, Proof& proof) {
+  const Convex set = convex_of(solid);
+  std::vector<Candidate> candidates;
+  for (int i = 0; i < set.count(); ++i) candidates.push_back({at(set.point(i))});
+  if (set.plus != Convex::Plus::nothing) candidates.push_back({at(set.carrier[0] + set.support(-ground.normal))});
+  if (set.plus == Convex::Plus::box) {
+    Candidate corner{at(set.carrier[0])};
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 axis = set.axes.col(k);
+      const Dyadic reach(ground.normal.dot(axis) > 0 ? -set.half_m[k] : set.half_m[k]);
+      corner.point = corner.point + reach * at(axis);
+    }
+    candidates.push_back(corner);
+  }
+  if (set.ball_m > 0) {
+    for (int i = 0; i < set.carrier_count; ++i) {
+      const Vec3 out = ground.normal.normalized();
+      candidates.push_back({at(set.point(i) - set.ball_m * (1 - 0x1p-50) * out)});
+      candidates.push_back({at(set.point(i) - set.ball_m * out)});
+    }
+  }
+  return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) { return at_point(a, b, c, proof); });
+}
+
+}  // namespace
+
+Vec3 support_of(const ConvexPart& part, const Vec3& n) {
+  const Convex set = convex_of(part);
+  return set.carrier[0] + set.support(n) + set.ball_m * n.stableNormalized();
+}
+
+PartNumbers numbers_of(const ConvexPart& part) {
+  using Beside = PartNumbers::Beside;
+  const Convex set = convex_of(part);
+  PartNumbers numbers;
+  numbers.radius_m = set.disc_m > 0 ? set.disc_m : set.ball_m;
+  numbers.tapers = set.first_disc > 0;
+  numbers.axes = set.axes;
+  numbers.half_m = set.half_m;
+  for (int i = 0; i < set.count(); ++i) numbers.points.push_back(set.point(i));
+  if (const HalfSpace* ground = half_space_of(part)) {
+    numbers.beside = Beside::half_space;
+    numbers.axes.col(0) = ground->normal;
+  } else if (set.plus != Convex::Plus::nothing) {
+    numbers.beside = set.plus == Convex::Plus::box ? Beside::box : Beside::ellipsoid;
+  } else if (set.disc_m > 0) {
+    numbers.beside = Beside::disc;
+  } else if (set.ball_m > 0) {
+    numbers.beside = Beside::ball;
+  }
+  return numbers;
+}
+
+bool prove_touching(const ConvexPart& a, const ConvexPart& b, const Vec3& hint, Proof& proof) {
+  if (at_point(a, b, {at(hint)}, proof)) return true;
+  const HalfSpace* ground_a = half_space_of(a);
+  const HalfSpace* ground_b = half_space_of(b);
+  if (ground_a != nullptr && ground_b != nullptr) return false;
+  if (ground_a != nullptr) return deepest_in(*ground_a, a, b, b, proof);
+  if (ground_b != nullptr) return deepest_in(*ground_b, a, b, a, proof);
+  const Convex set_a = convex_of(a);
+  const Convex set_b = convex_of(b);
+  if (set_a.is_polytope() && set_b.is_polytope()) {
+    std::optional<CommonPoint> common = common_point(set_a, set_b);
+    if (!common) return false;
+    return fill(a, b, {common->point, common->divisor}, of_points(set_a, std::move(common->mix_a)),
+                of_points(set_b, std::move(common->mix_b)), proof);
+  }
+  if (const auto* triangle = std::get_if<Triangle>(&a)) return on_triangle(a, b, *triangle, hint, true, proof);
+  if (const auto* triangle = std::get_if<Triangle>(&b)) return on_triangle(a, b, *triangle, hint, false, proof);
+  return false;
+}
+
+bool is_beyond(const ConvexPart& part, const Vec3& normal, const Vec3& point, int side, bool strictly) {
+  if (const HalfSpace* ground = half_space_of(part)) {
+    const Vector<Dyadic> turn = cross(at(normal), at(ground->normal));
+    const bool is_parallel = turn.x.sign() == 0 && turn.y.sign() == 0 && turn.z.sign() == 0;
+    if (!is_parallel || side * normal.dot(ground->normal) <= 0) return false;
+    const int reach = side * dot(at(normal), at(ground->point) - at(point)).sign();
+    return strictly ? reach < 0 : reach <= 0;
+  }
+  const Convex set = convex_of(part);
+  if (kernel::reach_value(set, normal, side, point).high() < 0) return true;
+  const kernel::ReachAlong<Dyadic> reach = kernel::reach_along<Dyadic>(set, normal, side, point);
+  for (int i = 0; i < reach.count; ++i) {
+    const kernel::ReachPart<Dyadic>& r = reach.part[i];
+    const int room = (r.rational * r.rational * r.denominator - r.numerator).sign();
+    const bool ok = strictly ? r.rational.sign() < 0 && room > 0 : r.rational.sign() <= 0 && room >= 0;
+    if (!ok) return false;
+  }
+  return true;
+}
+
+}  // namespace collided
