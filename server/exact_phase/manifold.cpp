@@ -25,16 +25,24 @@ struct Feature {
   double slack_m = 0;           // how far the points may be from the true ones, coordinate by coordinate
 };
 
-/// A face within this of facing the other: beyond, a rim or a side does. Cosine.
+/// A cap whose axis is nearer than this to the normal faces the other; else the side does. Cosine of 45 degrees.
 constexpr double kFacing = std::numbers::sqrt2 / 2;
-/// What is one point seen along the normal, relative to its size.
+/// What is one point seen along the normal, relative to its size. At zero Manifold.OfRoundShapes fails (standing).
 constexpr double kSeenAsPoint = 1e-6;
 /// Corners of a hull in one plane, relative to its size: those of a face that rounding has bent.
+/// At zero Manifold.AHullBearsAsItsBox fails.
 constexpr double kSamePlane = 1e-9;
 constexpr int kRimPoints = 8;
 
-double slack_of(const kernel::Convex& set) {
-  return kSupportError * (set.carrier[0].cwiseAbs().maxCoeff() + set.reach_m + set.ball_m + set.disc_m);
+/// A corner or a rim's point is off by the rounding of at most six products and sums, a hull's by that of placing it; where
+/// a direction was made a unit vector first, by what a support point is. Relative to its size and place.
+/// At zero, Manifold.TheDepthsOfTiltedBoxesAreWithinTheirBounds fails.
+double slack_of(const ConvexPart& part) {
+  if (half_space_of(part) != nullptr || std::holds_alternative<Triangle>(part)) return 0;
+  const kernel::Convex set = convex_of(part);
+  const bool has_directions = set.disc_m > 0 || set.ball_m > 0 || set.plus == kernel::Convex::Plus::ellipsoid;
+  const double extent_m = set.carrier[0].cwiseAbs().maxCoeff() + set.reach_m + set.ball_m + set.disc_m;
+  return (has_directions ? kSupportError : 8 * kRoundoff) * extent_m;
 }
 
 Feature tip(const Vec3& point, const Vec3& m) { return {.points = {point}, .on = point, .across = m}; }
@@ -141,7 +149,7 @@ Feature facing(const ConvexPart& part, const Vec3& m) {
         else return std::visit([&](const auto& solid) { return facing(solid, m); }, shape);
       },
       part);
-  if (half_space_of(part) == nullptr) feature.slack_m += slack_of(convex_of(part));
+  feature.slack_m += slack_of(part);
   return feature;
 }
 
@@ -250,7 +258,7 @@ Bounded height_over(const Feature& feature, const Vec3& point, const Vec3& norma
   for (const Vec3& p : feature.points) span_m = std::max(span_m, (p - feature.on).norm());
   const double lever = span_m > 0 ? 1 + (point - feature.on).norm() / span_m : 1;
   const double tilt = std::abs(slope.value) / feature.across.norm();
-  return {height.value, height.error + 4 * feature.slack_m * lever / tilt};
+  return {height.value, height.error + 2 * feature.slack_m * lever / tilt};
 }
 
 }  // namespace
