@@ -1,10 +1,14 @@
 #include "server/exact_phase/proof.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "server/exact_phase/closest.hpp"
 #include "server/exact_phase/part_convex.hpp"
 #include "server/exact_phase/polytope_kernel.hpp"
+#include "server/exact_phase/simplex_search.hpp"
+#include "server/geometry/mesh.hpp"
 
 namespace collided {
 namespace {
@@ -28,10 +32,21 @@ bool append_sum(Dyadic x, ExactSum& sum) {
   return true;
 }
 
+/// A power of two that brings the number, and all that is to be scaled with it, near 2^200: who checks the proof squares
+/// products of them, and of the range of double there is room below for digits only while the numbers are large.
+Dyadic scale_for(const Dyadic& x) {
+  constexpr long kPower = 200;
+  const long shift = kPower - x.split().second;
+  return Dyadic(std::ldexp(1.0, static_cast<int>(std::clamp(shift, -900L, 900L))));
+}
+
 bool append_mix(const Mix& mix, ExactMix& sums) {
+  Dyadic total;
+  for (const auto& [corner, weight] : mix) total = total + weight;
+  const Dyadic scale = scale_for(total);
   for (const auto& [corner, weight] : mix) {
     sums.emplace_back(corner, ExactSum());
-    if (!append_sum(weight, sums.back().second)) return false;
+    if (!append_sum(scale * weight, sums.back().second)) return false;
   }
   return true;
 }
@@ -120,15 +135,16 @@ bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const 
 bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mix& mix_a, const Mix& mix_b, Proof& proof) {
   if (!holds(a, convex_of(a), c, mix_a) || !holds(b, convex_of(b), c, mix_b)) return false;
   proof.touches = true;
+  const Dyadic scale = scale_for(c.divisor);
   const Dyadic* coordinates[3] = {&c.point.x, &c.point.y, &c.point.z};
   for (int k = 0; k < 3; ++k) {
     proof.point[k].clear();
-    if (!append_sum(*coordinates[k], proof.point[k])) return false;
+    if (!append_sum(scale * *coordinates[k], proof.point[k])) return false;
   }
   proof.divisor.clear();
   proof.mix_a.clear();
   proof.mix_b.clear();
-  return append_sum(c.divisor, proof.divisor) && append_mix(mix_a, proof.mix_a) && append_mix(mix_b, proof.mix_b);
+  return append_sum(scale * c.divisor, proof.divisor) && append_mix(mix_a, proof.mix_a) && append_mix(mix_b, proof.mix_b);
 }
 
 /// The corners that a box's common point is made of are none of its points: it stands beside its middle.
@@ -191,6 +207,57 @@ bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& 
   return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) { return at_point(a, b, c, proof); });
 }
 
+/// A part drawn in towards a point inside it.
+class DrawnIn {
+ public:
+  DrawnIn(const Convex& whole, double share) : set_(whole) {
+    if (whole.hull != nullptr) {
+      draw_hull(*whole.hull, share);
+      return;
+    }
+    Vec3 middle = Vec3::Zero();
+    for (int i = 0; i < set_.carrier_count; ++i) middle += set_.carrier[i] / set_.carrier_count;
+    for (int i = 0; i < set_.carrier_count; ++i) set_.carrier[i] += share * (middle - set_.carrier[i]);
+    set_.half_m *= 1 - share;
+    set_.ball_m *= 1 - share;
+    set_.disc_m *= 1 - share;
+  }
+  const Convex& set() const { return set_; }
+
+ private:
+  void draw_hull(const Hull& whole, double share) {
+    auto mesh = std::make_shared<TriangleMesh>(*whole.mesh);
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& vertex : mesh->vertices) middle += vertex / static_cast<double>(mesh->vertices.size());
+    for (Vec3& vertex : mesh->vertices) vertex += share * (middle - vertex);
+    hull_ = std::make_unique<Hull>(Hull{std::move(mesh), whole.rotation, whole.position});
+    set_ = Convex(*hull_);
+  }
+
+  std::unique_ptr<Hull> hull_;
+  Convex set_;
+};
+
+void append_nearest(const Convex& a, const Convex& b, std::vector<Vec3>& points) {
+  const kernel::Proposal proposal = kernel::nearest_proposal(a, b, kernel::Seek::distance);
+  const Vec3 near_a = a.carrier[0] + proposal.on_a();
+  const Vec3 near_b = b.carrier[0] + proposal.on_b();
+  // Between the two without their balls, the middle of what both balls cover.
+  const double apart_m = (near_b - near_a).stableNorm();
+  const Vec3 way = apart_m > 0 ? Vec3((near_b - near_a) / apart_m) : Vec3(Vec3::Zero());
+  points.insert(points.end(), {near_a, near_b, near_a / 2 + near_b / 2, near_a + (a.ball_m + (apart_m - b.ball_m)) / 2 * way});
+}
+
+/// Points that both sets may hold: the nearest ones of the two, and of the two drawn in, which are off the borders where
+/// the sets share more than a point.
+std::vector<Vec3> likely_points(const Convex& a, const Convex& b) {
+  std::vector<Vec3> points;
+  for (const double share : {0x1p-5, 0x1p-10, 0x1p-20, 0x1p-40, 0.0}) {
+    append_nearest(DrawnIn(a, share).set(), DrawnIn(b, share).set(), points);
+  }
+  return points;
+}
+
 }  // namespace
 
 Vec3 support_of(const ConvexPart& part, const Vec3& n) {
@@ -229,15 +296,22 @@ bool prove_touching(const ConvexPart& a, const ConvexPart& b, const Vec3& hint, 
   if (ground_b != nullptr) return deepest_in(*ground_b, a, b, a, proof);
   const Convex set_a = convex_of(a);
   const Convex set_b = convex_of(b);
-  if (set_a.is_polytope() && set_b.is_polytope()) {
-    std::optional<CommonPoint> common = common_point(set_a, set_b);
-    if (!common) return false;
-    return fill(a, b, {common->point, common->divisor}, of_points(set_a, std::move(common->mix_a)),
-                of_points(set_b, std::move(common->mix_b)), proof);
-  }
-  if (const auto* triangle = std::get_if<Triangle>(&a)) return on_triangle(a, b, *triangle, hint, true, proof);
-  if (const auto* triangle = std::get_if<Triangle>(&b)) return on_triangle(a, b, *triangle, hint, false, proof);
-  return false;
+  const std::vector<Vec3> likely = likely_points(set_a, set_b);
+  const auto is_common = [&](const Vec3& point) { return at_point(a, b, {at(point)}, proof); };
+  if (std::any_of(likely.begin(), likely.end(), is_common)) return true;
+  // A triangle has no inside: the point must be exactly on it.
+  const auto is_on_it = [&](const Vec3& point) {
+    if (const auto* triangle = std::get_if<Triangle>(&a)) return on_triangle(a, b, *triangle, point, true, proof);
+    if (const auto* triangle = std::get_if<Triangle>(&b)) return on_triangle(a, b, *triangle, point, false, proof);
+    return false;
+  };
+  if (is_on_it(hint) || std::any_of(likely.begin(), likely.end(), is_on_it)) return true;
+  // Last, since its numbers are long.
+  if (!set_a.is_polytope() || !set_b.is_polytope()) return false;
+  std::optional<CommonPoint> common = common_point(set_a, set_b);
+  if (!common) return false;
+  return fill(a, b, {common->point, common->divisor}, of_points(set_a, std::move(common->mix_a)),
+              of_points(set_b, std::move(common->mix_b)), proof);
 }
 
 bool is_beyond(const ConvexPart& part, const Vec3& normal, const Vec3& point, int side, bool strictly) {

@@ -138,7 +138,9 @@ json Commands::plan(const Arguments& arguments) const {
   arguments.allow_only({});
   const SnapshotRing::Lease state = loop_.world().newest();
   json structures = json::array();
-  for (const PlanRow& row : plan_of(*state, loop_.contacts_wanted())) {
+  std::vector<PlanRow> rows = plan_of(*state, loop_.contacts_wanted());
+  rows.push_back(plan_of_probes(loop_.probe_count(), loop_.probes_wanted()));
+  for (const PlanRow& row : rows) {
     structures.push_back({{"structure", row.structure}, {"built", row.built}, {"why", row.why}, {"saves", row.saves}});
   }
   json pairs = json::array();
@@ -186,10 +188,7 @@ ObjectId Commands::find_object(const std::string& name) const {
   for (const auto& info : loop_.world().objects()) {
     if (info) others.push_back(info->name);
   }
-  std::string sentence = fmt::format("object {} is not in the world ({} objects)", printable(name), others.size());
-  const std::vector<std::string> near = nearest_words(name, others, 3);
-  if (!near.empty()) sentence += fmt::format("; nearest names: {}", fmt::join(near, ", "));
-  throw BadCommand(sentence);
+  throw BadCommand(unknown_object(name, others));
 }
 
 void Commands::refuse_if_live(const ObjectInfo& info) const {

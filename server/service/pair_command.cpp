@@ -113,10 +113,7 @@ ObjectId find_shown(const Snapshot& state, const std::string& name) {
     if (info->name == name) return info->id;
     others.push_back(info->name);
   }
-  std::string sentence = fmt::format("object {} is not in the world ({} objects)", printable(name), others.size());
-  const std::vector<std::string> near = nearest_words(name, others, 3);
-  if (!near.empty()) sentence += fmt::format("; nearest names: {}", fmt::join(near, ", "));
-  throw BadCommand(sentence);
+  throw BadCommand(unknown_object(name, others));
 }
 
 bool has_parts(const ObjectInfo& info) {

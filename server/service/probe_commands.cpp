@@ -44,6 +44,7 @@ json Commands::probe(const CommandAsk&, const Arguments& arguments) {
     if (const std::optional<Refusal> refusal = probes.set(definition)) throw BadCommand(refusal->reason);
     changed.push_back(definition.name);
   }
+  loop_.note_probes();
   return {{"probes", changed}, {"version", loop_.world().newest()->version}};
 }
 

@@ -63,6 +63,8 @@ class WorldLoop {
   /// For jobs on this thread.
   World& world() { return around_.world; }
   Probes& probes() { return probes_; }
+  /// After probes() was changed.
+  void note_probes() { probe_count_.store(probes_.size(), std::memory_order_relaxed); }
   /// In the newest state, in the order of probes().definition(); for jobs on this thread.
   const std::vector<ProbeReading>& read_probes();
   const Publishers& publishers() const { return publishers_; }
@@ -76,6 +78,9 @@ class WorldLoop {
   /// Not everything that was there before a crash may be back yet. Any thread.
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
   bool contacts_wanted() const { return around_.outlet.contacts_wanted(); }
+  bool probes_wanted() const { return around_.outlet.probes_wanted(); }
+  /// Any thread; as of the last change of them.
+  std::size_t probe_count() const { return probe_count_.load(std::memory_order_relaxed); }
 
  private:
   void take(Arrival& arrival);
@@ -116,6 +121,7 @@ class WorldLoop {
   std::vector<std::uint8_t> shard_of_;  // the contacts that hold
   ContactColumns contacts_;
   Probes probes_;
+  std::atomic<std::size_t> probe_count_{0};
   std::vector<ProbeReading> probe_readings_;
   ProbeColumns probe_columns_;
   StatusColumns status_;

@@ -189,7 +189,7 @@ std::optional<Proof> proof_of_touching(const Placed& a, const Placed& b, WalkCos
 std::optional<Proof> proof_of(const Placed& a, const Placed& b, bool touches, std::string& why_not, WalkCost& cost) {
   if (touches) {
     std::optional<Proof> proof = proof_of_touching(a, b, cost);
-    if (!proof) why_not = "they touch at no point that rationals write down: round sides in a single point";
+    if (!proof) why_not = "no common point was found that fractions write down: round sides touch in a single point, or nearly";
     return proof;
   }
   constexpr std::size_t kMostParts = 20'000;

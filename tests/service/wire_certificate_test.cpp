@@ -1,6 +1,7 @@
 // The judge of certificates believes what is proved and nothing else.  // A25
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 

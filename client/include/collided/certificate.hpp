@@ -22,11 +22,11 @@ struct CertifiedPart {
   using Numbers = std::array<double, 3>;
   Beside beside = Beside::nothing;
   std::uint32_t triangle = 0xffffffff;  // its number in the object's mesh; 0xffffffff: no triangle
-  std::vector<Numbers> points;
+  std::vector<Numbers> points = {};
   double radius_m = 0;
   bool tapers = false;
-  std::array<Numbers, 3> axes{};
-  Numbers half_m{};
+  std::array<Numbers, 3> axes = {};
+  Numbers half_m = {};
 };
 
 struct Certificate {
@@ -41,19 +41,19 @@ struct Certificate {
   struct Step {
     enum class Kind { plane, split_a, split_b };
     Kind kind = Kind::plane;
-    CertifiedPart::Numbers normal{};
-    CertifiedPart::Numbers point{};
+    CertifiedPart::Numbers normal = {};
+    CertifiedPart::Numbers point = {};
     std::uint32_t at = 0;
   };
 
   bool touches = false;
-  std::vector<CertifiedPart> a;  // apart: all parts of the object; touching: the one that holds the point
-  std::vector<CertifiedPart> b;
-  std::vector<Step> steps;       // apart; each split is followed by the proof of its lower half, then of its upper
-  std::array<Sum, 3> point;      // touching: the common point is point / divisor
-  Sum divisor;
-  Mix mix_a;                     // touching: what of each part's points the common point stands beside
-  Mix mix_b;
+  std::vector<CertifiedPart> a = {};  // apart: all parts of the object; touching: the one that holds the point
+  std::vector<CertifiedPart> b = {};
+  std::vector<Step> steps = {};       // apart; each split is followed by the proof of its lower half, then of its upper
+  std::array<Sum, 3> point = {};      // touching: the common point is point / divisor
+  Sum divisor = {};
+  Mix mix_a = {};                     // touching: what of each part's points the common point stands beside
+  Mix mix_b = {};
 };
 
 /// Whether the certificate proves what it says, decided by exact arithmetic of its own: true means that the sets of
