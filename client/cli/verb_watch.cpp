@@ -153,6 +153,7 @@ class WatchCommand : public Command {
     app.add_option("--only", options_.only, "Pairs of which either name matches this glob");
     app.add_option("--skip", options_.skip, "No pair of which a name matches this glob");
     app.add_flag("--persisted", options_.persisted, "Contacts that go on, too");
+    app.add_flag("--manifold", manifold_, "Where the two bear on each other, asked for as each contact begins");
     app.add_option("-n", most_events_, "End after so many events");
     app.add_option("--for", most_time_, "End after this time");
     app.add_option("--format", format_, "One line an event: '{t} {what} {a} {b} {depth}'");
@@ -174,6 +175,7 @@ class WatchCommand : public Command {
       tell_of_silence(session, globals, watch);
       if (!event) continue;
       print(printer, *event, session.io);
+      if (manifold_ && event->what == What::began) print_manifold(session, globals, printer, *event);
       if (shell_) run_shell(*shell_, *event);
       ++count;
     }
@@ -190,6 +192,25 @@ class WatchCommand : public Command {
     else printer.record(event_record(event));
   }
 
+  /// As the two stand when they are asked about: they may have gone on, or parted.
+  static void print_manifold(Session& session, const Globals& globals, Printer& printer, const Event& event) {
+    const Result<PairAnswer> pair = session.client(globals).pair(event.a, event.b);
+    if (!pair) return;
+    for (const ManifoldPoint& p : pair->manifold) {
+      if (printer.human()) {
+        printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m), format_bound(p.error_m)));
+        continue;
+      }
+      Event point = event;
+      point.what = What::persisted;
+      point.point = p.point;
+      point.normal = pair->normal;
+      point.depth_m = p.depth_m;
+      point.depth_error_m = p.error_m;
+      printer.record(event_record(point));
+    }
+  }
+
   void tell_of_silence(Session& session, const Globals& globals, const Watch& watch) {
     const bool connected = watch.connected();
     if (connected == was_connected_) return;
@@ -204,6 +225,7 @@ class WatchCommand : public Command {
   std::string command_;
   std::optional<Template> line_;
   std::optional<Template> shell_;
+  bool manifold_ = false;
   bool was_connected_ = true;
 };
 

@@ -1,8 +1,10 @@
 #include "server/exact_phase/proof.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <memory>
+#include <span>
 
 #include "server/exact_phase/closest.hpp"
 #include "server/exact_phase/part_convex.hpp"
@@ -132,6 +134,46 @@ bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const 
   return at_most_square(square(beside), Dyadic(set.ball_m) * scale);
 }
 
+/// The exponent of the lowest bit of any of the numbers.
+long lowest_bit(std::span<const double> numbers) {
+  long lowest = 2000;
+  for (const double x : numbers) {
+    int power = 0;
+    auto digits = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &power), 53));
+    if (digits == 0) continue;
+    lowest = std::min(lowest, static_cast<long>(power) - 53 + std::countr_zero(static_cast<std::uint64_t>(digits)));
+  }
+  return lowest;
+}
+
+template <class Matrix>
+long lowest_bit_of(const Matrix& numbers) {
+  return lowest_bit({numbers.data(), static_cast<std::size_t>(numbers.size())});
+}
+
+/// Whether who checks that the part holds the point stays within the range of double: the lowest bits of the products of
+/// `holds` above, one of their factors the way from the mix to the point.
+bool can_be_read(const Convex& set, const Proof& proof, const ExactMix& mix) {
+  constexpr long kLowest = -950;
+  long of_mix = 2000;
+  for (const auto& [corner, weight] : mix) of_mix = std::min(of_mix, lowest_bit(weight));
+  long of_points = 2000;
+  for (int i = 0; i < set.count(); ++i) of_points = std::min(of_points, lowest_bit_of(set.point(i)));
+  long of_x = 2000;
+  for (const ExactSum& x : proof.point) of_x = std::min(of_x, lowest_bit(x));
+  const long of_divisor = lowest_bit(proof.divisor);
+  const long way = of_mix + std::min(of_x, of_divisor + of_points);
+  const double sizes[] = {set.ball_m, set.disc_m};
+  const long radius = of_mix + of_divisor + lowest_bit(sizes);
+  if (set.plus == Convex::Plus::nothing) return (set.ball_m > 0 || set.disc_m > 0 ? 2 * std::min(way, radius) : way) > kLowest;
+  const long axes = lowest_bit_of(set.axes);
+  const long halves = lowest_bit_of(set.half_m);
+  const bool is_box = set.plus == Convex::Plus::box;
+  const long along = way + 2 * axes + (is_box ? 0 : 2 * halves);
+  const long volume = of_mix + of_divisor + 3 * axes + (is_box ? 1 : 3) * halves;
+  return 2 * std::min(along, volume) > kLowest;
+}
+
 bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mix& mix_a, const Mix& mix_b, Proof& proof) {
   if (!holds(a, convex_of(a), c, mix_a) || !holds(b, convex_of(b), c, mix_b)) return false;
   proof.touches = true;
@@ -144,7 +186,8 @@ bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mi
   proof.divisor.clear();
   proof.mix_a.clear();
   proof.mix_b.clear();
-  return append_sum(scale * c.divisor, proof.divisor) && append_mix(mix_a, proof.mix_a) && append_mix(mix_b, proof.mix_b);
+  return append_sum(scale * c.divisor, proof.divisor) && append_mix(mix_a, proof.mix_a) && append_mix(mix_b, proof.mix_b) &&
+         can_be_read(convex_of(a), proof, proof.mix_a) && can_be_read(convex_of(b), proof, proof.mix_b);
 }
 
 /// The corners that a box's common point is made of are none of its points: it stands beside its middle.

@@ -36,7 +36,11 @@ Vec3 support_of(const Range& parts, const Vec3& n) {
 /// Finds planes between ranges of parts, and writes down the steps of the proof.
 class ApartSearch {
  public:
-  explicit ApartSearch(Proof& proof) : proof_(proof) {}
+  /// Sorts the parts, so that neighbours stand side by side: steps name them by number, so the order then stays.
+  explicit ApartSearch(Proof& proof) : proof_(proof) {
+    arrange(proof.a);
+    arrange(proof.b);
+  }
   /// False: some pair has no plane that doubles write down, or there would be too many steps.
   bool prove() { return prove(0, proof_.a.size(), 0, proof_.b.size()); }
 
@@ -51,7 +55,6 @@ class ApartSearch {
     if (a.size() == 1 && b.size() == 1) return plane_of_pair(a[0].part, b[0].part, a, b);
     const bool splits_a = a.size() > 1 && (b.size() == 1 || reach(a) >= reach(b));
     const std::size_t at = splits_a ? a0 + a.size() / 2 : b0 + b.size() / 2;
-    halve(splits_a ? a : b);
     proof_.steps.push_back({.kind = splits_a ? ProofStep::Kind::split_a : ProofStep::Kind::split_b, .at = static_cast<std::uint32_t>(at)});
     if (splits_a) return prove(a0, at, b0, b1) && prove(at, a1, b0, b1);
     return prove(a0, a1, b0, at) && prove(a0, a1, at, b1);
@@ -62,8 +65,9 @@ class ApartSearch {
     return (box.high - box.low).maxCoeff();
   }
 
-  /// By middles, along the longest side.
-  static void halve(const Range& parts) {
+  /// Each half of a half, and so on: by middles, along the longest side.
+  static void arrange(const Range& parts) {
+    if (parts.size() < 2) return;
     const Aabb box = bounds_of_range(parts);
     int axis = 0;
     (box.high - box.low).maxCoeff(&axis);
@@ -71,10 +75,17 @@ class ApartSearch {
     std::nth_element(parts.begin(), middle, parts.end(), [&](const ProofPart& x, const ProofPart& y) {
       return middle_of(x.part)[axis] < middle_of(y.part)[axis];
     });
+    arrange(parts.first(parts.size() / 2));
+    arrange(parts.subspan(parts.size() / 2));
   }
 
   bool keep(const Vec3& normal, const Vec3& point, const Range& a, const Range& b) {
     if (normal.isZero(0) || !normal.allFinite() || !point.allFinite()) return false;
+    // Products with a component that is no more than rounding would leave the range of double where the proof is checked.
+    const double least = 0x1p-100 * normal.cwiseAbs().maxCoeff();
+    if (((normal.array() != 0) && (normal.array().abs() < least)).any()) {
+      return keep(Vec3((normal.array().abs() < least).select(0, normal)), point, a, b);
+    }
     const bool parts_them =
         std::all_of(a.begin(), a.end(), [&](const ProofPart& part) { return is_beyond(part.part, normal, point, +1, false); }) &&
         std::all_of(b.begin(), b.end(), [&](const ProofPart& part) { return is_beyond(part.part, normal, point, -1, true); });
