@@ -38,6 +38,23 @@ inline constexpr const char* kPlan = "plan";
 /// float_repairs (times that a thread's floating-point settings had to be set back)
 inline constexpr const char* kAudit = "audit";
 
+/// name, object, origin, direction (in the object's frame), reach_m, back_m; one of that name is replaced.
+/// With remove true: only the name, a glob -> probes [names], version
+inline constexpr const char* kProbe = "probe";
+
+/// name (glob, "" = all) -> probes [{probe, object, origin, direction, reach_m, back_m, state, clearance, error, met,
+/// triangle, point, normal}], version
+inline constexpr const char* kProbes = "probes";
+
+/// a, b (names), certificate, triangles, most (triangle pairs told; 10,000)
+/// -> answer (hit, miss, undecided), version, and
+///    hit:  depth, error, normal (from a to b), point, a_triangle, b_triangle, manifold [[point 3, depth, bound, a_triangle,
+///          b_triangle]]
+///    miss: distance, error, normal, on_a, on_b, point_error, contained ("", "a", "b": in the other's closed mesh)
+///    with triangles:   triangle_pairs [[a, b, from 3, to 3, error]], pair_count, cut (there are more than told)
+///    with certificate: certificate, as client/library/certificate_reading.cpp reads it, or no_certificate (why)
+inline constexpr const char* kPair = "pair";
+
 /// questions (of each kind), seed -> rows [{kind, method, asked, undecided, wrong, worst_error, worst_bound (m, or
 /// "inf"), p50_ns, p99_ns}], seed, version. Takes a second or more.
 inline constexpr const char* kMenu = "menu";

@@ -40,6 +40,7 @@ using Query = ::collided_wire_Query;
 using Reply = ::collided_wire_Reply;
 using EventFrame = ::collided_wire_EventFrame;
 using ContactShard = ::collided_wire_ContactShard;
+using ProbeFrame = ::collided_wire_ProbeFrame;
 using Status = ::collided_wire_Status;
 
 }  // namespace collided::wire
@@ -88,6 +89,11 @@ template <>
 struct WireType<wire::ContactShard> {
   static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_ContactShard_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kContactTopic;
+};
+template <>
+struct WireType<wire::ProbeFrame> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_ProbeFrame_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kProbeTopic;
 };
 template <>
 struct WireType<wire::Status> {

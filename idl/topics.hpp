@@ -31,6 +31,9 @@ enum class PublisherState : std::uint8_t { alive, silent, lost };
 /// What becomes of a lost publisher's objects.
 enum class LostPolicy : std::uint8_t { remove, freeze, hold };
 enum PoseFlags : std::uint8_t { kTeleported = 1 };
+/// Of a probe: its object is not in the world; nothing within reach; ahead; at 0; behind the surface; behind it by more
+/// than the probe looks back, so that the clearance is at most what is told; the test came out undecided.
+enum class ProbeState : std::uint8_t { absent, nothing, gap, touching, collision, deeper, undecided };
 
 inline constexpr std::uint32_t kRayNumbers = 7;
 inline constexpr std::uint32_t kSphereNumbers = 4;
@@ -53,6 +56,7 @@ inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;
 inline constexpr std::uint32_t kEventNumbers = 13;
 inline constexpr std::uint32_t kContactNumbers = 8;
+inline constexpr std::uint32_t kProbeNumbers = 8;
 
 /// Limits that the border checks; beyond them a sample is refused with the number, never cut in silence.
 inline constexpr std::uint32_t kMaxQuestionsPerChunk = 1'000;
@@ -61,6 +65,9 @@ inline constexpr std::uint32_t kChunksInFlight = 4;
 inline constexpr std::uint32_t kMaxHitsPerChunk = 8'192;       // 96 B a hit and more: a reply stays under 1 MiB
 inline constexpr std::uint32_t kMaxPosesPerBatch = 4'096;
 inline constexpr std::uint32_t kMaxEventsPerFrame = 1'024;
+inline constexpr std::uint32_t kMaxProbes = 4'096;             // of a server
+inline constexpr std::uint32_t kMaxProbesPerFrame = 1'024;
+inline constexpr std::uint32_t kMaxTrianglePairs = 100'000;    // in one answer to `pair`
 inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;
 inline constexpr std::uint32_t kMaxNameBytes = 255;
 inline constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
@@ -89,6 +96,7 @@ inline constexpr TopicQos kReplyTopic{"reply", Reliability::reliable, Durability
 inline constexpr TopicQos kEventTopic{"event", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
 /// Contacts that go on, for who draws them: EventFrames of `persisted` only, first_sequence 0; written while it has readers.
 inline constexpr TopicQos kPersistedTopic{"persisted", Reliability::best_effort, Durability::volatile_data, 64, 0, false};
+inline constexpr TopicQos kProbeTopic{"probe", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kContactTopic{"contact", Reliability::reliable, Durability::transient_local, 1, 0, false};
 inline constexpr TopicQos kStatusTopic{"status", Reliability::reliable, Durability::transient_local, 1, 0, false};
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 #include <thread>
 
 #include "client/cli/io.hpp"
@@ -33,5 +35,15 @@ class Until {
   std::uint64_t most_count_;
   Clock::time_point end_;
 };
+
+/// The next of what is followed; what is printed so far goes out before waiting for it.
+template <class Watched>
+auto next_of(Watched& watch, Io& io, const Until& until) -> decltype(watch.next(std::chrono::nanoseconds(0))) {
+  if (auto next = watch.next(std::chrono::nanoseconds(0))) return next;
+  io.out.flush();
+  constexpr std::chrono::milliseconds kInterruptCheck{50};
+  const std::chrono::nanoseconds left = until.end() - Until::Clock::now();
+  return watch.next(std::clamp<std::chrono::nanoseconds>(left, std::chrono::nanoseconds(0), kInterruptCheck));
+}
 
 }  // namespace collided::cli

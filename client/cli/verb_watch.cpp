@@ -153,6 +153,7 @@ class WatchCommand : public Command {
     app.add_option("--only", options_.only, "Pairs of which either name matches this glob");
     app.add_option("--skip", options_.skip, "No pair of which a name matches this glob");
     app.add_flag("--persisted", options_.persisted, "Contacts that go on, too");
+    app.add_flag("--manifold", manifold_, "Where the two bear on each other, asked for as each contact begins");
     app.add_option("-n", most_events_, "End after so many events");
     app.add_option("--for", most_time_, "End after this time");
     app.add_option("--format", format_, "One line an event: '{t} {what} {a} {b} {depth}'");
@@ -170,10 +171,11 @@ class WatchCommand : public Command {
     const Clock::time_point start = Clock::now();
     std::uint64_t count = 0;
     while (!until.reached(count) && session.io.out.good()) {
-      const std::optional<Event> event = next(watch, session.io, until);
+      const std::optional<Event> event = next_of(watch, session.io, until);
       tell_of_silence(session, globals, watch);
       if (!event) continue;
       print(printer, *event, session.io);
+      if (manifold_ && event->what == What::began) print_manifold(session, globals, printer, *event);
       if (shell_) run_shell(*shell_, *event);
       ++count;
     }
@@ -184,19 +186,29 @@ class WatchCommand : public Command {
   }
 
  private:
-  /// The next event; what is printed so far goes out before waiting for it.
-  static std::optional<Event> next(Watch& watch, Io& io, const Until& until) {
-    if (std::optional<Event> event = watch.next(std::chrono::nanoseconds(0))) return event;
-    io.out.flush();
-    constexpr std::chrono::milliseconds kInterruptCheck{50};
-    const std::chrono::nanoseconds left = until.end() - Clock::now();
-    return watch.next(std::clamp<std::chrono::nanoseconds>(left, std::chrono::nanoseconds(0), kInterruptCheck));
-  }
-
   void print(Printer& printer, const Event& event, Io& io) const {
     if (line_) printer.line(line_->fill(event, [&](std::string_view, const Value& value) { return io.out_is_terminal ? printable(value_text(value)) : value_text(value); }));
     else if (printer.human()) printer.line(event_line(printer, event));
     else printer.record(event_record(event));
+  }
+
+  /// As the two stand when they are asked about: they may have gone on, or parted.
+  static void print_manifold(Session& session, const Globals& globals, Printer& printer, const Event& event) {
+    const Result<PairAnswer> pair = session.client(globals).pair(event.a, event.b);
+    if (!pair) return;
+    for (const ManifoldPoint& p : pair->manifold) {
+      if (printer.human()) {
+        printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m), format_bound(p.error_m)));
+        continue;
+      }
+      Event point = event;
+      point.what = What::persisted;
+      point.point = p.point;
+      point.normal = pair->normal;
+      point.depth_m = p.depth_m;
+      point.depth_error_m = p.error_m;
+      printer.record(event_record(point));
+    }
   }
 
   void tell_of_silence(Session& session, const Globals& globals, const Watch& watch) {
@@ -213,6 +225,7 @@ class WatchCommand : public Command {
   std::string command_;
   std::optional<Template> line_;
   std::optional<Template> shell_;
+  bool manifold_ = false;
   bool was_connected_ = true;
 };
 

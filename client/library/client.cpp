@@ -1,6 +1,8 @@
 #include "client/library/ask.hpp"
 #include "client/library/command.hpp"
 #include "client/library/errors.hpp"
+#include "client/library/pair.hpp"
+#include "client/library/probes.hpp"
 #include "client/library/publisher.hpp"
 #include "client/library/watch.hpp"
 #include "client/library/workers.hpp"
@@ -117,6 +119,26 @@ Result<Watch> Client::watch(const WatchOptions& options, std::function<void(cons
     return state.error();
   }
   return Watch(std::move(*state));
+}
+
+Result<PairAnswer> Client::pair(const std::string& a, const std::string& b, const PairOptions& options) {
+  return client::pair(*state_->connection, a, b, options);
+}
+
+Result<Done> Client::add_probe(const Probe& probe) { return client::add_probe(*state_->connection, probe); }
+Result<std::size_t> Client::remove_probes(const std::string& name) {
+  return client::remove_probes(*state_->connection, name);
+}
+Result<std::vector<ProbeReading>> Client::probes(const std::string& name_glob) {
+  return client::read_probes(*state_->connection, name_glob);
+}
+
+Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {
+  Result<std::unique_ptr<ProbeWatch::State>> state = ProbeWatch::State::start(state_->connection, options);
+  if (!state) {
+    return state.error();
+  }
+  return ProbeWatch(std::move(*state));
 }
 
 Result<Publisher> Client::publish(const std::string& publisher_name) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/exact_phase/ball_inside.hpp"
 #include "server/exact_phase/nearest_value.hpp"
 #include "server/exact_phase/polytope_kernel.hpp"
 #include "server/exact_phase/simplex_search.hpp"
@@ -21,30 +22,11 @@ double support_error_m(const ConvexPair& pair) { return kSupportError * reach_of
 
 double balls_m(const ConvexPair& pair) { return pair.a.ball_m + pair.b.ball_m; }
 
-/// At most the radius of the ball about the origin that the tetrahedron holds; not positive: nothing is sure.
-double ball_inside(const DifferencePoint* corner) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int skipped = 0; skipped < 4; ++skipped) {
-    const Vector<Bounded> p(corner[(skipped + 1) % 4].w);
-    const Vector<Bounded> n = cross(Vector<Bounded>(corner[(skipped + 2) % 4].w) - p, Vector<Bounded>(corner[(skipped + 3) % 4].w) - p);
-    const Bounded length = sqrt(square(n));
-    const Bounded of_face = dot(n, p);
-    const Bounded of_corner = dot(n, Vector<Bounded>(corner[skipped].w)) - of_face;
-    // The origin must be on the corner's side of the plane.
-    const Bounded inward = of_corner.value > 0 ? -of_face : of_face;
-    if (!(std::abs(of_corner.value) > of_corner.bound()) || length.exactly_zero()) return 0;
-    const double depth = (inward / length).low();
-    if (!(depth > 0)) return 0;
-    least = std::min(least, depth);
-  }
-  return least;
-}
-
 /// The proposal alone proves an answer.
 Decision quick_decision(const ConvexPair& pair, const Proposal& proposal) {
   if (proposal.parted) return Decision::no;
   const double error_m = support_error_m(pair);
-  if (proposal.encloses) return ball_inside(proposal.corner) > error_m ? Decision::yes : Decision::undecided;
+  if (proposal.encloses) return surely_holds_ball(proposal.corner, error_m) ? Decision::yes : Decision::undecided;
   if (proposal.nearest.isZero(0)) return Decision::undecided;
   const double apart_m = proposal.nearest.stableNorm() * (1 + 8 * kRoundoff) + error_m;
   if (apart_m < balls_m(pair) * (1 - 4 * kRoundoff)) return Decision::yes;

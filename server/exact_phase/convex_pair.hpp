@@ -2,6 +2,7 @@
 
 #include "server/exact_phase/contact.hpp"
 #include "server/exact_phase/convex.hpp"
+#include "server/exact_phase/separation.hpp"
 #include "server/exact_phase/verdict.hpp"
 
 namespace collided::kernel {
@@ -32,15 +33,7 @@ Decision sets_overlap_by_rationals(const ConvexPair& pair);
 /// parts the two.
 Contact contact_of(const ConvexPair& pair);
 
-/// Between two sets that do not overlap: |true distance - distance_m| <= error_m, from two points and a plane.
-struct Separation {
-  double distance_m = 0;
-  double error_m = 0;
-  Vec3 on_a = Vec3::Zero();  // within point_error_m of the set, not always of its nearest point
-  Vec3 on_b = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  // unit, from a to b
-  double point_error_m = 0;
-};
+/// Of two sets that do not overlap.
 Separation separation_of(const ConvexPair& pair);
 
 }  // namespace collided::kernel

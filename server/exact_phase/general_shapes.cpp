@@ -86,7 +86,7 @@ Closest closest_in_general(const Vec3& point, const ShapeView& shape) {
   const Views views{shape, point_view};
   const ConvexPair pair{convex(shape), Convex(at), both_hold, &views};
   if (kernel::sets_overlap(pair).yes()) return {0, 0, point, kernel::contact_of(pair).normal, 0};
-  const kernel::Separation apart = kernel::separation_of(pair);
+  const Separation apart = kernel::separation_of(pair);
   Closest result{apart.distance_m, apart.error_m, apart.on_a, apart.normal};
   // The nearest point of a convex set is within sqrt(h^2 - l^2) of any of its points at distance h, if it is at l or more.
   const double high = apart.distance_m + apart.error_m;

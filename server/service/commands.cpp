@@ -36,9 +36,15 @@ std::string dump(const json& value) {
 
 Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
                    const BackgroundAudit& audit, DurableState* durable)
-    : loop_(loop), inbox_(inbox), clock_(clock), counts_(counts), audit_(audit), durable_(durable), slow_jobs_(kMostSlowJobs), slow_thread_([this] {
-        while (std::optional<SlowJob> job = slow_jobs_.pop()) (*job)();
-      }) {}
+    : loop_(loop), inbox_(inbox), clock_(clock), counts_(counts), audit_(audit), durable_(durable), slow_jobs_(kMostSlowJobs), pair_jobs_(kMostPairJobs) {
+  const auto work = [](WorkQueue<SlowJob>& jobs) {
+    return std::thread([&jobs] {
+      while (std::optional<SlowJob> job = jobs.pop()) (*job)();
+    });
+  };
+  slow_thread_ = work(slow_jobs_);
+  pair_thread_ = work(pair_jobs_);
+}
 
 Commands::~Commands() {
   stop();
@@ -46,8 +52,10 @@ Commands::~Commands() {
 
 void Commands::stop() {
   stopping_.store(true);
-  slow_jobs_.close();
-  if (slow_thread_.joinable()) slow_thread_.join();
+  for (auto* jobs : {&slow_jobs_, &pair_jobs_}) jobs->close();
+  for (auto* thread : {&slow_thread_, &pair_thread_}) {
+    if (thread->joinable()) thread->join();
+  }
 }
 
 /// The answer of some work, or the refusal that it threw.
@@ -127,7 +135,8 @@ void Commands::send(const CommandAsk& ask, ReplyStatus status, const std::string
 void Commands::run(CommandAsk ask) {
   static const std::vector<std::pair<std::string, Change>> kChanges{
       {names::kGet, &Commands::get},       {names::kAdd, &Commands::add},     {names::kMove, &Commands::move},
-      {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear},
+      {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear}, {names::kProbe, &Commands::probe},
+      {names::kProbes, &Commands::probes},
   };
   std::optional<Arguments> arguments;
   try {
@@ -145,16 +154,18 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
+  if (command == names::kPair) return pair_later(std::move(ask), *arguments);
   answer(ask, [&]() -> json {
     const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
-                                         names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu};
+                                         names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
+                                         names::kPair, names::kProbe, names::kProbes};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
 
 void Commands::on_world_thread(CommandAsk ask, Change change) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
-  const bool is_change = change != &Commands::get;
+  const bool is_change = change != &Commands::get && change != &Commands::probes;
   const bool taken = inbox_.push_job([this, shared, change, is_change] {
     const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };
     is_change ? answer_once_kept(*shared, work) : answer(*shared, work);
@@ -188,7 +199,9 @@ json Commands::plan(const Arguments& arguments) const {
   arguments.allow_only({});
   const SnapshotRing::Lease state = loop_.world().newest();
   json structures = json::array();
-  for (const PlanRow& row : plan_of(*state, loop_.contacts_wanted())) {
+  std::vector<PlanRow> rows = plan_of(*state, loop_.contacts_wanted());
+  rows.push_back(plan_of_probes(loop_.probe_count(), loop_.probes_wanted()));
+  for (const PlanRow& row : rows) {
     structures.push_back({{"structure", row.structure}, {"built", row.built}, {"why", row.why}, {"saves", row.saves}});
   }
   json pairs = json::array();
@@ -236,10 +249,7 @@ ObjectId Commands::find_object(const std::string& name) const {
   for (const auto& info : loop_.world().objects()) {
     if (info) others.push_back(info->name);
   }
-  std::string sentence = fmt::format("object {} is not in the world ({} objects)", printable(name), others.size());
-  const std::vector<std::string> near = nearest_words(name, others, 3);
-  if (!near.empty()) sentence += fmt::format("; nearest names: {}", fmt::join(near, ", "));
-  throw BadCommand(sentence);
+  throw BadCommand(unknown_object(name, others));
 }
 
 void Commands::refuse_if_live(const ObjectInfo& info) const {

@@ -40,6 +40,7 @@ class Commands {
 
  private:
   static constexpr std::size_t kMostSlowJobs = 4;  // that wait
+  static constexpr std::size_t kMostPairJobs = 64;
   using Change = nlohmann::json (Commands::*)(const CommandAsk&, const Arguments&);
   struct Load {
     CommandAsk ask;
@@ -64,6 +65,8 @@ class Commands {
   nlohmann::json move(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json remove(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json clear(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json probe(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json probes(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
 
   ObjectId find_object(const std::string& name) const;
@@ -71,14 +74,15 @@ class Commands {
   std::uint64_t step();
   std::uint32_t ended_count() const;
 
-  // On a thread of their own, one after the other.
+  // On threads of their own, one after the other: loads and menus on one, pairs of objects on another.
   using SlowJob = std::function<void()>;
-  void make_room(const char* what) const;
+  void make_room(const char* what, const WorkQueue<SlowJob>& jobs) const;
   static Load parse_load(CommandAsk ask, const Arguments& arguments);
   void load_later(CommandAsk ask, const Arguments& arguments);
   void load_one(Load load);
   void menu_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json menu(std::uint32_t questions, std::uint64_t seed) const;
+  void pair_later(CommandAsk ask, const Arguments& arguments);
 
   WorldLoop& loop_;
   Inbox& inbox_;
@@ -89,8 +93,10 @@ class Commands {
   DurableState* durable_;
   std::atomic<bool> replaying_{false};
   WorkQueue<SlowJob> slow_jobs_;
+  WorkQueue<SlowJob> pair_jobs_;
   std::atomic<bool> stopping_{false};
   std::thread slow_thread_;
+  std::thread pair_thread_;
 };
 
 }  // namespace collided::service

@@ -84,6 +84,30 @@ void EventColumns::add(const Event& event) {
   named.add_id(event.of.b);
 }
 
+void ProbeColumns::clear() {
+  states.clear();
+  for (auto* column : {&objects, &met}) column->clear();
+  triangles.clear();
+  numbers.clear();
+  probe_names.clear();
+  named.clear();
+}
+
+void ProbeColumns::add(std::string_view probe_name, const ProbeReading& reading) {
+  states.push_back(static_cast<std::uint8_t>(reading.state));
+  objects.push_back(reading.object);
+  met.push_back(reading.met);
+  triangles.push_back(reading.triangle);
+  numbers.push_back(reading.clearance_m);
+  numbers.push_back(reading.error_m);
+  numbers.insert(numbers.end(), reading.point.begin(), reading.point.end());
+  numbers.insert(numbers.end(), reading.normal.begin(), reading.normal.end());
+  probe_names.insert(probe_names.end(), probe_name.begin(), probe_name.end());
+  probe_names.push_back(0);
+  if (reading.object != 0) named.add_id(reading.object);
+  if (reading.met != 0) named.add_id(reading.met);
+}
+
 void ContactColumns::clear() {
   for (auto* column : {&a, &b, &episodes}) column->clear();
   for (auto* column : {&a_triangles, &b_triangles}) column->clear();

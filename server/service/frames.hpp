@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "server/world/probes.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::service {
@@ -75,6 +76,20 @@ struct ContactColumns {
   void add(const OpenContact& contact);
   std::size_t size() const { return a.size(); }
   std::size_t bytes() const;
+};
+
+/// The parallel sequences of a ProbeFrame.
+struct ProbeColumns {
+  std::vector<std::uint8_t> states;
+  std::vector<std::uint64_t> objects, met;
+  std::vector<std::uint32_t> triangles;
+  std::vector<double> numbers;
+  std::vector<std::uint8_t> probe_names;
+  NameTable named;
+
+  void clear();
+  void add(std::string_view probe_name, const ProbeReading& reading);
+  std::size_t size() const { return states.size(); }
 };
 
 }  // namespace collided::service

@@ -56,7 +56,7 @@ void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
   const std::uint64_t client = ask.client;
   const std::uint64_t request = ask.request;
   try {
-    make_room("load");
+    make_room("load", slow_jobs_);
     const auto shared = std::make_shared<Load>(parse_load(std::move(ask), arguments));
     slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
   } catch (const BadCommand& bad) {

@@ -40,10 +40,8 @@ json Commands::audit(const Arguments& arguments) const {
           {"float_repairs", counts_.float_repairs.load()}};
 }
 
-void Commands::make_room(const char* what) const {
-  if (!slow_jobs_.has_room()) {
-    throw BadCommand(fmt::format("{}: {} slow commands wait already", what, kMostSlowJobs), "ask again");
-  }
+void Commands::make_room(const char* what, const WorkQueue<SlowJob>& jobs) const {
+  if (!jobs.has_room()) throw BadCommand(fmt::format("{}: too many such commands wait already", what), "ask again");
 }
 
 void Commands::menu_later(CommandAsk ask, const Arguments& arguments) {
@@ -53,7 +51,7 @@ void Commands::menu_later(CommandAsk ask, const Arguments& arguments) {
     arguments.allow_only({"questions", "seed"});
     questions = static_cast<std::uint32_t>(arguments.whole("questions", 1'000, 100'000));
     seed = arguments.whole("seed", 1, ~std::uint64_t{0});
-    make_room("menu");
+    make_room("menu", slow_jobs_);
   } catch (const BadCommand& bad) {
     answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
     return;

@@ -1,8 +1,12 @@
 #include "server/service/nearest_word.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <vector>
+
+#include "server/service/border.hpp"
 
 namespace collided::service {
 namespace {
@@ -61,6 +65,13 @@ std::vector<std::string> nearest_words(std::string_view typed, std::span<const s
 std::string did_you_mean(std::string_view typed, std::span<const std::string> words) {
   const std::string nearest = nearest_word(typed, words);
   return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
+std::string unknown_object(std::string_view name, std::span<const std::string_view> others) {
+  std::string sentence = fmt::format("object {} is not in the world ({} objects)", printable(name), others.size());
+  const std::vector<std::string> near = nearest_words(name, others, 3);
+  if (!near.empty()) sentence += fmt::format("; nearest names: {}", fmt::join(near, ", "));
+  return sentence;
 }
 
 }  // namespace collided::service

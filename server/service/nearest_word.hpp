@@ -19,6 +19,9 @@ std::string nearest_word(std::string_view typed, std::span<const std::string> wo
 std::vector<std::string> nearest_words(std::string_view typed, std::span<const std::string_view> words,
                                        std::size_t most);
 
+/// "object 'palet' is not in the world (31 objects); nearest names: pallet_01, ..."
+std::string unknown_object(std::string_view name, std::span<const std::string_view> others);
+
 /// "; did you mean 'threads'?" or nothing.
 std::string did_you_mean(std::string_view typed, std::span<const std::string> words);
 

@@ -43,9 +43,11 @@ class Outlet {
   virtual ~Outlet() = default;
   virtual bool contacts_wanted() const = 0;  // somebody reads events or contacts
   virtual bool persisted_wanted() const = 0;
+  virtual bool probes_wanted() const = 0;
   virtual void write_events(const EventColumns& events, const Stamp& stamp) = 0;
   virtual void write_persisted(const EventColumns& events, const Stamp& stamp) = 0;
   virtual void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) = 0;
+  virtual void write_probes(const ProbeColumns& probes, const Stamp& stamp) = 0;
   virtual void write_status(const StatusColumns& status) = 0;
 };
 

@@ -31,13 +31,15 @@ WireOutlet::WireOutlet(const dds::Participant& participant, const Identity& iden
     : event_topic_(participant, identity.name_space),
       persisted_topic_(participant, identity.name_space, wire_contract::kPersistedTopic),
       contact_topic_(participant, identity.name_space),
+      probe_topic_(participant, identity.name_space),
       status_topic_(participant, identity.name_space),
       event_writer_(event_topic_, counting(event_readers_)),
       persisted_writer_(persisted_topic_, counting(persisted_readers_)),
       contact_writer_(contact_topic_, counting(contact_readers_)),
+      probe_writer_(probe_topic_, counting(probe_readers_)),
       status_writer_(status_topic_) {
-  frame_->server = shard_->server = status_->server = identity.server;
-  frame_->epoch = shard_->epoch = status_->epoch = identity.epoch;
+  frame_->server = shard_->server = probes_->server = status_->server = identity.server;
+  frame_->epoch = shard_->epoch = probes_->epoch = status_->epoch = identity.epoch;
   status_->pid = static_cast<std::uint32_t>(getpid());
   // Both are short: the options allow 64 letters.
   static_cast<void>(dds::set_text(status_->namespace_name, identity.name_space));
@@ -84,6 +86,20 @@ void WireOutlet::write_contacts(const ContactColumns& contacts, const Stamp& sta
   dds::borrow(shard_->named_ids, contacts.named.ids);
   dds::borrow(shard_->names, contacts.named.names);
   write(contact_writer_, *shard_);
+}
+
+void WireOutlet::write_probes(const ProbeColumns& probes, const Stamp& stamp) {
+  probes_->version = stamp.version;
+  probes_->world_time_ns = stamp.world_time_ns;
+  dds::borrow(probes_->states, probes.states);
+  dds::borrow(probes_->objects, probes.objects);
+  dds::borrow(probes_->met, probes.met);
+  dds::borrow(probes_->triangles, probes.triangles);
+  dds::borrow(probes_->numbers, probes.numbers);
+  dds::borrow(probes_->probe_names, probes.probe_names);
+  dds::borrow(probes_->named_ids, probes.named.ids);
+  dds::borrow(probes_->names, probes.named.names);
+  write(probe_writer_, *probes_);
 }
 
 void WireOutlet::write_status(const StatusColumns& status) {

@@ -160,7 +160,35 @@ void WorldLoop::step_now() {
 
 void WorldLoop::publish() {
   broadcast_.publish();
+  if (!probes_.empty() && around_.outlet.probes_wanted()) {
+    const SnapshotRing::Lease state = around_.world.newest();
+    publish_probes({.version = state->version, .world_time_ns = state->world_time_ns});
+  }
   let_fences_pass();
+}
+
+const std::vector<ProbeReading>& WorldLoop::read_probes() {
+  probes_.read(*around_.world.newest(), [&](std::string_view name) { return around_.world.find(name); }, probe_readings_);
+  return probe_readings_;
+}
+
+void WorldLoop::publish_probes(const Stamp& stamp) {
+  const auto name_of = [&](ObjectId id) {
+    const ObjectInfo* info = around_.world.info(id);
+    return info ? std::string_view(info->name) : std::string_view();
+  };
+  const auto send = [&] {
+    probe_columns_.named.fill(name_of);
+    around_.outlet.write_probes(probe_columns_, stamp);
+    probe_columns_.clear();
+  };
+  const std::vector<ProbeReading>& readings = read_probes();
+  probe_columns_.clear();
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    probe_columns_.add(probes_.definition(i).name, readings[i]);
+    if (probe_columns_.size() == wire_contract::kMaxProbesPerFrame) send();
+  }
+  if (probe_columns_.size() > 0) send();
 }
 
 void WorldLoop::let_fences_pass() {

@@ -65,6 +65,11 @@ class WorldLoop {
 
   /// For jobs on this thread.
   World& world() { return around_.world; }
+  Probes& probes() { return probes_; }
+  /// After probes() was changed.
+  void note_probes() { probe_count_.store(probes_.size(), std::memory_order_relaxed); }
+  /// In the newest state, in the order of probes().definition(); for jobs on this thread.
+  const std::vector<ProbeReading>& read_probes();
   const Publishers& publishers() const { return publishers_; }
   /// All changes so far become events and a state. What began and ended is in world().events() until the next step.
   void step_now();
@@ -78,6 +83,9 @@ class WorldLoop {
   /// A sentence for the log; any thread.
   void say(const std::string& sentence) const { around_.notice(sentence); }
   bool contacts_wanted() const { return around_.outlet.contacts_wanted(); }
+  bool probes_wanted() const { return around_.outlet.probes_wanted(); }
+  /// Any thread; as of the last change of them.
+  std::size_t probe_count() const { return probe_count_.load(std::memory_order_relaxed); }
 
  private:
   void take(Arrival& arrival);
@@ -88,6 +96,7 @@ class WorldLoop {
   bool has_recovered() const;
   void step_if_due();
   void publish();
+  void publish_probes(const Stamp& stamp);
   void let_fences_pass();
   void write_status(wire_contract::ServerState state);
   void list_publishers();
@@ -110,6 +119,10 @@ class WorldLoop {
   std::int64_t next_status_ns_ = 0;
   LoopCounts counts_;
 
+  Probes probes_;
+  std::atomic<std::size_t> probe_count_{0};
+  std::vector<ProbeReading> probe_readings_;
+  ProbeColumns probe_columns_;
   StatusColumns status_;
   Fences::Applied applied_;
   mutable std::mutex publisher_names_mutex_;

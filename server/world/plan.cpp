@@ -117,6 +117,12 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
   return rows;
 }
 
+PlanRow plan_of_probes(std::size_t count, bool are_read) {
+  if (count == 0) return {"probes", false, "no ray is fixed to an object", "a ray a probe and step"};
+  if (!are_read) return {"probes", false, number(count, "probes; nobody reads them"), "a ray a probe and step"};
+  return {"probes", true, number(count, "probes that somebody reads"), ""};
+}
+
 std::vector<PairRow> pair_table() {
   const std::string closed = "closed form, exact";
   const std::string searched = "search, then a certificate: exact, but undecided where round parts are within about 1e-8 of their size of touching";

@@ -23,6 +23,8 @@ struct PairRow {
 
 /// What this scene built and what it left out, with reasons.
 std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted);
+/// The probes' row, which hangs on no snapshot: they are the server's.
+PlanRow plan_of_probes(std::size_t count, bool are_read);
 std::vector<PairRow> pair_table();
 
 }  // namespace collided

@@ -39,7 +39,7 @@ double clearance_m(const TriangleMesh& mesh, const Frame& frame, const Box& box,
     const Triangle triangle = place(frame, mesh.triangle(i));
     if (apart_m(bounds(triangle), around) >= most) continue;
     const kernel::ConvexPair pair{kernel::Convex(triangle), of_box};
-    const kernel::Separation apart = kernel::separation_of(pair);
+    const Separation apart = kernel::separation_of(pair);
     EXPECT_LT(apart.error_m, 1e-9);
     most = std::min(most, apart.distance_m);
   }

@@ -25,8 +25,10 @@ class RecordingOutlet : public service::Outlet {
 
   bool contacts_wanted() const override { return true; }
   bool persisted_wanted() const override { return false; }
+  bool probes_wanted() const override { return false; }
   void write_events(const service::EventColumns& events, const service::Stamp& stamp) override;
   void write_persisted(const service::EventColumns&, const service::Stamp&) override {}
+  void write_probes(const service::ProbeColumns&, const service::Stamp&) override {}
   void write_contacts(const service::ContactColumns& contacts, const service::Stamp& stamp,
                       std::uint64_t as_of_sequence) override;
   void write_status(const service::StatusColumns& status) override;

@@ -22,6 +22,7 @@ class BookKeeper : public Outlet {
  public:
   bool contacts_wanted() const override { return true; }
   bool persisted_wanted() const override { return true; }
+  bool probes_wanted() const override { return true; }
   void write_events(const EventColumns& events, const Stamp&) override {
     const std::lock_guard lock(mutex);
     EXPECT_LE(events.size(), wire_contract::kMaxEventsPerFrame);
@@ -55,6 +56,13 @@ class BookKeeper : public Outlet {
     EXPECT_EQ(as_of_sequence, last_sequence) << "shards come after the events that changed them";
     shards[contacts.shard] = contacts.size();
   }
+  void write_probes(const ProbeColumns& probes, const Stamp& stamp) override {
+    const std::lock_guard lock(mutex);
+    EXPECT_LE(probes.size(), wire_contract::kMaxProbesPerFrame);
+    probe_readings += probes.size();
+    probe_version = stamp.version;
+    came.notify_all();
+  }
   void write_status(const StatusColumns& columns) override {
     const std::lock_guard lock(mutex);
     status = columns;
@@ -77,7 +85,8 @@ class BookKeeper : public Outlet {
   std::condition_variable came;
   std::uint64_t last_sequence = 0;
   std::uint64_t contact_hash = 0;
-  std::size_t began_count = 0, ended_count = 0, persisted = 0, frames = 0, statuses = 0;
+  std::size_t began_count = 0, ended_count = 0, persisted = 0, frames = 0, statuses = 0, probe_readings = 0;
+  std::uint64_t probe_version = 0;
   std::map<std::uint8_t, std::size_t> reasons, shards;
   StatusColumns status;
 };

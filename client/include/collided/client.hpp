@@ -18,6 +18,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <collided/certificate.hpp>
+
 /// The client of a collision server: ask, watch, and move objects. Metres, seconds, right-handed; quaternions w first.
 /// Threads: every class here may be used from any thread, one call at a time per object unless said otherwise.
 #pragma GCC visibility push(default)
@@ -149,6 +151,115 @@ struct Answers {
   std::optional<std::chrono::nanoseconds> oldest_pose_age;  // none: only static geometry decided
   std::chrono::nanoseconds compute{0};
   std::vector<Answer> answers;  // one a question, in order
+};
+
+// ---- pairs of objects ----------------------------------------------------------------------------------------------
+
+struct PairOptions {
+  bool certificate = false;
+  bool triangles = false;
+  std::uint32_t most_triangle_pairs = 10'000;  // that are told, at most 100,000
+  std::chrono::nanoseconds timeout{10'000'000'000};
+};
+
+/// One of up to four points that carry a contact, in the middle between the two surfaces.
+/// depth_m: how far the two surfaces overlap there along the contact's normal, |truth - depth_m| <= error_m.
+struct ManifoldPoint {
+  Vec3 point = Vec3::Zero();
+  double depth_m = 0;
+  double error_m = 0;
+  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t b_triangle = kNoTriangle;
+};
+
+/// Two triangles that share a point, and the segment that they share: of triangles in one plane the longest in what they
+/// share. Each end is within error_m of a point of both.
+struct TrianglePair {
+  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t b_triangle = kNoTriangle;
+  Vec3 from = Vec3::Zero();
+  Vec3 to = Vec3::Zero();
+  double error_m = 0;
+};
+
+enum class Containment { none, a_in_b, b_in_a };
+
+/// How two objects stand to each other in one state of the world. hit: they share a point; depth_m is the shortest way
+/// that parts the two parts that overlap deepest (a part is a triangle or a primitive), along the normal. miss: the
+/// distance, with a point of each that has about that distance from the other. With the names the other way round the
+/// numbers are the same, and the normal is turned round.
+struct PairAnswer {
+  Verdict verdict = Verdict::miss;
+  std::uint64_t version = 0;
+  Vec3 normal = Vec3::Zero();     // unit, from a to b
+  double distance_m = 0;          // miss; |truth - distance_m| <= error_m
+  double depth_m = 0;             // hit; |truth - depth_m| <= error_m
+  double error_m = 0;
+  Vec3 on_a = Vec3::Zero();       // miss; within point_error_m of a
+  Vec3 on_b = Vec3::Zero();
+  double point_error_m = 0;
+  Vec3 point = Vec3::Zero();      // hit; in the middle of the deepest overlap
+  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t b_triangle = kNoTriangle;
+  std::vector<ManifoldPoint> manifold;
+  /// miss: the surfaces share no point, and one object lies within the other's closed mesh.
+  Containment contained = Containment::none;
+  std::vector<TrianglePair> triangle_pairs;  // by a_triangle, then b_triangle
+  std::uint64_t triangle_pair_count = 0;     // all that there are: more than told where `cut`
+  bool cut = false;
+  std::optional<Certificate> certificate;
+  std::string no_certificate;  // why there is none although it was asked for
+};
+
+// ---- probes --------------------------------------------------------------------------------------------------------
+
+/// A ray fixed to an object, such as one under each wheel. It looks along the direction from back_m behind the origin to
+/// reach_m ahead of it, and its clearance is the signed distance from the origin to the first thing that it meets there,
+/// of what the object itself may meet: above 0 a gap, 0 touching, below 0 a collision.
+struct Probe {
+  std::string name;    // unique in the server
+  std::string object;  // by name; it need not be there yet
+  Vec3 origin = Vec3::Zero();  // in the object's frame
+  Vec3 direction = -Vec3::UnitZ();
+  double reach_m = 10;
+  double back_m = 1;
+};
+
+/// absent: the object is not in the world. deeper: the ray begins inside a solid, the clearance is at most -back_m.
+enum class Clearance { absent, nothing, gap, touching, collision, deeper, undecided };
+
+struct ProbeReading {
+  std::string probe;
+  std::string object;  // empty where it is absent
+  Clearance state = Clearance::absent;
+  double clearance_m = 0;  // |truth - clearance_m| <= error_m; the sign is exact
+  double error_m = 0;
+  std::string met;
+  std::uint32_t triangle = kNoTriangle;
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();
+  std::uint64_t epoch = 0;
+  std::uint64_t version = 0;
+  std::chrono::nanoseconds world_time{0};
+};
+
+/// Readings of every probe after every step, from when it was made on.
+class ProbeWatch {
+ public:
+  ~ProbeWatch();
+  ProbeWatch(ProbeWatch&&) noexcept;
+  ProbeWatch& operator=(ProbeWatch&&) noexcept;
+
+  /// The next reading; nothing after `wait`.
+  std::optional<ProbeReading> next(std::chrono::nanoseconds wait);
+  /// Readings dropped because nobody called next().
+  std::uint64_t lost() const;
+
+ private:
+  friend class Client;
+  struct State;
+  explicit ProbeWatch(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
 };
 
 // ---- events --------------------------------------------------------------------------------------------------------
@@ -401,6 +512,9 @@ class Client {
   /// in the answer; a miss: the way is free. undecided: what is met could not be followed to the end of the way.
   Result<Answers> sweep(const Shape& shape, std::span<const SweepQuestion> ways, const AskOptions& options = {});
 
+  /// Two objects by name: touching and how deep, or apart and how far; the rest as the options ask for it.
+  Result<PairAnswer> pair(const std::string& a, const std::string& b, const PairOptions& options = {});
+
   std::future<Result<Answers>> ask_async(std::vector<RayQuestion> questions, AskOptions options = {});
   std::future<Result<Answers>> ask_async(std::vector<SphereQuestion> questions, AskOptions options = {});
   std::future<Result<Answers>> ask_async(std::vector<BoxQuestion> questions, AskOptions options = {});
@@ -410,6 +524,14 @@ class Client {
   Result<Watch> watch(const WatchOptions& options = {});
   /// Calls back from a thread of the library until the Watch is destroyed.
   Result<Watch> watch(const WatchOptions& options, std::function<void(const Event&)> callback);
+
+  /// Replaces a probe of that name. The server keeps it until it is removed, whoever comes and goes.
+  Result<Done> add_probe(const Probe& probe);
+  /// By name or glob; how many there were.
+  Result<std::size_t> remove_probes(const std::string& name);
+  /// Every probe's reading in the newest state.
+  Result<std::vector<ProbeReading>> probes(const std::string& name_glob = {});
+  Result<ProbeWatch> watch_probes(const WatchOptions& options = {});
 
   Result<Publisher> publish(const std::string& publisher_name);
 

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "collided/client.hpp"
+
+namespace collided::client {
+
+/// Parts of a command's answer. What is missing or of another kind throws nlohmann::json::exception: read_answer turns
+/// that into an Error.
+inline Vec3 vector_of(const nlohmann::json& numbers) {
+  return {numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>()};
+}
+
+/// read(json) of the answer's text, or an Error where it is not what the command promises.
+template <class Read>
+auto read_answer(const Result<std::string>& text, const char* command, Read&& read)
+    -> Result<decltype(read(std::declval<const nlohmann::json&>()))> {
+  if (!text) {
+    return text.error();
+  }
+  try {
+    return read(nlohmann::json::parse(*text));
+  } catch (const nlohmann::json::exception& unfit) {
+    return Error{ErrorCode::internal, std::string(command) + ": the server's answer does not fit: " + unfit.what(),
+                 "server and library may be of different versions"};
+  }
+}
+
+}  // namespace collided::client

@@ -1,0 +1,380 @@
+#include "server/exact_phase/proof.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <span>
+
+#include "server/exact_phase/closest.hpp"
+#include "server/exact_phase/part_convex.hpp"
+#include "server/exact_phase/polytope_kernel.hpp"
+#include "server/exact_phase/simplex_search.hpp"
+#include "server/geometry/mesh.hpp"
+
+namespace collided {
+namespace {
+
+using kernel::CommonPoint;
+using kernel::Convex;
+using kernel::Vector;
+using Mix = CommonPoint::Mix;
+
+/// The number as a sum of doubles, largest first. Not all of it where it leaves their range: then nothing is proved.
+bool append_sum(Dyadic x, ExactSum& sum) {
+  while (x.sign() != 0) {
+    const auto [fraction, power] = x.split();
+    // Products of the terms are to stay in range too.
+    if (!x.finite() || std::abs(power) > 900) return false;
+    const double term = std::ldexp(fraction, static_cast<int>(power));
+    sum.push_back(term);
+    x = x - Dyadic(term);
+  }
+  if (sum.empty()) sum.push_back(0);
+  return true;
+}
+
+/// A power of two that brings the number, and all that is to be scaled with it, near 2^200: who checks the proof squares
+/// products of them, and of the range of double there is room below for digits only while the numbers are large.
+Dyadic scale_for(const Dyadic& x) {
+  constexpr long kPower = 200;
+  const long shift = kPower - x.split().second;
+  return Dyadic(std::ldexp(1.0, static_cast<int>(std::clamp(shift, -900L, 900L))));
+}
+
+bool append_mix(const Mix& mix, ExactMix& sums) {
+  Dyadic total;
+  for (const auto& [corner, weight] : mix) total = total + weight;
+  const Dyadic scale = scale_for(total);
+  for (const auto& [corner, weight] : mix) {
+    sums.emplace_back(corner, ExactSum());
+    if (!append_sum(scale * weight, sums.back().second)) return false;
+  }
+  return true;
+}
+
+/// A candidate for a common point: point / divisor, the divisor above 0.
+struct Candidate {
+  Vector<Dyadic> point;
+  Dyadic divisor{1.0};
+};
+
+Vector<Dyadic> at(const Vec3& p) { return Vector<Dyadic>(p); }
+
+bool is_flat_hull(const ConvexPart& part, const Convex& set) {
+  return set.hull != nullptr || std::holds_alternative<Triangle>(part);
+}
+
+/// What of the part's points the candidate stands beside; nothing where none is known.
+std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const Candidate& c) {
+  const Mix whole{{0, Dyadic(1.0)}};
+  if (set.disc_m > 0 || (std::holds_alternative<Primitive>(part) && set.plus == Convex::Plus::nothing && set.count() == 2 && set.ball_m == 0)) {
+    // The foot on the axis, exactly: shares in the quotient of two products.
+    const Vector<Dyadic> d = at(set.carrier[1]) - at(set.carrier[0]);
+    const Dyadic along = dot(c.point - c.divisor * at(set.carrier[0]), d);
+    const Dyadic rest = c.divisor * square(d) - along;
+    if (along.sign() < 0 || rest.sign() < 0) return std::nullopt;
+    return Mix{{0, rest}, {1, along}};
+  }
+  if (set.plus != Convex::Plus::nothing || set.count() == 1) return whole;
+  const auto plain_of = [&](const Dyadic& x) {
+    const auto [top, top_power] = x.split();
+    const auto [bottom, bottom_power] = c.divisor.split();
+    return top == 0 ? 0.0 : std::ldexp(top / bottom, static_cast<int>(std::clamp(top_power - bottom_power, -2000L, 2000L)));
+  };
+  const Vec3 rounded(plain_of(c.point.x), plain_of(c.point.y), plain_of(c.point.z));
+  if (!is_flat_hull(part, set)) {
+    // A capsule: its ball covers what rounding the foot costs.
+    const Vec3 d = set.carrier[1] - set.carrier[0];
+    const double t = std::clamp((rounded - set.carrier[0]).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+    return Mix{{0, Dyadic(1.0) - Dyadic(t)}, {1, Dyadic(t)}};
+  }
+  // Only a point that is a double itself is looked for in a hull.
+  const std::optional<CommonPoint> held = common_point(set, Convex(Sphere{rounded, 0}));
+  if (!held) return std::nullopt;
+  return held->mix_a;
+}
+
+/// The same formulas as whoever checks the proof has them, over other numbers.
+bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const Mix& mix) {
+  if (const HalfSpace* ground = half_space_of(part)) {
+    return dot(at(ground->normal), c.point - c.divisor * at(ground->point)).sign() <= 0;
+  }
+  Dyadic total;
+  Dyadic of_discs;
+  Vector<Dyadic> beside = at(Vec3::Zero());
+  for (const auto& [corner, weight] : mix) {
+    if (weight.sign() < 0) return false;
+    total = total + weight;
+    if (static_cast<int>(corner) >= set.first_disc) of_discs = of_discs + weight;
+    beside = beside - weight * at(set.point(static_cast<int>(corner)));
+  }
+  if (total.sign() <= 0) return false;
+  beside = c.divisor * beside + total * c.point;
+  const Dyadic scale = total * c.divisor;
+  const auto at_most_square = [](const Dyadic& square_of, const Dyadic& root) { return (square_of - root * root).sign() <= 0; };
+  if (set.plus != Convex::Plus::nothing) {
+    const Vector<Dyadic> axis[3] = {at(set.axes.col(0)), at(set.axes.col(1)), at(set.axes.col(2))};
+    const Dyadic volume = dot(axis[0], cross(axis[1], axis[2]));
+    if (volume.sign() == 0) return false;
+    Dyadic squares;
+    for (int k = 0; k < 3; ++k) {
+      const Dyadic along = dot(beside, cross(axis[(k + 1) % 3], axis[(k + 2) % 3]));
+      if (set.plus == Convex::Plus::box && !at_most_square(along * along, Dyadic(set.half_m[k]) * volume * scale)) return false;
+      const Dyadic part_of = along * Dyadic(set.half_m[(k + 1) % 3]) * Dyadic(set.half_m[(k + 2) % 3]);
+      squares = squares + part_of * part_of;
+    }
+    const Dyadic halves = Dyadic(set.half_m[0]) * Dyadic(set.half_m[1]) * Dyadic(set.half_m[2]);
+    return set.plus == Convex::Plus::box || at_most_square(squares, halves * volume * scale);
+  }
+  if (set.disc_m > 0) {
+    const bool is_across = dot(beside, at(set.carrier[1]) - at(set.carrier[0])).sign() == 0;
+    return is_across && at_most_square(square(beside), Dyadic(set.disc_m) * of_discs * c.divisor);
+  }
+  return at_most_square(square(beside), Dyadic(set.ball_m) * scale);
+}
+
+/// The exponent of the lowest bit of any of the numbers.
+long lowest_bit(std::span<const double> numbers) {
+  long lowest = 2000;
+  for (const double x : numbers) {
+    int power = 0;
+    auto digits = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &power), 53));
+    if (digits == 0) continue;
+    lowest = std::min(lowest, static_cast<long>(power) - 53 + std::countr_zero(static_cast<std::uint64_t>(digits)));
+  }
+  return lowest;
+}
+
+template <class Matrix>
+long lowest_bit_of(const Matrix& numbers) {
+  return lowest_bit({numbers.data(), static_cast<std::size_t>(numbers.size())});
+}
+
+/// Whether who checks that the part holds the point stays within the range of double: the lowest bits of the products of
+/// `holds` above, one of their factors the way from the mix to the point.
+bool can_be_read(const Convex& set, const Proof& proof, const ExactMix& mix) {
+  constexpr long kLowest = -950;
+  long of_mix = 2000;
+  for (const auto& [corner, weight] : mix) of_mix = std::min(of_mix, lowest_bit(weight));
+  long of_points = 2000;
+  for (int i = 0; i < set.count(); ++i) of_points = std::min(of_points, lowest_bit_of(set.point(i)));
+  long of_x = 2000;
+  for (const ExactSum& x : proof.point) of_x = std::min(of_x, lowest_bit(x));
+  const long of_divisor = lowest_bit(proof.divisor);
+  const long way = of_mix + std::min(of_x, of_divisor + of_points);
+  const double sizes[] = {set.ball_m, set.disc_m};
+  const long radius = of_mix + of_divisor + lowest_bit(sizes);
+  if (set.plus == Convex::Plus::nothing) return (set.ball_m > 0 || set.disc_m > 0 ? 2 * std::min(way, radius) : way) > kLowest;
+  const long axes = lowest_bit_of(set.axes);
+  const long halves = lowest_bit_of(set.half_m);
+  const bool is_box = set.plus == Convex::Plus::box;
+  const long along = way + 2 * axes + (is_box ? 0 : 2 * halves);
+  const long volume = of_mix + of_divisor + 3 * axes + (is_box ? 1 : 3) * halves;
+  return 2 * std::min(along, volume) > kLowest;
+}
+
+bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mix& mix_a, const Mix& mix_b, Proof& proof) {
+  if (!holds(a, convex_of(a), c, mix_a) || !holds(b, convex_of(b), c, mix_b)) return false;
+  proof.touches = true;
+  const Dyadic scale = scale_for(c.divisor);
+  const Dyadic* coordinates[3] = {&c.point.x, &c.point.y, &c.point.z};
+  for (int k = 0; k < 3; ++k) {
+    proof.point[k].clear();
+    if (!append_sum(scale * *coordinates[k], proof.point[k])) return false;
+  }
+  proof.divisor.clear();
+  proof.mix_a.clear();
+  proof.mix_b.clear();
+  return append_sum(scale * c.divisor, proof.divisor) && append_mix(mix_a, proof.mix_a) && append_mix(mix_b, proof.mix_b) &&
+         can_be_read(convex_of(a), proof, proof.mix_a) && can_be_read(convex_of(b), proof, proof.mix_b);
+}
+
+/// The corners that a box's common point is made of are none of its points: it stands beside its middle.
+Mix of_points(const Convex& set, Mix mix) {
+  return set.plus == Convex::Plus::box ? Mix{{0, Dyadic(1.0)}} : std::move(mix);
+}
+
+/// A point of the triangle near the hint, by weights that are doubles.
+bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& triangle, const Vec3& hint, bool is_a, Proof& proof) {
+  const Vec3 foot = closest(hint, triangle).point;
+  const Vec3 u = triangle.b - triangle.a;
+  const Vec3 v = triangle.c - triangle.a;
+  const Vec3 n = u.cross(v);
+  const double nn = std::max(n.squaredNorm(), 1e-300);
+  const double of_b = std::clamp(n.dot((foot - triangle.a).cross(v)) / nn, 0.0, 1.0);
+  const double of_c = std::clamp(n.dot(u.cross(foot - triangle.a)) / nn, 0.0, 1.0 - of_b);
+  const Mix mix{{0, Dyadic(std::max(0.0, 1 - of_b - of_c))}, {1, Dyadic(of_b)}, {2, Dyadic(of_c)}};
+  Candidate c{at(Vec3::Zero()), Dyadic()};
+  const Vec3 corner[3] = {triangle.a, triangle.b, triangle.c};
+  for (const auto& [i, weight] : mix) {
+    c.point = c.point + weight * at(corner[i]);
+    c.divisor = c.divisor + weight;
+  }
+  if (c.divisor.sign() <= 0) return false;
+  const ConvexPart& other = is_a ? b : a;
+  const std::optional<Mix> beside = mix_beside(other, convex_of(other), c);
+  if (!beside) return false;
+  return is_a ? fill(a, b, c, mix, *beside, proof) : fill(a, b, c, *beside, mix, proof);
+}
+
+bool at_point(const ConvexPart& a, const ConvexPart& b, const Candidate& c, Proof& proof) {
+  const std::optional<Mix> mix_a = mix_beside(a, convex_of(a), c);
+  if (!mix_a) return false;
+  const std::optional<Mix> mix_b = mix_beside(b, convex_of(b), c);
+  return mix_b && fill(a, b, c, *mix_a, *mix_b, proof);
+}
+
+/// The point of a polytope that is farthest behind a plane, its ball left out.
+bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& b, const ConvexPart& solid, Proof& proof) {
+  const Convex set = convex_of(solid);
+  std::vector<Candidate> candidates;
+  for (int i = 0; i < set.count(); ++i) candidates.push_back({at(set.point(i))});
+  if (set.plus != Convex::Plus::nothing) candidates.push_back({at(set.carrier[0] + set.support(-ground.normal))});
+  if (set.plus == Convex::Plus::box) {
+    Candidate corner{at(set.carrier[0])};
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 axis = set.axes.col(k);
+      const Dyadic reach(ground.normal.dot(axis) > 0 ? -set.half_m[k] : set.half_m[k]);
+      corner.point = corner.point + reach * at(axis);
+    }
+    candidates.push_back(corner);
+  }
+  if (set.ball_m > 0) {
+    for (int i = 0; i < set.carrier_count; ++i) {
+      const Vec3 out = ground.normal.normalized();
+      candidates.push_back({at(set.point(i) - set.ball_m * (1 - 0x1p-50) * out)});
+      candidates.push_back({at(set.point(i) - set.ball_m * out)});
+    }
+  }
+  return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) { return at_point(a, b, c, proof); });
+}
+
+/// A part drawn in towards a point inside it.
+class DrawnIn {
+ public:
+  DrawnIn(const Convex& whole, double share) : set_(whole) {
+    if (whole.hull != nullptr) {
+      draw_hull(*whole.hull, share);
+      return;
+    }
+    Vec3 middle = Vec3::Zero();
+    for (int i = 0; i < set_.carrier_count; ++i) middle += set_.carrier[i] / set_.carrier_count;
+    for (int i = 0; i < set_.carrier_count; ++i) set_.carrier[i] += share * (middle - set_.carrier[i]);
+    set_.half_m *= 1 - share;
+    set_.ball_m *= 1 - share;
+    set_.disc_m *= 1 - share;
+  }
+  const Convex& set() const { return set_; }
+
+ private:
+  void draw_hull(const Hull& whole, double share) {
+    auto mesh = std::make_shared<TriangleMesh>(*whole.mesh);
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& vertex : mesh->vertices) middle += vertex / static_cast<double>(mesh->vertices.size());
+    for (Vec3& vertex : mesh->vertices) vertex += share * (middle - vertex);
+    hull_ = std::make_unique<Hull>(Hull{std::move(mesh), whole.rotation, whole.position});
+    set_ = Convex(*hull_);
+  }
+
+  std::unique_ptr<Hull> hull_;
+  Convex set_;
+};
+
+void append_nearest(const Convex& a, const Convex& b, std::vector<Vec3>& points) {
+  const kernel::Proposal proposal = kernel::nearest_proposal(a, b, kernel::Seek::distance);
+  const Vec3 near_a = a.carrier[0] + proposal.on_a();
+  const Vec3 near_b = b.carrier[0] + proposal.on_b();
+  // Between the two without their balls, the middle of what both balls cover.
+  const double apart_m = (near_b - near_a).stableNorm();
+  const Vec3 way = apart_m > 0 ? Vec3((near_b - near_a) / apart_m) : Vec3(Vec3::Zero());
+  points.insert(points.end(), {near_a, near_b, near_a / 2 + near_b / 2, near_a + (a.ball_m + (apart_m - b.ball_m)) / 2 * way});
+}
+
+/// Points that both sets may hold: the nearest ones of the two, and of the two drawn in, which are off the borders where
+/// the sets share more than a point.
+std::vector<Vec3> likely_points(const Convex& a, const Convex& b) {
+  std::vector<Vec3> points;
+  for (const double share : {0x1p-5, 0x1p-10, 0x1p-20, 0x1p-40, 0.0}) {
+    append_nearest(DrawnIn(a, share).set(), DrawnIn(b, share).set(), points);
+  }
+  return points;
+}
+
+}  // namespace
+
+Vec3 support_of(const ConvexPart& part, const Vec3& n) {
+  const Convex set = convex_of(part);
+  return set.carrier[0] + set.support(n) + set.ball_m * n.stableNormalized();
+}
+
+PartNumbers numbers_of(const ConvexPart& part) {
+  using Beside = PartNumbers::Beside;
+  const Convex set = convex_of(part);
+  PartNumbers numbers;
+  numbers.radius_m = set.disc_m > 0 ? set.disc_m : set.ball_m;
+  numbers.tapers = set.first_disc > 0;
+  numbers.axes = set.axes;
+  numbers.half_m = set.half_m;
+  for (int i = 0; i < set.count(); ++i) numbers.points.push_back(set.point(i));
+  if (const HalfSpace* ground = half_space_of(part)) {
+    numbers.beside = Beside::half_space;
+    numbers.axes.col(0) = ground->normal;
+  } else if (set.plus != Convex::Plus::nothing) {
+    numbers.beside = set.plus == Convex::Plus::box ? Beside::box : Beside::ellipsoid;
+  } else if (set.disc_m > 0) {
+    numbers.beside = Beside::disc;
+  } else if (set.ball_m > 0) {
+    numbers.beside = Beside::ball;
+  }
+  return numbers;
+}
+
+bool prove_touching(const ConvexPart& a, const ConvexPart& b, const Vec3& hint, Proof& proof) {
+  if (at_point(a, b, {at(hint)}, proof)) return true;
+  const HalfSpace* ground_a = half_space_of(a);
+  const HalfSpace* ground_b = half_space_of(b);
+  if (ground_a != nullptr && ground_b != nullptr) return false;
+  if (ground_a != nullptr) return deepest_in(*ground_a, a, b, b, proof);
+  if (ground_b != nullptr) return deepest_in(*ground_b, a, b, a, proof);
+  const Convex set_a = convex_of(a);
+  const Convex set_b = convex_of(b);
+  const std::vector<Vec3> likely = likely_points(set_a, set_b);
+  const auto is_common = [&](const Vec3& point) { return at_point(a, b, {at(point)}, proof); };
+  if (std::any_of(likely.begin(), likely.end(), is_common)) return true;
+  // A triangle has no inside: the point must be exactly on it.
+  const auto is_on_it = [&](const Vec3& point) {
+    if (const auto* triangle = std::get_if<Triangle>(&a)) return on_triangle(a, b, *triangle, point, true, proof);
+    if (const auto* triangle = std::get_if<Triangle>(&b)) return on_triangle(a, b, *triangle, point, false, proof);
+    return false;
+  };
+  if (is_on_it(hint) || std::any_of(likely.begin(), likely.end(), is_on_it)) return true;
+  // Last, since its numbers are long.
+  if (!set_a.is_polytope() || !set_b.is_polytope()) return false;
+  std::optional<CommonPoint> common = common_point(set_a, set_b);
+  if (!common) return false;
+  return fill(a, b, {common->point, common->divisor}, of_points(set_a, std::move(common->mix_a)),
+              of_points(set_b, std::move(common->mix_b)), proof);
+}
+
+bool is_beyond(const ConvexPart& part, const Vec3& normal, const Vec3& point, int side, bool strictly) {
+  if (const HalfSpace* ground = half_space_of(part)) {
+    const Vector<Dyadic> turn = cross(at(normal), at(ground->normal));
+    const bool is_parallel = turn.x.sign() == 0 && turn.y.sign() == 0 && turn.z.sign() == 0;
+    if (!is_parallel || side * normal.dot(ground->normal) <= 0) return false;
+    const int reach = side * dot(at(normal), at(ground->point) - at(point)).sign();
+    return strictly ? reach < 0 : reach <= 0;
+  }
+  const Convex set = convex_of(part);
+  if (kernel::reach_value(set, normal, side, point).high() < 0) return true;
+  const kernel::ReachAlong<Dyadic> reach = kernel::reach_along<Dyadic>(set, normal, side, point);
+  for (int i = 0; i < reach.count; ++i) {
+    const kernel::ReachPart<Dyadic>& r = reach.part[i];
+    const int room = (r.rational * r.rational * r.denominator - r.numerator).sign();
+    const bool ok = strictly ? r.rational.sign() < 0 && room > 0 : r.rational.sign() <= 0 && room >= 0;
+    if (!ok) return false;
+  }
+  return true;
+}
+
+}  // namespace collided

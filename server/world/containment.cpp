@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "server/exact_phase/ray_cast.hpp"
+#include "server/world/pair_report.hpp"
+
+namespace collided {
+namespace {
+
+/// Every edge has exactly two triangles that run along it in turn, by vertices with equal coordinates.
+bool is_closed(const TriangleMesh& mesh) {
+  std::map<std::array<double, 3>, std::uint32_t> points;
+  std::vector<std::uint32_t> of_vertex;
+  for (const Vec3& v : mesh.vertices) {
+    // -0 and 0 are one place.
+    of_vertex.push_back(points.try_emplace({v.x() + 0.0, v.y() + 0.0, v.z() + 0.0}, static_cast<std::uint32_t>(points.size())).first->second);
+  }
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> runs;  // of edges: how many triangles, which way
+  for (const auto& triangle : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = of_vertex[triangle[i]];
+      const std::uint32_t to = of_vertex[triangle[(i + 1) % 3]];
+      if (from == to) return false;
+      auto& [count, sum] = runs[std::minmax(from, to)];
+      ++count;
+      sum += from < to ? 1 : -1;
+    }
+  }
+  return !runs.empty() && std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.second == std::pair(2, 0); });
+}
+
+/// A ray's crossings of a mesh, or that it came too near an edge to count them.
+struct Crossings {
+  const Placed& object;
+  Ray ray;
+  std::vector<std::uint32_t> crossed = {};
+  bool doubtful = false;
+
+  static double candidate(void* raw, std::uint32_t number, double limit) {
+    constexpr double kNearEdge = 1e-6;
+    Crossings& self = *static_cast<Crossings*>(raw);
+    RayHit hit;
+    const Verdict verdict = cast_ray(self.ray, place(*self.object.frame, self.object.info->mesh->mesh->triangle(number)), hit);
+    if (verdict.decision == Decision::undecided) self.doubtful = true;
+    if (verdict.yes()) {
+      self.doubtful = self.doubtful || hit.weights.minCoeff() < kNearEdge;
+      self.crossed.push_back(number);
+    }
+    return limit;
+  }
+
+  bool count(WalkCost& cost) {
+    const IndexedMesh& mesh = *object.info->mesh;
+    const Mat3 back = object.frame->rotation.transpose();
+    const Ray local{.origin = back * (ray.origin - object.frame->position), .direction = back * ray.direction};
+    const double slack_m = placement_slack(*object.frame, ray.origin.lpNorm<1>() * 2, mesh.radius_m);
+    mesh.tree.walk_ray(local, std::numeric_limits<double>::infinity(), slack_m, &Crossings::candidate, this, cost);
+    std::sort(crossed.begin(), crossed.end());
+    crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
+    return !doubtful;
+  }
+};
+
+/// By the parity of a ray's crossings. The surfaces do not meet, so one point says it for all that hangs together.
+bool is_within(const Placed& outer, const Vec3& point) {
+  constexpr int kMostRays = 32;
+  WalkCost cost;
+  for (int i = 0; i < kMostRays; ++i) {
+    // Directions that no edge of a usual mesh is likely to lie along.
+    const double turn = 0.7 + 2.39996 * i;
+    const double height = -0.97 + 1.94 * (i + 0.5) / kMostRays;
+    const double across = std::sqrt(1 - height * height);
+    Crossings crossings{outer, {.origin = point, .direction = {across * std::cos(turn), across * std::sin(turn), height},
+                                .length_m = std::numeric_limits<double>::infinity()}};
+    if (crossings.count(cost)) return crossings.crossed.size() % 2 == 1;
+  }
+  return false;
+}
+
+/// A point of each primitive and of the mesh; a mesh of several pieces is judged by its first.
+std::vector<Vec3> points_of(const Placed& object) {
+  std::vector<Vec3> points;
+  for (const Primitive& own : object.info->primitives) points.push_back(numbers_of(place(*object.frame, own)).points.front());
+  if (object.info->mesh) points.push_back(place(*object.frame, object.info->mesh->mesh->triangle(0)).a);
+  return points;
+}
+
+bool lies_in(const Placed& inner, const Placed& outer) {
+  if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds) || !is_closed(*outer.info->mesh->mesh)) return false;
+  const std::vector<Vec3> points = points_of(inner);
+  return std::all_of(points.begin(), points.end(), [&](const Vec3& point) { return is_within(outer, point); });
+}
+
+}  // namespace
+
+Contained containment(const Placed& a, const Placed& b) {
+  if (lies_in(a, b)) return Contained::a_in_b;
+  return lies_in(b, a) ? Contained::b_in_a : Contained::none;
+}
+
+}  // namespace collided

@@ -1,0 +1,213 @@
+// Pairs of objects and probes through the library and a real server.  // A25 A46 B3
+#include <random>
+#include <set>
+
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+
+class ServerPairs : public testing_support::ServerTest {
+ protected:
+  static std::mt19937_64 seeded(std::uint64_t fallback) {
+    const char* asked = std::getenv("COLLIDED_SEED");
+    const std::uint64_t seed = asked != nullptr ? std::strtoull(asked, nullptr, 10) : fallback;
+    std::printf("COLLIDED_SEED=%llu\n", static_cast<unsigned long long>(seed));
+    return std::mt19937_64(seed);
+  }
+  PairAnswer pair(Client& client, const std::string& a, const std::string& b, const PairOptions& options = {}) {
+    Result<PairAnswer> answer = client.pair(a, b, options);
+    EXPECT_TRUE(answer) << answer.error().message << " " << answer.error().hint;
+    return answer ? *answer : PairAnswer{};
+  }
+};
+
+MeshShape tetrahedron() {
+  return {.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+}
+
+std::vector<ShapePart> all_kinds() {
+  return {SphereShape{.radius_m = 0.4},
+          BoxShape{.half_m = {0.4, 0.3, 0.5}},
+          CapsuleShape{.a = {0, 0, -0.4}, .b = {0, 0, 0.4}, .radius_m = 0.2},
+          CylinderShape{.a = {0, 0, -0.4}, .b = {0, 0, 0.4}, .radius_m = 0.3},
+          ConeShape{.apex = {0, 0, 0.6}, .base = {0, 0, -0.3}, .radius_m = 0.4},
+          EllipsoidShape{.half_m = {0.5, 0.3, 0.2}},
+          HullShape{.points = {{0, 0, 0}, {0.8, 0, 0}, {0, 0.8, 0}, {0, 0, 0.8}, {0.5, 0.5, 0.5}}},
+          tetrahedron()};
+}
+
+/// How far a part reaches along n, in plain double, for the gap that the reader of a certificate works out himself.
+double reach(const CertifiedPart& part, const Vec3& n) {
+  const auto vec = [](const CertifiedPart::Numbers& v) { return Vec3(v[0], v[1], v[2]); };
+  using Beside = CertifiedPart::Beside;
+  double most = -1e300;
+  for (std::size_t i = 0; i < part.points.size(); ++i) {
+    double here = n.dot(vec(part.points[i]));
+    if (part.beside == Beside::ball) here += part.radius_m * n.norm();
+    if (part.beside == Beside::disc && (i == 1 || !part.tapers)) {
+      here += part.radius_m * n.cross((vec(part.points[1]) - vec(part.points[0])).normalized()).norm();
+    }
+    double squares = 0;
+    for (std::size_t k = 0; k < 3 && (part.beside == Beside::box || part.beside == Beside::ellipsoid); ++k) {
+      const double along = part.half_m[k] * n.dot(vec(part.axes[k]));
+      if (part.beside == Beside::box) here += std::abs(along);
+      squares += along * along;
+    }
+    if (part.beside == Beside::ellipsoid) here += std::sqrt(squares);
+    most = std::max(most, here);
+  }
+  return most;
+}
+
+/// Where one plane parts all: the gap between the two along its normal.
+double gap_of(const Certificate& c) {
+  const auto& n = c.steps.at(0).normal;
+  const Vec3 normal = Vec3(n[0], n[1], n[2]).normalized();
+  double a = -1e300;
+  double b = -1e300;
+  for (const CertifiedPart& part : c.a) a = std::max(a, reach(part, normal));
+  for (const CertifiedPart& part : c.b) b = std::max(b, reach(part, -normal));
+  return -(a + b);
+}
+
+TEST_F(ServerPairs, EveryAnswerComesWithAProofThatIsCheckedHere) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "kinds");
+  std::mt19937_64 generator = seeded(25);
+  std::uniform_real_distribution<double> any(-1, 1);
+  std::vector<Publisher::Object> objects;
+  const std::vector<ShapePart> kinds = all_kinds();
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const Result<Publisher::Object> added = publisher.add({.name = "kind" + std::to_string(i), .shape = {kinds[i]}});
+    ASSERT_TRUE(added) << added.error().message;
+    objects.push_back(*added);
+  }
+  int touching = 0;
+  int apart = 0;
+  int with_one_plane = 0;
+  for (int round = 0; round < 6; ++round) {
+    for (const Publisher::Object object : objects) {
+      const Quat turn = Quat(any(generator), any(generator), any(generator), any(generator)).normalized();
+      ASSERT_TRUE(publisher.move(object, {.position = {0.6 * any(generator), 0.6 * any(generator), 20 + 0.6 * any(generator)}, .rotation = turn}));
+    }
+    ASSERT_TRUE(publisher.flush());
+    ASSERT_TRUE(publisher.wait_applied(5s));
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const PairAnswer answer = pair(client, "kind" + std::to_string(i), "kind" + std::to_string(j), {.certificate = true});
+        ASSERT_NE(answer.verdict, Verdict::undecided);
+        ASSERT_TRUE(answer.certificate) << answer.no_certificate << " " << i << " and " << j;
+        Certificate certificate = *answer.certificate;
+        ASSERT_EQ(certificate.touches, answer.verdict == Verdict::hit);
+        ASSERT_TRUE(proves(certificate)) << i << " and " << j;
+        (certificate.touches ? touching : apart) += 1;
+        if (certificate.touches) {
+          certificate.point[0].push_back(5 * certificate.divisor[0]);
+          ASSERT_FALSE(proves(certificate)) << "a point that is somewhere else";
+          continue;
+        }
+        if (certificate.steps.size() == 1) {
+          ++with_one_plane;
+          ASSERT_GT(gap_of(certificate), 0);
+          ASSERT_LE(gap_of(certificate), answer.distance_m + answer.error_m + 1e-12) << "no gap is wider than the distance";
+        }
+        for (CertifiedPart& part : certificate.b) {
+          for (CertifiedPart::Numbers& point : part.points) {
+            for (std::size_t k = 0; k < 3; ++k) point[k] -= (answer.distance_m * 1.01 + 1e-9) * answer.normal[static_cast<Eigen::Index>(k)];
+          }
+        }
+        ASSERT_FALSE(proves(certificate)) << "moved together, the two touch";
+      }
+    }
+  }
+  EXPECT_GT(touching, 20);
+  EXPECT_GT(apart, 20);
+  EXPECT_GT(with_one_plane, 15);
+  std::printf("%d touching, %d apart (%d by one plane), all proved here\n", touching, apart, with_one_plane);
+}
+
+TEST_F(ServerPairs, TrianglesComeAsTheyAreAskedFor) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "meshes");
+  ASSERT_TRUE(publisher.add({.name = "a", .shape = {tetrahedron()}, .pose = at(0, 0, 20)}));
+  ASSERT_TRUE(publisher.add({.name = "b", .shape = {tetrahedron()}, .pose = at(0.1, 0.1, 19.5)}));
+  ASSERT_TRUE(publisher.flush());
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  const PairAnswer all = pair(client, "a", "b", {.triangles = true});
+  EXPECT_EQ(all.verdict, Verdict::hit);
+  EXPECT_FALSE(all.cut);
+  ASSERT_EQ(all.triangle_pairs.size(), all.triangle_pair_count);
+  ASSERT_GT(all.triangle_pair_count, 2u);
+  for (const TrianglePair& t : all.triangle_pairs) {
+    EXPECT_LT(t.a_triangle, 4u);
+    EXPECT_LT(t.error_m, 1e-12);
+  }
+  const PairAnswer turned = pair(client, "b", "a", {.triangles = true});
+  EXPECT_EQ(turned.triangle_pair_count, all.triangle_pair_count);
+  EXPECT_EQ(turned.normal, -all.normal);
+  ASSERT_EQ(turned.manifold.size(), all.manifold.size());
+  for (std::size_t i = 0; i < all.manifold.size(); ++i) EXPECT_EQ(turned.manifold[i].point, all.manifold[i].point);
+  const PairAnswer two = pair(client, "a", "b", {.triangles = true, .most_triangle_pairs = 2});
+  EXPECT_TRUE(two.cut);
+  EXPECT_EQ(two.triangle_pairs.size(), 2u);
+  EXPECT_EQ(two.triangle_pair_count, all.triangle_pair_count);
+  EXPECT_EQ(client.pair("a", "c").error().message, "server refused: object 'c' is not in the world (33 objects); nearest names: a, b");
+  EXPECT_FALSE(client.pair("a", "a"));
+  EXPECT_FALSE(client.pair("a", "b", {.most_triangle_pairs = 100'001}));
+}
+
+TEST_F(ServerPairs, ProbesAreReadAfterEveryStep) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "cars");
+  const Result<Publisher::Object> car = publisher.add({.name = "car", .shape = {BoxShape{.half_m = {1, 0.5, 0.25}}}, .pose = at(0, 3, 2), .when_lost = WhenLost::hold});
+  ASSERT_TRUE(car);
+  ASSERT_TRUE(publisher.flush());
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  for (const double x : {-0.9, 0.9}) {
+    ASSERT_TRUE(client.add_probe({.name = x < 0 ? "rear" : "front", .object = "car", .origin = {x, 0, -0.25}}));
+  }
+  ASSERT_TRUE(client.add_probe({.name = "lost", .object = "lorry", .reach_m = std::numeric_limits<double>::infinity()}));
+  const Result<std::vector<ProbeReading>> now = client.probes();
+  ASSERT_TRUE(now) << now.error().message;
+  ASSERT_EQ(now->size(), 3u);
+  EXPECT_EQ((*now)[0].met, "warehouse/floor");
+  EXPECT_NEAR((*now)[0].clearance_m, 1.75, 1e-12);
+  EXPECT_EQ((*now)[2].state, Clearance::absent);
+  Result<ProbeWatch> watch = client.watch_probes({.only = "[fr]*"});
+  ASSERT_TRUE(watch) << watch.error().message;
+  struct Wanted {
+    double z;
+    Clearance state;
+  };
+  for (const Wanted& wanted : {Wanted{0.75, Clearance::gap}, {0.25, Clearance::touching}, {0.125, Clearance::collision}, {-5, Clearance::nothing}}) {
+    std::set<std::string> told;
+    const auto give_up = std::chrono::steady_clock::now() + 30s;
+    while (told.size() < 2) {
+      ASSERT_LT(std::chrono::steady_clock::now(), give_up);
+      // Again and again: the server may not have met the reader by the first pose.
+      move(publisher, *car, at(0, 3, wanted.z));
+      const std::optional<ProbeReading> reading = watch->next(1s);
+      if (!reading || reading->state != wanted.state) continue;
+      EXPECT_EQ(reading->object, "car");
+      if (wanted.state != Clearance::nothing) {
+        EXPECT_NEAR(reading->clearance_m, wanted.z - 0.25, 1e-12);
+      }
+      told.insert(reading->probe);
+    }
+    EXPECT_EQ(told, (std::set<std::string>{"front", "rear"}));
+  }
+  EXPECT_EQ(watch->lost(), 0u);
+  EXPECT_EQ(*client.remove_probes("*"), 3u);
+  EXPECT_TRUE(client.probes()->empty());
+  EXPECT_FALSE(client.add_probe({.name = "p", .object = "car", .direction = Vec3::Zero()}));
+  EXPECT_FALSE(client.add_probe({.name = "", .object = "car"}));
+}
+
+}  // namespace
+}  // namespace collided

@@ -1,0 +1,192 @@
+// Two objects of a world: distance, depth, crossings, containment; told alike in either order.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "server/intake/sphere_mesh.hpp"
+#include "server/world/pair_report.hpp"
+#include "tests/extreme/worlds.hpp"
+#include "tests/oracle/random_shapes.hpp"
+#include "tests/oracle/seed.hpp"
+
+namespace collided {
+namespace {
+
+using extreme::Stage;
+
+PairReport report(const World& world, ObjectId a, ObjectId b, const PairAsk& ask = {}) {
+  return report_pair(*world.newest(), a, b, ask);
+}
+
+Placed placed(const Snapshot& state, ObjectId id) {
+  return {.info = (*state.objects)[slot_of(id)].get(), .frame = &state.frames[slot_of(id)], .bounds = state.bounds[slot_of(id)]};
+}
+
+/// The slow twin: every part of the one with every part of the other.
+struct Twin {
+  double least_m = std::numeric_limits<double>::infinity();
+  bool touches = false;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> triangles;
+
+  Twin(const World& world, ObjectId a, ObjectId b) {
+    const SnapshotRing::Lease state = world.newest();
+    for (const PlacedPart& of_a : parts_of(placed(*state, a))) {
+      for (const PlacedPart& of_b : parts_of(placed(*state, b))) {
+        if (overlaps(of_a.part, of_b.part).yes()) {
+          touches = true;
+          triangles.emplace(of_a.triangle, of_b.triangle);
+        } else {
+          least_m = std::min(least_m, separation(of_a.part, of_b.part).distance_m);
+        }
+      }
+    }
+  }
+};
+
+void expect_turned(const PairReport& one, const PairReport& other) {
+  EXPECT_EQ(one.touches, other.touches);
+  EXPECT_EQ(one.contact.depth_m, other.contact.depth_m);
+  EXPECT_EQ(one.contact.point, other.contact.point);
+  EXPECT_EQ(one.contact.normal, -other.contact.normal);
+  EXPECT_EQ(one.separation.distance_m, other.separation.distance_m);
+  EXPECT_EQ(one.separation.on_a, other.separation.on_b);
+  EXPECT_EQ(one.separation.on_b, other.separation.on_a);
+  EXPECT_EQ(one.separation.normal, -other.separation.normal);
+  ASSERT_EQ(one.manifold.size(), other.manifold.size());
+  for (std::size_t i = 0; i < one.manifold.size(); ++i) {
+    EXPECT_EQ(one.manifold[i].point, other.manifold[i].point);
+    EXPECT_EQ(one.manifold[i].depth_m, other.manifold[i].depth_m);
+    EXPECT_EQ(one.manifold[i].a_triangle, other.manifold[i].b_triangle);
+  }
+  EXPECT_EQ(one.crossing_count, other.crossing_count);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> turned;
+  for (const TriangleCrossing& c : other.crossings) turned.emplace(c.b, c.a);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> straight;
+  for (const TriangleCrossing& c : one.crossings) straight.emplace(c.a, c.b);
+  EXPECT_EQ(straight, turned);
+}
+
+Pose random_pose(std::mt19937_64& generator, double spread_m) {
+  std::uniform_real_distribution<double> any(-1, 1);
+  return extreme::at(spread_m * Vec3(any(generator), any(generator), any(generator)),
+                     Quat(any(generator), any(generator), any(generator), any(generator)).normalized());
+}
+
+std::vector<Shape> shapes_of_all_kinds(std::mt19937_64& generator) {
+  oracle::RandomShapes random(generator, oracle::Family::random);
+  std::vector<Shape> shapes;
+  for (const Primitive& primitive : {Primitive(random.sphere()), Primitive(random.box()), Primitive(random.capsule()), Primitive(random.cylinder()),
+                                     Primitive(random.cone()), Primitive(random.ellipsoid()), Primitive(random.hull())}) {
+    shapes.push_back({.primitives = {primitive}, .mesh = nullptr});
+  }
+  shapes.push_back(extreme::mesh_shape(latitude_longitude_sphere(0.6, 10, 6)));
+  Shape compound = extreme::mesh_shape(latitude_longitude_sphere(0.3, 6, 4));
+  compound.primitives = {random.sphere(), random.box()};
+  shapes.push_back(compound);
+  return shapes;
+}
+
+TEST(PairReports, AreAsEveryPairOfPartsSays) {
+  std::mt19937_64 generator = oracle::seeded(5);
+  int touching = 0;
+  int apart = 0;
+  for (int round = 0; round < 12; ++round) {
+    const std::vector<Shape> shapes = shapes_of_all_kinds(generator);
+    for (const Shape& first : shapes) {
+      for (const Shape& second : shapes) {
+        Stage stage;
+        const ObjectId a = stage.add("a", first, random_pose(generator, 1.2));
+        const ObjectId b = stage.add("b", second, random_pose(generator, 1.2));
+        stage.step();
+        Twin twin(stage.world, a, b);
+        const PairReport found = report(stage.world, a, b, {.triangles = true});
+        expect_turned(found, report(stage.world, b, a, {.triangles = true}));
+        ASSERT_EQ(found.touches, twin.touches ? Decision::yes : Decision::no);
+        if (!twin.touches) {
+          ++apart;
+          ASSERT_LE(std::abs(found.separation.distance_m - twin.least_m), found.separation.error_m + 1e-12);
+          const Vec3 way = found.separation.on_b - found.separation.on_a;
+          ASSERT_NEAR(way.norm(), found.separation.distance_m, found.separation.error_m + 2 * found.separation.point_error_m + 1e-12);
+          continue;
+        }
+        ++touching;
+        ASSERT_GE(found.manifold.size(), 1u);
+        ASSERT_LE(found.manifold.size(), 4u);
+        if (!first.mesh || !second.mesh) continue;
+        std::erase_if(twin.triangles, [](const auto& pair) {
+          return pair.first == wire_contract::kNoTriangle || pair.second == wire_contract::kNoTriangle;
+        });
+        std::set<std::pair<std::uint32_t, std::uint32_t>> told;
+        for (const TriangleCrossing& c : found.crossings) told.emplace(c.a, c.b);
+        ASSERT_EQ(told, twin.triangles);
+      }
+    }
+  }
+  EXPECT_GT(touching, 100);
+  EXPECT_GT(apart, 50);
+}
+
+TEST(PairReports, CountAllCrossingsAndTellWhatFits) {
+  Stage stage;
+  const TriangleMesh ball = latitude_longitude_sphere(1, 24, 16);
+  const ObjectId a = stage.add("a", extreme::mesh_shape(ball), extreme::at({0, 0, 0}));
+  const ObjectId b = stage.add("b", extreme::mesh_shape(ball), extreme::at({0.7, 0.2, 0.1}));
+  stage.step();
+  const PairReport all = report(stage.world, a, b, {.triangles = true});
+  EXPECT_EQ(all.crossings.size(), all.crossing_count);
+  ASSERT_GT(all.crossing_count, 20u);
+  const PairReport some = report(stage.world, a, b, {.triangles = true, .most_crossings = 10});
+  EXPECT_EQ(some.crossings.size(), 10u);
+  EXPECT_EQ(some.crossing_count, all.crossing_count);
+  EXPECT_LE(all.manifold.size(), 4u);
+}
+
+TEST(PairReports, OneMeshWithinAnother) {
+  Stage stage;
+  const ObjectId outer = stage.add("outer", extreme::mesh_shape(latitude_longitude_sphere(2, 12, 8)), extreme::at({1, 2, 3}));
+  const ObjectId inner = stage.add("inner", extreme::mesh_shape(latitude_longitude_sphere(0.3, 8, 6)), extreme::at({1.1, 2, 3}));
+  const ObjectId ball = stage.ball("ball", {1, 2.5, 3}, 0.2);
+  const ObjectId beside = stage.ball("beside", {2.9, 3.9, 3}, 0.1);  // in its bounds, not in it
+  stage.step();
+  EXPECT_EQ(report(stage.world, outer, inner).contained, Contained::b_in_a);
+  EXPECT_EQ(report(stage.world, inner, outer).contained, Contained::a_in_b);
+  EXPECT_EQ(report(stage.world, outer, ball).contained, Contained::b_in_a);
+  EXPECT_EQ(report(stage.world, outer, beside).contained, Contained::none);
+  EXPECT_EQ(report(stage.world, inner, ball).contained, Contained::none);
+  TriangleMesh open = latitude_longitude_sphere(2, 12, 8);
+  open.triangles.pop_back();
+  const ObjectId shell = stage.add("shell", extreme::mesh_shape(open), extreme::at({9, 9, 9}));
+  const ObjectId in_shell = stage.ball("in shell", {9, 9, 9}, 0.2);
+  stage.step();
+  EXPECT_EQ(report(stage.world, shell, in_shell).contained, Contained::none) << "an open surface holds nothing";
+}
+
+// A box that rests on a floor of many triangles bears on its own four corners.
+TEST(PairReports, ABoxOnATessellatedFloorBearsOnItsCorners) {
+  Stage stage;
+  TriangleMesh floor;
+  for (int i = 0; i <= 10; ++i) {
+    for (int j = 0; j <= 10; ++j) floor.vertices.emplace_back(i - 5.0, j - 5.0, 0);
+  }
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    for (std::uint32_t j = 0; j < 10; ++j) {
+      const std::uint32_t a = i * 11 + j;
+      floor.triangles.push_back({a, a + 11, a + 12});
+      floor.triangles.push_back({a, a + 12, a + 1});
+    }
+  }
+  stage.load("floor", floor);
+  const ObjectId box = stage.add("box", extreme::box_shape({1.3, 0.9, 0.5}), extreme::at({0.2, 0.1, 0.49}));
+  stage.step();
+  const PairReport found = report(stage.world, *stage.world.find("floor"), box);
+  ASSERT_EQ(found.manifold.size(), 4u);
+  for (const ManifoldPoint& p : found.manifold) {
+    EXPECT_NEAR(std::abs(p.point.x() - 0.2), 1.3, 1e-9);
+    EXPECT_NEAR(std::abs(p.point.y() - 0.1), 0.9, 1e-9);
+    EXPECT_NEAR(p.depth_m, 0.01, p.depth_error_m + 1e-14);
+  }
+  EXPECT_NEAR((found.contact.normal - Vec3::UnitZ()).norm(), 0, 1e-12) << "from the floor to the box";
+}
+
+}  // namespace
+}  // namespace collided
