@@ -51,7 +51,7 @@ void check_options(const Reading& reading) {
   if (!(reading.options.radius_m >= 0 && std::isfinite(reading.options.radius_m))) {
     refuse(reading, fmt::format("radius {} m, allowed are finite lengths of 0 and more", reading.options.radius_m));
   }
-  if (reading.options.up != 'y' && reading.options.up != 'z') {
+  if (reading.options.up != 0 && reading.options.up != 'y' && reading.options.up != 'z') {
     refuse(reading, fmt::format("up axis {}, allowed are 'y' and 'z'", quoted({&reading.options.up, 1})));
   }
 }
@@ -123,7 +123,7 @@ Oddities count_oddities(const Reading& reading, const TriangleMesh& mesh) {
       for (std::uint32_t i = 0; i < first_equal.size(); ++i) {
         found.equal_vertices += first_equal[i] == i ? 0 : 1;
       }
-      found.duplicates = count_duplicate_triangles(mesh, first_equal);
+      found.duplicates = duplicate_triangles(mesh, first_equal).size();
       return;
     }
     const std::size_t end = std::min(task_index * kPiece, triangle_count);

@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <bit>
 
+#include "server/intake/mixed.hpp"
+
 namespace collided {
 namespace {
 
 constexpr std::uint32_t kFree = 0xffffffff;
-
-std::uint64_t mixed(std::uint64_t value) {  // the finalizer of SplitMix64 (Steele, Lea, Flood, 2014)
-  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;
-  value = (value ^ (value >> 27)) * 0x94d049bb133111ebu;
-  return value ^ (value >> 31);
-}
 
 std::uint64_t hash_of(const Vec3& point) {
   std::uint64_t hash = 0;
@@ -84,7 +80,7 @@ void weld_equal_vertices(TriangleMesh& mesh) {
   }
 }
 
-std::uint64_t count_duplicate_triangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal) {
+std::vector<std::uint32_t> duplicate_triangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal) {
   const auto sorted = [&](std::uint32_t i) {
     TriangleCorners corners = mesh.triangles[i];
     for (std::uint32_t& corner : corners) {
@@ -94,12 +90,14 @@ std::uint64_t count_duplicate_triangles(const TriangleMesh& mesh, const std::vec
     return corners;
   };
   IndexTable table(mesh.triangles.size());
-  std::uint64_t duplicates = 0;
+  std::vector<std::uint32_t> duplicates;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const TriangleCorners corners = sorted(i);
     const std::uint32_t first =
         table.find_or_add(hash_of(corners), i, [&](std::uint32_t other) { return sorted(other) == corners; });
-    duplicates += first == i ? 0 : 1;
+    if (first != i) {
+      duplicates.push_back(i);
+    }
   }
   return duplicates;
 }

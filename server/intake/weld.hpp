@@ -15,8 +15,8 @@ std::vector<std::uint32_t> first_equal_vertices(const std::vector<Vec3>& vertice
 /// Joins vertices with equal coordinates and drops none that a triangle uses; the triangles keep their points.
 void weld_equal_vertices(TriangleMesh& mesh);
 
-/// Number of triangles whose three points an earlier triangle has as well, in any order.
+/// The triangles, ascending, whose three points an earlier triangle has as well, in any order.
 /// first_equal  as first_equal_vertices gives it
-std::uint64_t count_duplicate_triangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal);
+std::vector<std::uint32_t> duplicate_triangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal);
 
 }  // namespace collided
