@@ -98,6 +98,7 @@ int convert(const ConvertOptions& options) {
   forget_indexes(scene);
   if (!options.no_index) add_indexes(scene, options.index == "best" ? BspForm::best : BspForm::fast);
   save_scene(options.output, scene);
+  for (const std::string& line : report.placed) fmt::print("  placed   {}\n", line);
   for (const std::string& line : report.mended) fmt::print("  mended   {}\n", line);
   for (const std::string& line : report.refused) fmt::print("  refused  {}\n", line);
   for (const std::string& line : report.warnings) fmt::print("  warning  {}\n", line);
