@@ -100,18 +100,21 @@ class PcdHeaderReader {
       words += field.count;
     }
     for (std::size_t axis = 0; axis < 3; ++axis) header_.axes[axis] = column(std::string(1, "xyz"[axis]));
+    for (const std::size_t number : header_.axes) check_type(header_.fields[number]);
   }
 
   std::size_t column(const std::string& name) const {
     for (std::size_t i = 0; i < header_.fields.size(); ++i) {
       const Field& field = header_.fields[i];
-      if (field.name != name) continue;
-      const bool is_float = field.type == 'F' && (field.bytes == 4 || field.bytes == 8);
-      const bool is_whole = field.type != 'F' && (field.bytes == 1 || field.bytes == 2 || field.bytes == 4);
-      if (!is_float && !is_whole) refuse(reading_, fmt::format("field {} is of type {}{}", name, field.type, 8 * field.bytes));
-      return i;
+      if (field.name == name) return i;
     }
     refuse(reading_, fmt::format("no field {}; a cloud needs x, y and z", name));
+  }
+
+  void check_type(const Field& field) const {
+    const bool is_float = field.type == 'F' && (field.bytes == 4 || field.bytes == 8);
+    const bool is_whole = field.type != 'F' && (field.bytes == 1 || field.bytes == 2 || field.bytes == 4);
+    if (!is_float && !is_whole) refuse(reading_, fmt::format("field {} is of type {}{}", field.name, field.type, 8 * field.bytes));
   }
 
   static constexpr std::size_t kMaxFields = 256;
