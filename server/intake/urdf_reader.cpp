@@ -149,7 +149,7 @@ class UrdfReader {
     } else if (const pugi::xml_node file = geometry.child("mesh")) {
       add_mesh(file, pose, mesh);
     } else {
-      refuse(reading_, fmt::format("a collision geometry <{}>; read are box, sphere, cylinder, capsule and mesh", geometry.first_child().name()));
+      refuse(reading_, fmt::format("a collision geometry {}; read are box, sphere, cylinder, capsule and mesh", quoted(geometry.first_child().name())));
     }
   }
 

@@ -104,7 +104,7 @@ TEST(IntakeUrdf, ComplaintsSayWhat) {
   EXPECT_EQ(complaint("r.urdf", R"(<robot name="r"><link name="l"><collision><geometry><sphere radius="-1"/></geometry></collision></link></robot>)"),
             "r.urdf: <sphere> radius is -1 m, allowed are lengths above 0. Nothing was loaded.");
   EXPECT_EQ(complaint("r.urdf", R"(<robot name="r"><link name="l"><collision><geometry><plane/></geometry></collision></link></robot>)"),
-            "r.urdf: a collision geometry <plane>; read are box, sphere, cylinder, capsule and mesh. Nothing was loaded.");
+            "r.urdf: a collision geometry 'plane'; read are box, sphere, cylinder, capsule and mesh. Nothing was loaded.");
   EXPECT_NE(complaint("r.urdf", "<robot><link").find("r.urdf: byte "), std::string::npos);
   EXPECT_EQ(complaint("r.urdf", R"(<robot name="r"><link name="l"><collision><origin xyz="1 2 a"/><geometry><sphere radius="1"/></geometry></collision></link></robot>)"),
             "r.urdf: attribute xyz '1 2 a': line 1: number 'a' is not a number. Nothing was loaded.");
