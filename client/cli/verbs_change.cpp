@@ -236,12 +236,12 @@ class LoadCommand : public Command {
                       {"parts", count_of(answer, "parts")},
                       {"objects", count_of(answer, "objects")},
                       {"seconds", number_of(answer, "seconds")},
-                      {"placed", names_json(texts_of(answer, "placed"))},
                       {"mended", names_json(texts_of(answer, "mended"))},
                       {"refused", names_json(texts_of(answer, "refused"))},
                       {"warnings", names_json(texts_of(answer, "warnings"))},
                       {"left_out", names_json(texts_of(answer, "left_out"))},
-                      {"world", count_of(answer, "version")}});
+                      {"world", count_of(answer, "version")},
+                      {"placed", names_json(texts_of(answer, "placed"))}});
       return;
     }
     const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));
