@@ -7,6 +7,7 @@
 #include "server/intake/bridge_holes.hpp"
 #include "server/intake/json_view.hpp"
 #include "server/intake/limits.hpp"
+#include "server/intake/names.hpp"
 #include "server/intake/triangulate.hpp"
 
 namespace collided {
@@ -172,7 +173,7 @@ class CityReader {
     add(report.mended, crossing_count_, "polygons that cross or touch themselves cut into triangles by a guess");
     add(report.mended, hole_flaw_count_, "surfaces closed over holes that cross their border or lie outside of it");
     if (root_.has("metadata") && root_.at("metadata").has("referenceSystem")) {
-      report.placed.push_back("coordinates are those of " + root_.at("metadata").at("referenceSystem").text());
+      report.placed.push_back("coordinates are those of " + mended_name(root_.at("metadata").at("referenceSystem").text()));
     }
   }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace collided {
@@ -20,7 +21,12 @@ json parse_json(const Reading& reading, std::string_view text) {
 }
 
 void JsonView::complain(const std::string& what) const {
-  refuse(*reading_, fmt::format("{} {}", way_.empty() ? "the root" : way_, what));
+  if (way_.empty()) refuse(*reading_, "the root " + what);
+  // Members are named by the file, so the way may hold anything and be of any length.
+  constexpr std::size_t kShown = 120;
+  std::string way = way_.substr(0, kShown) + (way_.size() > kShown ? "..." : "");
+  std::replace_if(way.begin(), way.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  refuse(*reading_, fmt::format("{} {}", way, what));
 }
 
 JsonView JsonView::at(const char* key) const {

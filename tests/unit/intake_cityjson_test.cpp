@@ -70,6 +70,9 @@ TEST(IntakeCityJson, ComplaintsNameThePlace) {
   EXPECT_EQ(complaint("a.json", city(house("[[[0,1,-2]]]"))),
             "a.json: /CityObjects/house/geometry/0 has a corner that is vertex -2 of 8. Nothing was loaded.");
   EXPECT_EQ(complaint("a.json", city(house("[[[0,1,2]]]"), "[[0,0,0],[1,0]]")), "a.json: /vertices/1 is not three numbers. Nothing was loaded.");
+  // The file's own names are made fit for a terminal.
+  EXPECT_EQ(complaint("a.json", city(R"("h\u0001\u00e9":{"geometry":[{"type":7}]})")),
+            "a.json: /CityObjects/h?\?\?/geometry/0/type is not text. Nothing was loaded.");
   EXPECT_EQ(complaint("a.json", city(house("[[[0,1,2]]]")), {.max_triangles = 0}), "a.json: 1 triangles, limit 0. Nothing was loaded.");
 }
 

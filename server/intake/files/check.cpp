@@ -25,13 +25,13 @@ json point_json(const Vec3& point) {
 }
 
 /// The static mesh, and each mesh of objects once.
-std::vector<CheckedMesh> check_meshes(const Scene& scene, double crack_m, double crease_deg) {
+std::vector<CheckedMesh> check_meshes(const Scene& scene, const Scrutiny& scrutiny) {
   std::vector<CheckedMesh> meshes;
-  if (!scene.mesh.triangles.empty()) meshes.push_back(check_mesh(scene.name, scene.mesh, &scene.parts, crack_m, crease_deg));
+  if (!scene.mesh.triangles.empty()) meshes.push_back(check_mesh(scene.name, scene.mesh, &scene.parts, scrutiny));
   std::unordered_set<const TriangleMesh*> seen;
   for (const SceneObject& object : scene.objects) {
     const TriangleMesh* mesh = object.shape.mesh.get();
-    if (mesh != nullptr && seen.insert(mesh).second) meshes.push_back(check_mesh(object.name, *mesh, nullptr, crack_m, crease_deg));
+    if (mesh != nullptr && seen.insert(mesh).second) meshes.push_back(check_mesh(object.name, *mesh, nullptr, scrutiny));
   }
   return meshes;
 }
@@ -63,6 +63,7 @@ json mesh_json(const CheckedMesh& checked) {
               {"oriented", health.is_consistently_oriented},
               {"manifold", health.is_manifold()}};
   if (!health.bounds.empty()) object["bounds"] = {point_json(health.bounds.low), point_json(health.bounds.high)};
+  if (checked.silhouette_edge_count) object["silhouette_edges"] = *checked.silhouette_edge_count;
   if (const std::string doubt = unit_suspicion(health.bounds); !doubt.empty()) object["unit_doubt"] = doubt;
   json worst = json::object();
   for (const Finding& finding : findings_of(checked, kWorstInJson)) {
@@ -121,8 +122,10 @@ void print_mesh(const CheckedMesh& checked) {
   fmt::print("  surface  {}\n", surface_text(health));
   fmt::print("  pieces   {}\n", grouped(health.component_count));
   fmt::print("  points   {} vertices, {} of them equal to an earlier one\n", grouped(health.vertex_count), grouped(health.equal_vertex_count));
-  fmt::print("  edges    {}, {} of them creases, {} between parts\n", grouped(health.edge_count), grouped(checked.crease_edge_count),
+  fmt::print("  edges    {}, {} of them creases, {} between parts", grouped(health.edge_count), grouped(checked.crease_edge_count),
              grouped(checked.material_edge_count));
+  if (checked.silhouette_edge_count) fmt::print(", {} silhouettes from there", grouped(*checked.silhouette_edge_count));
+  fmt::print("\n");
   if (const std::string doubt = unit_suspicion(health.bounds); !doubt.empty()) fmt::print("  unit?    {}\n", doubt);
   const std::vector<Finding> findings = findings_of(checked, kWorstInTable);
   if (findings.empty()) {
@@ -154,7 +157,9 @@ void print_text(const Scene& scene, const std::vector<CheckedMesh>& meshes, cons
 int check(const FileOptions& file, const CheckOptions& options) {
   LoadReport report;
   const Scene scene = load(file, report);
-  const std::vector<CheckedMesh> meshes = check_meshes(scene, crack_in_metres(file), options.crease_deg);
+  Scrutiny scrutiny{.crack_m = crack_in_metres(file), .crease_deg = options.crease_deg};
+  if (!options.eye.empty()) scrutiny.eye = parse_point("--eye", options.eye);
+  const std::vector<CheckedMesh> meshes = check_meshes(scene, scrutiny);
   if (options.as_json) print_json(scene, meshes, report);
   else print_text(scene, meshes, report);
   return report.refused.empty() ? 0 : 1;

@@ -7,6 +7,7 @@ namespace collided::files {
 struct CheckOptions {
   bool as_json = false;
   double crease_deg = 30;
+  std::string eye{};  // "X,Y,Z"; empty: no silhouettes are counted
 };
 
 /// Prints what a file holds, what is wrong with it and what the service does about each. 0: all of it was taken; 1:

@@ -33,6 +33,21 @@ double length_in_metres(const char* option, const std::string& text) {
   return value * *unit_m;
 }
 
+Vec3 parse_point(const char* option, const std::string& text) {
+  Vec3 point = Vec3::Zero();
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [stop, error] = std::from_chars(at, end, point[axis]);
+    const bool separated = axis == 2 ? stop == end : stop != end && *stop == ',';
+    if (error != std::errc{} || !separated || !std::isfinite(point[axis])) {
+      throw LoadError(fmt::format("{} '{}'; three finite numbers are needed: X,Y,Z", option, text));
+    }
+    at = stop + 1;
+  }
+  return point;
+}
+
 double crack_in_metres(const FileOptions& file) {
   return file.crack.empty() ? 0 : length_in_metres("--crack", file.crack);
 }

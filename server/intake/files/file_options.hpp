@@ -26,6 +26,9 @@ std::optional<double> unit_in_metres(const std::string& unit);
 /// "0.1mm", "2e-4": metres. Throws LoadError naming the option for what is no length above 0.
 double length_in_metres(const char* option, const std::string& text);
 
+/// "1,-2,3e5": three finite numbers. Throws LoadError naming the option.
+Vec3 parse_point(const char* option, const std::string& text);
+
 /// 0 where none was given.
 double crack_in_metres(const FileOptions& file);
 

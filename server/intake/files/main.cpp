@@ -36,6 +36,7 @@ int main(int argument_count, char** arguments) {
   check->add_flag("--json", check_options.as_json, "One JSON object");
   check->add_option("--crease", check_options.crease_deg, "Angle between two triangles above which their edge is a crease, degrees (30)")
       ->check(CLI::Range(0.0, 180.0));
+  check->add_option("--eye", check_options.eye, "Count the silhouette edges seen from this point X,Y,Z");
   collided::files::ConvertOptions converted;
   CLI::App* convert = app.add_subcommand("convert", "Read a file, write a .cscene file");
   declare_reading(*convert, converted.file);

@@ -143,16 +143,17 @@ class Findings {
 
 }  // namespace
 
-CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts, double crack_m,
-                       double crease_deg) {
-  CheckedMesh checked{.name = std::move(name), .mesh = &mesh, .parts = parts, .health = examine(mesh, crack_m), .crossings = {}};
-  EdgeView view{.crease_cosine = std::cos(crease_deg * std::numbers::pi / 180)};
+CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts, const Scrutiny& scrutiny) {
+  CheckedMesh checked{.name = std::move(name), .mesh = &mesh, .parts = parts, .health = examine(mesh, scrutiny.crack_m), .crossings = {}};
   const std::vector<std::uint32_t> numbers = parts != nullptr ? part_numbers(mesh, *parts) : std::vector<std::uint32_t>{};
-  view.material = numbers;
-  for (const std::uint8_t kind : edge_kinds(mesh, checked.health.edges, view)) {
-    checked.crease_edge_count += (kind & kCreaseEdge) != 0 ? 1 : 0;
-    checked.material_edge_count += (kind & kMaterialEdge) != 0 ? 1 : 0;
-  }
+  const EdgeView view{.crease_cosine = std::cos(scrutiny.crease_deg * std::numbers::pi / 180), .material = numbers, .eye = scrutiny.eye};
+  const std::vector<std::uint8_t> kinds = edge_kinds(mesh, checked.health.edges, view);
+  const auto count = [&](EdgeKind asked) {
+    return static_cast<std::uint64_t>(std::count_if(kinds.begin(), kinds.end(), [&](std::uint8_t kind) { return (kind & asked) != 0; }));
+  };
+  checked.crease_edge_count = count(kCreaseEdge);
+  checked.material_edge_count = count(kMaterialEdge);
+  if (scrutiny.eye) checked.silhouette_edge_count = count(kSilhouetteEdge);
   checked.crossings = self_intersections(mesh, BspTree::build(mesh));
   return checked;
 }

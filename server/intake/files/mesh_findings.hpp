@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,17 @@ struct CheckedMesh {
   SelfIntersections crossings;
   std::uint64_t crease_edge_count = 0;
   std::uint64_t material_edge_count = 0;  // between parts
+  std::optional<std::uint64_t> silhouette_edge_count{};  // seen from the eye
 };
 
-CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts, double crack_m,
-                       double crease_deg);
+/// How meshes are looked at.
+struct Scrutiny {
+  double crack_m = 0;
+  double crease_deg = 30;
+  std::optional<Vec3> eye{};
+};
+
+CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts, const Scrutiny& scrutiny);
 
 /// A triangle as answers name it, with a side or another triangle where the finding has one, and how bad it is.
 struct Place {
