@@ -102,6 +102,18 @@ TEST(IntakeOctomap, OccupiedLeavesBecomeBoxesOfTheirLevelsSize) {
   EXPECT_NE(complaint("a.bt", octomap(tree.substr(0, 3))).find("the tree breaks off"), std::string::npos);
 }
 
+// What is behind an inner child stands before what is behind the next one.
+TEST(IntakeOctomap, BranchesFollowEachOtherInTheOrderOfTheirChildren) {
+  std::string tree;
+  append(tree, static_cast<std::uint16_t>(3 | 3 << 2));  // children 0 and 1 have children
+  append(tree, static_cast<std::uint16_t>(2));           // of 0: child 0
+  append(tree, static_cast<std::uint16_t>(2 << 14));     // of 1: child 7
+  const Scene scene = load("a.bt", octomap(tree)).scene;
+  std::set<double> middles;
+  for (const Primitive& box : scene.objects[0].shape.primitives) middles.insert(std::get<Box>(box).center[0]);
+  EXPECT_EQ(middles, (std::set<double>{-0.75 * 32768 * 0.5, 0.75 * 32768 * 0.5}));
+}
+
 TEST(IntakeOctomap, TheSmallestCellIsAtTheResolutionAndNothingGoesDeeper) {
   std::string tree;
   for (int depth = 0; depth < 15; ++depth) append(tree, static_cast<std::uint16_t>(3 << 14));
