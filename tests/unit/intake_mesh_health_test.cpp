@@ -96,10 +96,12 @@ TEST(IntakeMeshHealth, AMoebiusStripIsOneSidedAndNoneOfItIsFlipped) {
   EXPECT_TRUE(health.flipped.empty());
   EXPECT_GT(health.inconsistent_edge_count, 0u);
   EXPECT_EQ(health.boundary_edge_count, 2 * kSteps);
-  // A flap that comes first and hangs on the strip's last edge hears of it all the same.
+  // A flap on a flap, whose triangle comes first and whose edge comes last, hears of it all the same.
   const TriangleCorners last = strip.triangles[2 * kSteps - 3];
   strip.vertices.emplace_back(0, 0, 5);
-  strip.triangles.insert(strip.triangles.begin(), {last[2], last[1], 2 * kSteps});
+  strip.vertices.emplace_back(0, 0, 6);
+  strip.triangles.push_back({last[2], last[1], 2 * kSteps});
+  strip.triangles.insert(strip.triangles.begin(), {last[2], 2 * kSteps, 2 * kSteps + 1});
   EXPECT_EQ(examine(strip).unorientable_count, 1u);
   EXPECT_TRUE(examine(strip).flipped.empty());
 }
