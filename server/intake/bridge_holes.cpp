@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/intake/limits.hpp"
 #include "server/intake/planar.hpp"
 
 namespace collided {
@@ -72,11 +73,12 @@ class Bridges {
     std::stable_sort(holes_.begin(), holes_.end(), [&](const Ring& a, const Ring& b) { return reach(a) > reach(b); });
   }
 
-  Ring run() {
+  Bridging run(Ring& ring) {
     for (std::size_t i = 0; i < holes_.size(); ++i) {
-      if (!join(i)) return {};
+      if (!join(i)) return test_count_ > kMaxBridgeTests ? Bridging::too_long : Bridging::no_bridge;
     }
-    return std::move(ring_);
+    ring = std::move(ring_);
+    return Bridging::done;
   }
 
  private:
@@ -92,6 +94,7 @@ class Bridges {
     }
     std::sort(corners.begin(), corners.end());
     for (const auto& [distance2, i] : corners) {
+      if (test_count_ > kMaxBridgeTests) return false;
       if (!opens_to(i, from) || !is_free(from, plane_(ring_[i]), hole_number)) continue;
       // There, once round the hole, and back.
       Ring bridge(hole);
@@ -116,7 +119,7 @@ class Bridges {
     return sign * turn(before, here, after) > 0 ? left_of_first && left_of_second : left_of_first || left_of_second;
   }
 
-  bool is_free(const PlanePoint& from, const PlanePoint& to, std::size_t first_hole) const {
+  bool is_free(const PlanePoint& from, const PlanePoint& to, std::size_t first_hole) {
     if (crosses(from, to, ring_)) return false;
     for (std::size_t i = first_hole; i < holes_.size(); ++i) {
       if (crosses(from, to, holes_[i])) return false;
@@ -124,7 +127,8 @@ class Bridges {
     return true;
   }
 
-  bool crosses(const PlanePoint& from, const PlanePoint& to, const Ring& ring) const {
+  bool crosses(const PlanePoint& from, const PlanePoint& to, const Ring& ring) {
+    test_count_ += ring.size();
     for (std::size_t i = 0; i < ring.size(); ++i) {
       if (blocks(from, to, plane_(ring[i]), plane_(ring[(i + 1) % ring.size()]))) return true;
     }
@@ -134,13 +138,14 @@ class Bridges {
   Plane plane_;
   Ring ring_;
   std::vector<Ring> holes_;
+  std::uint64_t test_count_ = 0;
 };
 
 }  // namespace
 
-std::vector<std::uint32_t> bridge_holes(std::span<const std::vector<std::uint32_t>> rings,
-                                        const std::vector<Vec3>& vertices) {
-  return Bridges(rings, vertices).run();
+Bridging bridge_holes(std::span<const std::vector<std::uint32_t>> rings, const std::vector<Vec3>& vertices,
+                      std::vector<std::uint32_t>& ring) {
+  return Bridges(rings, vertices).run(ring);
 }
 
 }  // namespace collided

@@ -128,10 +128,10 @@ class CityReader {
     }
     if (corners.empty()) return;
     if (corners.size() > 1) {
-      std::vector<std::uint32_t> bridged = bridge_holes(corners, scene_.mesh.vertices);
+      const Bridging bridging = bridge_holes(corners, scene_.mesh.vertices, corners[0]);
+      if (bridging == Bridging::too_long) geometry.complain(fmt::format("has a polygon with {} holes that are too many to cut round", corners.size() - 1));
       // A hole that is no hole is covered, which makes an obstacle of it; the other way something would be passed.
-      hole_flaw_count_ += bridged.empty() ? 1 : 0;
-      if (!bridged.empty()) corners[0] = std::move(bridged);
+      hole_flaw_count_ += bridging == Bridging::no_bridge ? 1 : 0;
     }
     cut(geometry, corners[0]);
   }
@@ -143,7 +143,8 @@ class CityReader {
     for (const json& number : ring) {
       const bool is_whole = number.is_number_unsigned() || (number.is_number_integer() && number.get<std::int64_t>() >= 0);
       if (!is_whole || number.get<std::uint64_t>() >= scene_.mesh.vertices.size()) {
-        geometry.complain(fmt::format("has a corner that is vertex {} of {}", number.dump(), scene_.mesh.vertices.size()));
+        const std::string told = number.is_number() ? number.dump() : "(no number)";
+        geometry.complain(fmt::format("has a corner that is vertex {} of {}", told, scene_.mesh.vertices.size()));
       }
       corners.push_back(number.get<std::uint32_t>());
     }

@@ -158,6 +158,11 @@ class GltfReader {
     const std::vector<double> numbers = numbers_of(accessor);
     const std::uint64_t count = numbers.size() / 3;
     check_vertex_count(reading_, scene_.mesh.vertices.size() + count);
+    const std::uint64_t limit = 3 * std::min<std::uint64_t>(reading_.options.max_triangles, kMaxVertices) + 3;
+    if (scene_.mesh.vertices.size() + count > limit) {
+      accessor.complain(fmt::format("brings the vertices to {}, more than {} triangles can use", scene_.mesh.vertices.size() + count,
+                                    reading_.options.max_triangles));
+    }
     for (std::uint64_t i = 0; i < count; ++i) {
       const Vec3 local(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
       const Vec3 point = placement.linear * local + placement.offset;
@@ -173,8 +178,7 @@ class GltfReader {
   /// Three numbers an element.
   std::vector<double> numbers_of(const JsonView& accessor) const {
     if (accessor.at("type").text() != "VEC3") accessor.complain("is not of type VEC3");
-    const std::uint64_t limit = std::min<std::uint64_t>(kMaxVertices, 3 * std::min<std::uint64_t>(reading_.options.max_triangles, kMaxVertices) + 3);
-    const std::uint64_t count = accessor.at("count").index(limit);
+    const std::uint64_t count = accessor.at("count").index(kMaxVertices);
     const std::uint64_t type = accessor.at("componentType").index(kFloat + 1);
     const bool is_unit = accessor.has("normalized") && accessor.at("normalized").json() == true;
     const std::size_t bytes = 3 * component_bytes(accessor, type);

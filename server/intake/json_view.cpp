@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/intake/limits.hpp"
+
 namespace collided {
 
 using nlohmann::json;
 
 json parse_json(const Reading& reading, std::string_view text) {
+  if (text.size() > kMaxJsonBytes) refuse(reading, fmt::format("{} bytes of JSON text, limit {}", text.size(), kMaxJsonBytes));
   try {
     return json::parse(text);
   } catch (const json::parse_error& error) {

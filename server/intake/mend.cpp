@@ -22,6 +22,7 @@ struct Found {
   std::vector<std::uint32_t> point_of;
   EdgeTable edges;
   std::vector<Seam> seams;
+  std::uint64_t unseen_count = 0;
   std::uint64_t boundary_edge_count = 0;
 };
 
@@ -34,7 +35,9 @@ Found look(const TriangleMesh& mesh, const SeamReach& reach, const Aabb& bounds)
   for (std::size_t i = 0; i < found.edges.size(); ++i) {
     found.boundary_edge_count += found.edges.uses_of(i).size() == 1 ? 1 : 0;
   }
-  found.seams = find_seams(mesh, found.edges, found.point_of, reach, bounds);
+  Seams seams = find_seams(mesh, found.edges, found.point_of, reach, bounds);
+  found.seams = std::move(seams.list);
+  found.unseen_count = seams.unseen_count;
   return found;
 }
 
@@ -173,6 +176,7 @@ MendedMesh mend(TriangleMesh mesh, double crack_m) {
     found = look(mended.mesh, reach, bounds);
   }
   mended.report.boundary_edges_after = found.boundary_edge_count;
+  mended.report.unseen_point_count = found.unseen_count;
   std::vector<bool> is_cut(came_count, false);
   for (std::size_t i = came_count; i < mended.origin.size(); ++i) {
     mended.report.cut_triangle_count += is_cut[mended.origin[i]] ? 0 : 1;
@@ -199,7 +203,11 @@ std::vector<std::string> sentences(const MendReport& report) {
   if (report.closed_edge_count > 0) {
     lines.push_back(fmt::format("{} cracks: the edges cut and bent to the points beside them", report.closed_edge_count));
   }
-  if (!report.did_anything()) return {fmt::format("nothing: no T-vertex and no crack up to {:.3g} m", report.crack_m)};
+  if (report.unseen_point_count > 0) {
+    lines.push_back(fmt::format("{} points of the border not looked at: too many borders lie near each other", report.unseen_point_count));
+  }
+  if (!report.did_anything() && lines.empty()) return {fmt::format("nothing: no T-vertex and no crack up to {:.3g} m", report.crack_m)};
+  if (!report.did_anything()) return lines;
   lines.push_back(fmt::format("{} triangles are several now, under the numbers they had; nothing moved by more than {:.3g} m "
                               "(cracks up to {:.3g} m); edges of one triangle: {}, before {}",
                               report.cut_triangle_count, report.largest_move_m, report.crack_m,

@@ -16,6 +16,7 @@ struct MendReport {
   std::uint64_t closed_edge_count = 0;   // edges bent to a point beside them
   double largest_move_m = 0;             // how far a point or an edge went at most
   double crack_m = 0;                    // the widest crack that was to be closed
+  std::uint64_t unseen_point_count = 0;  // of the border, not looked at after kMaxSeamTests
   std::uint64_t boundary_edges_before = 0;
   std::uint64_t boundary_edges_after = 0;
 

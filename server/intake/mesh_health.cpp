@@ -95,7 +95,9 @@ MeshHealth examine(const TriangleMesh& mesh, double crack_m) {
   health.is_closed = health.edge_count > 0 && health.boundary_edge_count == 0 && health.nonmanifold_edge_count == 0;
   health.is_consistently_oriented = health.inconsistent_edge_count == 0;
   health.seam_reach = seam_reach(mesh, health.bounds, crack_m);
-  health.seams = find_seams(mesh, health.edges, point_of, health.seam_reach, health.bounds);
+  Seams seams = find_seams(mesh, health.edges, point_of, health.seam_reach, health.bounds);
+  health.seams = std::move(seams.list);
+  health.seam_unseen_count = seams.unseen_count;
   return health;
 }
 

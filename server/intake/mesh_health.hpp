@@ -35,6 +35,7 @@ struct MeshHealth {
   std::vector<HalfEdge> nonmanifold_edges;     // their first side
   std::vector<std::uint32_t> pinched_points;   // vertices where fans of triangles meet that share no edge there
   std::vector<Seam> seams;                     // T-vertices and cracks
+  std::uint64_t seam_unseen_count = 0;         // points not looked at for those: 0 but in soups of long triangles
   SeamReach seam_reach;                        // how far was looked for them
   EdgeTable edges;                             // of the triangles with area, equal points joined
 

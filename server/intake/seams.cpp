@@ -27,7 +27,7 @@ class SeamSearch {
     if (!borders_.empty()) measure_edges(table);
   }
 
-  std::vector<Seam> run(const Aabb& bounds) {
+  Seams run(const Aabb& bounds) {
     if (borders_.empty() || !std::isfinite((bounds.high - bounds.low).squaredNorm())) return {};
     std::vector<Segment> segments;
     segments.reserve(borders_.size());
@@ -39,8 +39,13 @@ class SeamSearch {
     points.erase(std::unique(points.begin(), points.end()), points.end());
     points_ = std::move(points);
     nearest_.reserve(points_.size());
-    for (const std::uint32_t point : points_) nearest_.push_back(look_around(point, grid));
-    return told();
+    for (const std::uint32_t point : points_) {
+      if (test_count_ > reach_.max_tests) break;
+      nearest_.push_back(look_around(point, grid));
+    }
+    const std::uint64_t unseen_count = points_.size() - nearest_.size();
+    nearest_.resize(points_.size());
+    return {told(), unseen_count};
   }
 
  private:
@@ -77,12 +82,13 @@ class SeamSearch {
     bool has_edge = false;
   };
 
-  Nearest look_around(std::uint32_t point, const SegmentGrid& grid) const {
+  Nearest look_around(std::uint32_t point, const SegmentGrid& grid) {
     Nearest found;
     found.to_point.point = found.to_edge.point = point;
     found.to_point.gap_m = allowed_m(point);
     found.to_edge.gap_m = std::min(std::max(reach_.crack_m, reach_.on_edge_m), kCrackShare * shortest_m_[point]);
     grid.visit_near(at(point), [&](std::uint32_t i) {
+      ++test_count_;
       const Border& border = borders_[i];
       if (border.from == point || border.to == point) return;
       weigh_point(border, border.from, found);
@@ -153,6 +159,7 @@ class SeamSearch {
   std::vector<double> shortest_m_;  // of the edges at each point
   std::vector<std::uint32_t> points_;  // of the border, ascending
   std::vector<Nearest> nearest_;       // of each
+  std::uint64_t test_count_ = 0;
 };
 
 }  // namespace
@@ -163,11 +170,12 @@ SeamReach seam_reach(const TriangleMesh& mesh, const Aabb& bounds, double crack_
   const bool is_single = std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
                                      [](const Vec3& v) { return v.cast<float>().cast<double>() == v; });
   const double rounding = is_single ? 0.5 * std::numeric_limits<float>::epsilon() : kRoundoff;
-  return {kOnEdge * rounding * largest_m, crack_m > 0 ? crack_m : kCrackReach * (bounds.high - bounds.low).norm()};
+  return {.on_edge_m = kOnEdge * rounding * largest_m,
+          .crack_m = crack_m > 0 ? crack_m : kCrackReach * (bounds.high - bounds.low).norm()};
 }
 
-std::vector<Seam> find_seams(const TriangleMesh& mesh, const EdgeTable& table,
-                             const std::vector<std::uint32_t>& point_of, const SeamReach& reach, const Aabb& bounds) {
+Seams find_seams(const TriangleMesh& mesh, const EdgeTable& table,
+                 const std::vector<std::uint32_t>& point_of, const SeamReach& reach, const Aabb& bounds) {
   return SeamSearch(mesh, table, point_of, reach).run(bounds);
 }
 

@@ -5,6 +5,7 @@
 
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/edge_table.hpp"
+#include "server/intake/limits.hpp"
 
 namespace collided {
 
@@ -25,10 +26,16 @@ struct Seam {
 struct SeamReach {
   double on_edge_m = 0;
   double crack_m = 0;
+  std::uint64_t max_tests = kMaxSeamTests;
 };
 
 /// kOnEdge and kCrackReach of a mesh with those bounds; crack_m as asked where that is not 0.
 SeamReach seam_reach(const TriangleMesh& mesh, const Aabb& bounds, double crack_m);
+
+struct Seams {
+  std::vector<Seam> list;
+  std::uint64_t unseen_count = 0;  // points of the border that were not looked at, after so many tests
+};
 
 /// Every T-vertex and crack along the edges of one triangle, ordered by point; a point beside a point is told once of
 /// the two. A point counts where the gap is at most crack_m and kCrackShare of the shortest edge there (both points',
@@ -38,7 +45,7 @@ SeamReach seam_reach(const TriangleMesh& mesh, const Aabb& bounds, double crack_
 /// point_of  as the table was made with
 /// error     gaps are right to some roundings of the largest coordinate
 /// cost      about 2 us an edge of one triangle; nothing where there is none
-std::vector<Seam> find_seams(const TriangleMesh& mesh, const EdgeTable& table,
-                             const std::vector<std::uint32_t>& point_of, const SeamReach& reach, const Aabb& bounds);
+Seams find_seams(const TriangleMesh& mesh, const EdgeTable& table,
+                 const std::vector<std::uint32_t>& point_of, const SeamReach& reach, const Aabb& bounds);
 
 }  // namespace collided

@@ -172,7 +172,8 @@ class UrdfReader {
     for (const std::string& line : report.refused) reading_.report.refused.push_back(path.filename().string() + ": " + line);
     for (const std::string& line : report.warnings) reading_.report.warnings.push_back(path.filename().string() + ": " + line);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    check_triangle_count(reading_, mesh.triangles.size() + part.mesh.triangles.size());
+    triangle_count_ += part.mesh.triangles.size();
+    check_triangle_count(reading_, triangle_count_);
     for (const Vec3& vertex : part.mesh.vertices) {
       mesh.vertices.push_back(pose.rotation * vertex.cwiseProduct(scale) + pose.position);
       if (!mesh.vertices.back().allFinite()) refuse(reading_, fmt::format("{} is too large where it is placed", quoted(std::string_view(name))));
@@ -232,6 +233,7 @@ class UrdfReader {
   std::unordered_map<std::string, Pose> poses_;
   std::vector<std::string> missing_;
   std::uint64_t moving_joint_count_ = 0;
+  std::uint64_t triangle_count_ = 0;  // of all links
   Scene scene_;
 };
 

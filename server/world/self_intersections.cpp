@@ -74,7 +74,9 @@ bool take_pair(void* context, std::uint32_t a, std::uint32_t b) {
   if (a < b && !search.is_flat[a] && !search.is_flat[b] && meet(search.mesh, a, b)) {
     search.result.pairs.push_back({a, b});
   }
-  return true;
+  search.result.is_complete = search.result.candidate_count < SelfIntersections::kMostCandidates &&
+                              search.result.pairs.size() < SelfIntersections::kMostPairs;
+  return search.result.is_complete;
 }
 
 }  // namespace

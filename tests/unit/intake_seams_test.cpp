@@ -71,6 +71,19 @@ TEST(IntakeSeams, TwoPatchesWithPointsOfTheirOwnAlongTheSeamAreTiedPointByPoint)
   for (const Seam& seam : health.seams) EXPECT_EQ(seam.kind, Seam::Kind::beside_point);
 }
 
+// Long triangles across each other: every border is near every point, and looking ends where it is said to.
+TEST(IntakeSeams, ASoupOfLongTrianglesEndsAndTellsWhatWasNotSeen) {
+  const TriangleMesh soup = scenes::scattered(2000, 1, 6);
+  const MeshHealth health = examine(soup);
+  EXPECT_EQ(health.seam_unseen_count, 0u);
+  SeamReach reach = health.seam_reach;
+  reach.max_tests = 100'000;
+  const std::vector<std::uint32_t> points = first_equal_vertices(soup.vertices);
+  const Seams seams = find_seams(soup, health.edges, points, reach, health.bounds);
+  EXPECT_GT(seams.unseen_count, 0u);
+  EXPECT_LT(seams.unseen_count, soup.vertices.size());
+}
+
 void expect_equal(const std::vector<Seam>& got, const std::vector<Seam>& truth) {
   ASSERT_EQ(got.size(), truth.size());
   for (std::size_t i = 0; i < got.size(); ++i) {

@@ -57,6 +57,8 @@ json mesh_json(const CheckedMesh& checked) {
               {"crack_m", health.seam_reach.crack_m},
               {"on_edge_m", health.seam_reach.on_edge_m},
               {"self_intersections", checked.crossings.pairs.size()},
+              {"self_intersections_complete", checked.crossings.is_complete},
+              {"border_points_unseen", health.seam_unseen_count},
               {"components", health.component_count},
               {"unorientable", health.unorientable_count},
               {"closed", health.is_closed},
@@ -127,6 +129,10 @@ void print_mesh(const CheckedMesh& checked) {
   if (checked.silhouette_edge_count) fmt::print(", {} silhouettes from there", grouped(*checked.silhouette_edge_count));
   fmt::print("\n");
   if (const std::string doubt = unit_suspicion(health.bounds); !doubt.empty()) fmt::print("  unit?    {}\n", doubt);
+  if (!checked.crossings.is_complete) fmt::print("  unseen   the search for triangles that meet each other ended early: there are more\n");
+  if (health.seam_unseen_count > 0) {
+    fmt::print("  unseen   {} points of the border were not looked at for cracks: too many borders lie near each other\n", grouped(health.seam_unseen_count));
+  }
   const std::vector<Finding> findings = findings_of(checked, kWorstInTable);
   if (findings.empty()) {
     fmt::print("  nothing is wrong with it\n");
