@@ -188,9 +188,12 @@ class LoadCommand : public Command {
     app.add_option("file", path_, "File that the server can read");
     app.add_option("--name", name_, "Name of the scene (the file's stem)");
     app.add_option("--unit", unit_, "Of the file: m, mm, in, ... or metres a unit (m)");
-    app.add_option("--up", up_, "Axis of the file that points up: y or z (z)")->check(CLI::IsMember({"y", "z"}));
-    app.add_option("--radius", radius_, "Of the balls about the points of an .xyz file (0)");
+    app.add_option("--up", up_, "Axis of the file that points up: y or z (as the format says, else z)")->check(CLI::IsMember({"y", "z"}));
+    app.add_option("--radius", radius_, "Of the balls about the points of an .xyz or .pcd file (0)");
     app.add_flag("--strict", strict_, "Refuse what would be mended");
+    app.add_flag("--mend", mend_, "Cut edges at T-vertices and close cracks");
+    app.add_option("--crack", crack_, "Widest crack (a ten-thousandth of the diagonal)");
+    app.add_option("--srdf", srdf_, "Of a .urdf robot: the file that says which links may touch");
     app.add_flag("--replace", replace_, "Replace the scene of that name");
   }
 
@@ -202,6 +205,9 @@ class LoadCommand : public Command {
                                    {"up", up_},
                                    {"radius_m", parse_finite(radius_, Measure::length)},
                                    {"strict", strict_},
+                                   {"mend", mend_},
+                                   {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
+                                   {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
                                    {"replace", replace_}};
     const nlohmann::json answer = load(session, globals, arguments);
     print(session, globals, answer);
@@ -234,7 +240,8 @@ class LoadCommand : public Command {
                       {"refused", names_json(texts_of(answer, "refused"))},
                       {"warnings", names_json(texts_of(answer, "warnings"))},
                       {"left_out", names_json(texts_of(answer, "left_out"))},
-                      {"world", count_of(answer, "version")}});
+                      {"world", count_of(answer, "version")},
+                      {"placed", names_json(texts_of(answer, "placed"))}});
       return;
     }
     const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));
@@ -245,6 +252,7 @@ class LoadCommand : public Command {
     const auto lines = [&](const char* label, const char* key) {
       for (const std::string& text : texts_of(answer, key)) printer.line(fmt::format("  {:<9}{}", label, printable(text)));
     };
+    lines("placed", "placed");
     lines("mended", "mended");
     lines("refused", "refused");
     lines("warning", "warnings");
@@ -254,9 +262,12 @@ class LoadCommand : public Command {
   std::string path_;
   std::string name_;
   std::string unit_;
-  std::string up_ = "z";
+  std::string up_;
   std::string radius_ = "0";
+  std::string crack_;
+  std::string srdf_;
   bool strict_ = false;
+  bool mend_ = false;
   bool replace_ = false;
 };
 

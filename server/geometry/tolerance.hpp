@@ -137,8 +137,24 @@ inline constexpr double kNormalizedSlack = 16 * kRoundoff;
 /// survey in millimetres. Metres. At zero, IntakeSinglePrecision.NearCoordinatesGiveNoWarning fails.
 inline constexpr double kCoarseGrid_m = 1e-3;
 
-/// Of the largest square met, without unit: what the plain tests of a ball against a ball, a box or a
-/// capsule may be wrong by. Differences, products and
+/// How far a T-vertex may lie from its edge, in roundings of the largest coordinate: those of double, or of single
+/// precision where the file has nothing else. The vertex and both ends are rounded on three axes, at most
+/// 3 sqrt(3) / 2 together; the rest up to 8 is for working out the distance. No unit.
+/// At zero, IntakeSeams.TVerticesOfSinglePrecisionAreFound fails.
+inline constexpr double kOnEdge = 8;
+
+/// Width of the cracks that are looked for when nobody says one, relative to the diagonal of the mesh: what two
+/// tessellations of one curve with some hundred points each leave between them. No unit.
+/// At zero, IntakeSeams.CracksAreFoundAtTheWidthThatIsStated fails.
+inline constexpr double kCrackReach = 1e-4;
+
+/// Of the shortest edge at a point, how far another point or edge may lie to be taken for the same one: beyond it, what
+/// is near is detail of the mesh and no crack. No unit.
+/// At 2, IntakeSeams.FineDetailIsNoCrack fails.
+inline constexpr double kCrackShare = 0.25;
+
+/// Of the largest square met, without unit: what the plain tests of balls and capsules against each other and against
+/// boxes may be wrong by. Differences, products and
 /// sums are some twenty roundings of 2^-53 each; the nearest point's place on the way is off by as much, which counts
 /// squared. A thousand times that, since it costs only a candidate in 2^40.
 /// At zero, BallFilter.NeverPartsWhatMeets fails.

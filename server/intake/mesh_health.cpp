@@ -1,76 +1,52 @@
 #include "server/intake/mesh_health.hpp"
 
-#include <algorithm>
-#include <numeric>
+#include <fmt/format.h>
 
+#include <algorithm>
+
+#include "server/intake/disjoint_sets.hpp"
+#include "server/intake/orientation.hpp"
 #include "server/intake/planar.hpp"
 #include "server/intake/weld.hpp"
 
 namespace collided {
 namespace {
 
-/// An edge of a triangle: its two points, the smaller first, and which way the triangle runs along it.
-struct Edge {
-  std::uint64_t points;
-  bool is_forward;
-};
-
-std::vector<Edge> sorted_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal,
-                               const std::vector<bool>& is_flat) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (std::size_t k = 0; k < 3 && !is_flat[i]; ++k) {
-      const std::uint32_t from = first_equal[mesh.triangles[i][k]];
-      const std::uint32_t to = first_equal[mesh.triangles[i][(k + 1) % 3]];
-      edges.push_back({std::uint64_t{std::min(from, to)} << 32 | std::max(from, to), from < to});
-    }
+void look_at_triangles(const TriangleMesh& mesh, MeshHealth& health, std::vector<bool>& is_flat) {
+  is_flat.resize(mesh.triangles.size());
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle triangle = mesh.triangle(i);
+    health.bounds.extend(triangle.a);
+    health.bounds.extend(triangle.b);
+    health.bounds.extend(triangle.c);
+    is_flat[i] = has_zero_area(triangle);
+    if (is_flat[i]) health.zero_area.push_back(i);
   }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.points < b.points; });
-  return edges;
+  health.zero_area_count = health.zero_area.size();
 }
 
-void count_edges(const std::vector<Edge>& edges, MeshHealth& health) {
-  for (std::size_t first = 0; first < edges.size();) {
-    std::size_t end = first;
-    std::size_t forward_count = 0;
-    for (; end < edges.size() && edges[end].points == edges[first].points; ++end) {
-      forward_count += edges[end].is_forward ? 1 : 0;
-    }
-    const std::size_t use_count = end - first;
-    ++health.edge_count;
-    health.boundary_edge_count += use_count == 1 ? 1 : 0;
-    health.nonmanifold_edge_count += use_count > 2 ? 1 : 0;
-    health.inconsistent_edge_count += use_count == 2 && forward_count != 1 ? 1 : 0;
-    first = end;
+void look_at_edges(MeshHealth& health) {
+  const EdgeTable& edges = health.edges;
+  health.edge_count = edges.size();
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const auto uses = edges.uses_of(i);
+    if (uses.size() == 1) health.boundary_edges.push_back(uses[0]);
+    if (uses.size() > 2) health.nonmanifold_edges.push_back(uses[0]);
+    health.inconsistent_edge_count += edges.is_inconsistent(i) ? 1 : 0;
   }
+  std::sort(health.boundary_edges.begin(), health.boundary_edges.end());
+  std::sort(health.nonmanifold_edges.begin(), health.nonmanifold_edges.end());
+  health.boundary_edge_count = health.boundary_edges.size();
+  health.nonmanifold_edge_count = health.nonmanifold_edges.size();
 }
 
-/// Pieces of points joined by triangles (Galler, Fischer, "An improved equivalence algorithm", 1964).
-class Pieces {
- public:
-  explicit Pieces(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
-
-  std::uint32_t find(std::uint32_t point) {
-    while (parents_[point] != point) {
-      parents_[point] = parents_[parents_[point]];
-      point = parents_[point];
-    }
-    return point;
-  }
-  void join(std::uint32_t a, std::uint32_t b) { parents_[std::max(find(a), find(b))] = std::min(find(a), find(b)); }
-
- private:
-  std::vector<std::uint32_t> parents_;
-};
-
-std::uint64_t count_components(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal) {
-  Pieces pieces(mesh.vertices.size());
+std::uint64_t count_components(const TriangleMesh& mesh, const std::vector<std::uint32_t>& point_of) {
+  DisjointSets pieces(mesh.vertices.size());
   std::vector<bool> is_used(mesh.vertices.size(), false);
   for (const TriangleCorners& corners : mesh.triangles) {
     for (const std::uint32_t corner : corners) {
-      is_used[first_equal[corner]] = true;
-      pieces.join(first_equal[corners[0]], first_equal[corner]);
+      is_used[point_of[corner]] = true;
+      pieces.join(point_of[corners[0]], point_of[corner]);
     }
   }
   std::uint64_t count = 0;
@@ -82,6 +58,11 @@ std::uint64_t count_components(const TriangleMesh& mesh, const std::vector<std::
 
 }  // namespace
 
+std::uint64_t MeshHealth::t_vertex_count() const {
+  return static_cast<std::uint64_t>(
+      std::count_if(seams.begin(), seams.end(), [](const Seam& seam) { return seam.kind == Seam::Kind::t_vertex; }));
+}
+
 bool has_zero_area(const Triangle& triangle) {
   for (int u = 0; u < 3; ++u) {
     const int v = (u + 1) % 3;
@@ -92,29 +73,49 @@ bool has_zero_area(const Triangle& triangle) {
   return true;
 }
 
-MeshHealth examine(const TriangleMesh& mesh) {
+MeshHealth examine(const TriangleMesh& mesh, double crack_m) {
   MeshHealth health;
   health.vertex_count = mesh.vertices.size();
   health.triangle_count = mesh.triangles.size();
-  const std::vector<std::uint32_t> first_equal = first_equal_vertices(mesh.vertices);
-  for (std::uint32_t i = 0; i < first_equal.size(); ++i) {
-    health.equal_vertex_count += first_equal[i] == i ? 0 : 1;
+  const std::vector<std::uint32_t> point_of = first_equal_vertices(mesh.vertices);
+  for (std::uint32_t i = 0; i < point_of.size(); ++i) {
+    health.equal_vertex_count += point_of[i] == i ? 0 : 1;
   }
-  std::vector<bool> is_flat(mesh.triangles.size());
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Triangle triangle = mesh.triangle(i);
-    is_flat[i] = has_zero_area(triangle);
-    health.zero_area_count += is_flat[i] ? 1 : 0;
-    health.bounds.extend(triangle.a);
-    health.bounds.extend(triangle.b);
-    health.bounds.extend(triangle.c);
-  }
-  health.duplicate_count = count_duplicate_triangles(mesh, first_equal);
-  count_edges(sorted_edges(mesh, first_equal, is_flat), health);
-  health.component_count = count_components(mesh, first_equal);
+  std::vector<bool> is_flat;
+  look_at_triangles(mesh, health, is_flat);
+  health.duplicates = duplicate_triangles(mesh, point_of);
+  health.duplicate_count = health.duplicates.size();
+  health.edges = edge_table(mesh, point_of, is_flat);
+  look_at_edges(health);
+  health.component_count = count_components(mesh, point_of);
+  Orientation orientation = orientation_of(mesh.triangles.size(), health.edges);
+  health.flipped = std::move(orientation.flipped);
+  health.unorientable_count = orientation.unorientable_count;
+  health.pinched_points = pinched_points(mesh, health.edges, point_of);
   health.is_closed = health.edge_count > 0 && health.boundary_edge_count == 0 && health.nonmanifold_edge_count == 0;
   health.is_consistently_oriented = health.inconsistent_edge_count == 0;
+  health.seam_reach = seam_reach(mesh, health.bounds, crack_m);
+  Seams seams = find_seams(mesh, health.edges, point_of, health.seam_reach, health.bounds);
+  health.seams = std::move(seams.list);
+  health.seam_unseen_count = seams.unseen_count;
   return health;
+}
+
+std::string unit_suspicion(const Aabb& bounds) {
+  if (bounds.empty()) return {};
+  const double size_m = (bounds.high - bounds.low).maxCoeff();
+  // What is far from the origin is a survey, and those are large and in metres.
+  const bool is_survey = bounds.low.cwiseMax(-bounds.high).maxCoeff() > 10 * size_m;
+  constexpr double kLarge_m = 1000;
+  constexpr double kSmall_m = 0.001;
+  if (size_m >= kLarge_m && !is_survey) {
+    return fmt::format("{:.4g} m across: if the file is in millimetres, it is {:.4g} m (--unit mm)", size_m, size_m / 1000);
+  }
+  if (size_m > 0 && size_m <= kSmall_m) {
+    return fmt::format("{:.4g} m across: if a unit of the file is a kilometre, it is {:.4g} m (--unit km)", size_m,
+                       size_m * 1000);
+  }
+  return {};
 }
 
 }  // namespace collided

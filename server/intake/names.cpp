@@ -120,20 +120,22 @@ std::string mended_name(std::string_view name) {
 void name_parts(const Reading& reading, Scene& scene) {
   const std::uint64_t empty_count =
       std::erase_if(scene.parts, [](const Part& part) { return part.triangle_count == 0; });
-  const bool is_alone = scene.parts.size() == 1;
+  const bool is_alone = scene.parts.size() + scene.objects.size() == 1;
   std::uint64_t changed_count = 0;
   std::uint64_t numbered_count = 0;
   UniqueNames names;
-  for (Part& part : scene.parts) {
+  const auto take = [&](std::string& own) {
     std::string name = scene.name;
-    if (!part.name.empty() || !is_alone) {
-      name = fmt::format("{}/{}", scene.name, part.name.empty() ? "unnamed" : part.name);
+    if (!own.empty() || !is_alone) {
+      name = fmt::format("{}/{}", scene.name, own.empty() ? "unnamed" : own);
     }
     const std::string fit = mended_name(name);
     changed_count += fit == name ? 0 : 1;
-    part.name = names.take(fit);
-    numbered_count += part.name == fit ? 0 : 1;
-  }
+    own = names.take(fit);
+    numbered_count += own == fit ? 0 : 1;
+  };
+  for (Part& part : scene.parts) take(part.name);
+  for (SceneObject& object : scene.objects) take(object.name);
   if (empty_count > 0) {
     reading.report.refused.push_back(fmt::format("{} parts without triangles left out", empty_count));
   }

@@ -14,7 +14,7 @@ std::string flaw_of_name(std::string_view name);
 /// is too long is cut at a character.
 std::string mended_name(std::string_view name);
 
-/// Gives parts the names the scene knows them by: "scene/part", or "scene" for one part without a name; makes each
+/// Gives parts and objects the names the scene knows them by: "scene/part", or "scene" for the only one without a name; makes each
 /// one fit and unique ('#2', '#3', ...), says so in the report, and drops parts without triangles.
 void name_parts(const Reading& reading, Scene& scene);
 

@@ -18,6 +18,7 @@ struct Reading {
   const LoadOptions& options;
   LoadReport& report;
   std::shared_ptr<const void> keeper{};  // of the bytes, where they stay after the reading
+  std::string folder{};                  // where the file is; empty: nowhere, so files that it names cannot be read
 
   const char* begin() const { return bytes.data(); }
   const char* end() const { return bytes.data() + bytes.size(); }
@@ -48,8 +49,15 @@ Scene read_obj(const Reading& reading);
 Scene read_stl(const Reading& reading);
 Scene read_ply(const Reading& reading);
 Scene read_off(const Reading& reading);
-/// One object, a cloud of points.
+Scene read_gltf(const Reading& reading);      // 2.0, as text or GLB
+Scene read_cityjson(const Reading& reading);  // 1.0 to 2.0
+/// One object, a cloud of points without radius.
 Scene read_xyz(const Reading& reading);
+Scene read_pcd(const Reading& reading);
+/// Objects named as in the file.
+Scene read_octomap(const Reading& reading);    // occupied cells as boxes
+Scene read_box_table(const Reading& reading);  // CSV
+Scene read_urdf(const Reading& reading);       // collision shapes of a robot, all joints at 0
 
 /// Reads, names, scales, turns and examines a file that is already in memory; the ending of `file` says the format.
 Scene load_scene_from_memory(std::span<const char> bytes, const std::string& file, const LoadOptions& options,

@@ -11,6 +11,7 @@
 
 #include "server/intake/converter.hpp"
 #include "server/intake/file_bytes.hpp"
+#include "server/intake/mend.hpp"
 #include "server/intake/mesh_health.hpp"
 #include "server/intake/names.hpp"
 #include "server/intake/parallel.hpp"
@@ -24,19 +25,45 @@
 namespace collided {
 namespace {
 
-enum class Format { obj, stl, ply, off, xyz, scene, other };
+/// What a reader gives: one mesh in parts, one cloud of points, or objects of their own; a whole scene as it was saved.
+enum class Content { mesh, cloud, objects, saved };
 
-Format format_of(const std::string& file) {
+/// What is known of a format before a file of it is read.
+struct Format {
+  const char* ending;
+  const char* name;
+  Content content;
+  Scene (*read)(const Reading&);
+  bool says_metres = false;  // by its definition
+  char up = 0;               // the same; 0: it does not say
+};
+
+constexpr Format kFormats[] = {
+    {".obj", "OBJ", Content::mesh, read_obj},
+    {".stl", "STL", Content::mesh, read_stl},
+    {".ply", "PLY", Content::mesh, read_ply},
+    {".off", "OFF", Content::mesh, read_off},
+    {".gltf", "glTF", Content::mesh, read_gltf, true, 'y'},
+    {".glb", "glTF", Content::mesh, read_gltf, true, 'y'},
+    {".json", "CityJSON", Content::mesh, read_cityjson, true, 'z'},
+    {".cityjson", "CityJSON", Content::mesh, read_cityjson, true, 'z'},
+    {".xyz", "XYZ", Content::cloud, read_xyz},
+    {".pcd", "PCD", Content::cloud, read_pcd},
+    {".bt", "OctoMap", Content::objects, read_octomap, true, 'z'},
+    {".csv", "CSV", Content::objects, read_box_table},
+    {".urdf", "URDF", Content::objects, read_urdf, true, 'z'},
+    {".cscene", "the scene file", Content::saved, read_scene_file, true, 'z'},
+};
+/// Every other one, which a process of its own turns into a scene file.
+constexpr Format kOther{"", "the converter", Content::saved, nullptr};
+
+const Format& format_of(const std::string& file) {
   std::string ending = std::filesystem::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  return ending == ".obj"      ? Format::obj
-         : ending == ".stl"    ? Format::stl
-         : ending == ".ply"    ? Format::ply
-         : ending == ".off"    ? Format::off
-         : ending == ".xyz"    ? Format::xyz
-         : ending == ".cscene" ? Format::scene
-                               : Format::other;
+  const auto found =
+      std::find_if(std::begin(kFormats), std::end(kFormats), [&](const Format& format) { return format.ending == ending; });
+  return found == std::end(kFormats) ? kOther : *found;
 }
 
 std::string scene_name(const std::string& file, const LoadOptions& options) {
@@ -51,7 +78,7 @@ void check_options(const Reading& reading) {
   if (!(reading.options.radius_m >= 0 && std::isfinite(reading.options.radius_m))) {
     refuse(reading, fmt::format("radius {} m, allowed are finite lengths of 0 and more", reading.options.radius_m));
   }
-  if (reading.options.up != 'y' && reading.options.up != 'z') {
+  if (reading.options.up != 0 && reading.options.up != 'y' && reading.options.up != 'z') {
     refuse(reading, fmt::format("up axis {}, allowed are 'y' and 'z'", quoted({&reading.options.up, 1})));
   }
 }
@@ -74,10 +101,29 @@ TriangleMesh scaled(TriangleMesh mesh, double unit_m) {
 
 Vec3 turned_up(const Vec3& v) { return {v[0], -v[2], v[1]}; }
 
+/// Who says what was taken.
+std::string because(const Format& format, bool is_asked, bool is_said, std::string_view option) {
+  if (is_asked) return "as asked";
+  return is_said ? fmt::format("as {} says", format.name) : fmt::format("since {} does not say; {} does", format.name, option);
+}
+
+/// Unit, up axis and origin as they were taken, and who says so.
+void tell_placement(const Format& format, const Reading& reading) {
+  const LoadOptions& options = reading.options;
+  const char up = options.up != 0 ? options.up : format.up;
+  std::vector<std::string>& placed = reading.report.placed;
+  placed.push_back(fmt::format("a unit of the file is {} m, {}", options.unit_m,
+                               because(format, options.unit_m != 1, format.says_metres, "--unit")));
+  placed.push_back(fmt::format("{}, {}", up == 'y' ? "y is up and turned to z" : "z is up",
+                               because(format, options.up != 0, format.up != 0, "--up")));
+  placed.push_back(fmt::format("the origin is that of the file"));
+}
+
 /// From the file's units and axes to metres with z up. A scene that has both already is not touched.
-void place(const Reading& reading, Scene& scene) {
+void place(const Format& format, const Reading& reading, Scene& scene) {
+  tell_placement(format, reading);
   const double unit_m = reading.options.unit_m;
-  const bool turns = reading.options.up == 'y';
+  const bool turns = (reading.options.up != 0 ? reading.options.up : format.up) == 'y';
   if (unit_m != 1) {
     scene.mesh = scaled(std::move(scene.mesh), unit_m);
   }
@@ -123,7 +169,7 @@ Oddities count_oddities(const Reading& reading, const TriangleMesh& mesh) {
       for (std::uint32_t i = 0; i < first_equal.size(); ++i) {
         found.equal_vertices += first_equal[i] == i ? 0 : 1;
       }
-      found.duplicates = count_duplicate_triangles(mesh, first_equal);
+      found.duplicates = duplicate_triangles(mesh, first_equal).size();
       return;
     }
     const std::size_t end = std::min(task_index * kPiece, triangle_count);
@@ -152,26 +198,12 @@ void report_oddities(const Reading& reading, const TriangleMesh& mesh) {
   tell(found.equal_vertices, "vertices with the coordinates of another one kept");
 }
 
-Scene read_mesh(Format format, const Reading& reading) {
-  switch (format) {
-    case Format::obj:
-      return read_obj(reading);
-    case Format::stl:
-      return read_stl(reading);
-    case Format::ply:
-      return read_ply(reading);
-    case Format::off:
-      return read_off(reading);
-    case Format::xyz:
-    case Format::scene:
-    case Format::other:
-      break;
-  }
-  refuse(reading, "the ending is none of .obj .stl .ply .off .xyz .cscene");
-}
-
+/// Mends where that is asked for, and tells what is odd.
 void finish_mesh(const Reading& reading, Scene& scene) {
-  place(reading, scene);
+  if (reading.options.mend_m && !scene.mesh.triangles.empty()) {
+    const std::vector<std::string> lines = sentences(mend(scene, *reading.options.mend_m));
+    reading.report.mended.insert(reading.report.mended.end(), lines.begin(), lines.end());
+  }
   report_oddities(reading, scene.mesh);
 }
 
@@ -185,40 +217,36 @@ void check_mesh(const Reading& reading, const Scene& scene) {
 }
 
 /// The radius is in metres already.
-Scene load_cloud(const Reading& reading) {
-  Scene scene = read_xyz(reading);
-  scene.name = scene.objects.front().name = scene_name(reading.file, reading.options);
-  place(reading, scene);
-  for (Primitive& point : scene.objects.front().shape.primitives) {
+void set_radius(const Reading& reading, SceneObject& cloud) {
+  for (Primitive& point : cloud.shape.primitives) {
     std::get<Sphere>(point).radius_m = reading.options.radius_m;
   }
   if (reading.options.radius_m == 0) {
     reading.report.warnings.emplace_back("the points have no radius, so that hardly a ray meets one");
   }
-  return scene;
 }
 
-Scene load(Format format, Reading reading) {
+Scene load(const Format& format, Reading reading) {
   check_options(reading);
   tell_progress(reading, 0);
-  Scene scene;
-  if (format == Format::scene) {
-    scene = read_scene_file(reading);
-    if (!reading.options.name.empty()) {
-      rename_scene(reading, scene, mended_name(reading.options.name));
-    }
-    place(reading, scene);
-  } else if (format == Format::xyz) {
-    reading.bytes = without_mark(reading);
-    scene = load_cloud(reading);
+  if (format.read == nullptr) {
+    std::string endings;
+    for (const Format& known : kFormats) endings += fmt::format(" {}", known.ending);
+    refuse(reading, fmt::format("the ending is none of{}", endings));
+  }
+  if (format.content != Content::saved) reading.bytes = without_mark(reading);
+  Scene scene = format.read(reading);
+  if (format.content == Content::mesh) check_mesh(reading, scene);
+  if (format.content == Content::saved) {
+    if (!reading.options.name.empty()) rename_scene(reading, scene, mended_name(reading.options.name));
   } else {
-    reading.bytes = without_mark(reading);
-    scene = read_mesh(format, reading);
-    check_mesh(reading, scene);
     scene.name = scene_name(reading.file, reading.options);
     name_parts(reading, scene);
-    finish_mesh(reading, scene);
   }
+  place(format, reading, scene);
+  if (format.content == Content::cloud) set_radius(reading, scene.objects.front());
+  // A saved scene was looked at when it was saved.
+  if (format.content == Content::mesh || reading.options.mend_m) finish_mesh(reading, scene);
   tell_progress(reading, 1);
   return scene;
 }
@@ -229,6 +257,7 @@ Scene load_converted(const std::string& path, const LoadOptions& options, LoadRe
   const Reading reading{file_name(path), bytes.bytes(), options, report};
   check_options(reading);
   Scene scene = read_scene_file(reading);
+  place(kOther, reading, scene);
   finish_mesh(reading, scene);
   tell_progress(reading, 1);
   return scene;
@@ -243,14 +272,15 @@ Scene load_scene_from_memory(std::span<const char> bytes, const std::string& fil
 
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report) {
   const auto begin = std::chrono::steady_clock::now();
-  const Format format = format_of(path);
+  const Format& format = format_of(path);
   Scene scene;
-  if (format == Format::other) {
+  if (format.read == nullptr) {
     scene = load_converted(path, options, report);
   } else {
-    const auto access = format == Format::scene ? FileBytes::Access::mapped : FileBytes::Access::copied;
+    const auto access = format.content == Content::saved ? FileBytes::Access::mapped : FileBytes::Access::copied;
     const auto bytes = std::make_shared<FileBytes>(path, access, options);
-    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes});
+    const std::string folder = std::filesystem::absolute(path).parent_path().string();
+    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder});
     // Saved indexes go on using the end of a mapping.
     bytes->forget_before(table_bytes(bytes->bytes()));
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -15,12 +16,26 @@
 
 namespace collided {
 
+/// Mending cuts triangles of a part: the first piece of each keeps its number, the others come last in the part. For
+/// those, in their order, the numbers of the triangles they are of. Null for a part as the file has it.
+struct CutTriangles {
+  std::shared_ptr<const std::vector<std::uint32_t>> piece_of{};
+
+  std::size_t piece_count() const { return piece_of ? piece_of->size() : 0; }
+  /// What answers call a triangle of the part: its number in the file. Others than the part's are left as they are.
+  std::uint32_t told(std::uint32_t triangle, std::uint32_t triangle_count) const {
+    const std::size_t first_piece = triangle_count - piece_count();
+    return triangle < first_piece || triangle >= triangle_count ? triangle : (*piece_of)[triangle - first_piece];
+  }
+};
+
 /// A run of triangles that answers name: one object of the scene.
 struct Part {
   std::string name;  // "scene/part", or "scene" where the file holds one part without a name; unique in the scene
   std::uint32_t first_triangle = 0;
   std::uint32_t triangle_count = 0;
   Filter filter{};
+  CutTriangles cut{};
 };
 
 /// The index of a mesh as a scene file holds it: bytes of the broad phase, unchecked, for as long as keeper lives.
@@ -52,15 +67,19 @@ struct LoadReport {
   std::vector<std::string> mended;
   std::vector<std::string> refused;
   std::vector<std::string> warnings;
+  std::vector<std::string> placed;  // unit, up axis and origin: what the file says of them, what was taken where it is silent
   double seconds = 0;
 };
 
 struct LoadOptions {
   std::string name{};   // empty: the file's stem
   double unit_m = 1;    // metres per unit of the file
-  char up = 'z';        // axis of the file that points up: 'y' is turned to z by (x, y, z) -> (x, -z, y)
+  char up = 0;          // axis of the file that points up: 'y' is turned to z by (x, y, z) -> (x, -z, y); 0: what the
+                        // format says, else z
   double radius_m = 0;  // of the balls about a cloud's points
   bool strict = false;  // refuse what would be mended
+  std::optional<double> mend_m{};  // close cracks up to this width and T-vertices; 0: what mend.hpp takes by itself
+  std::string srdf{};                      // of a URDF robot: the file that says which links may touch
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
   std::function<void(double)> progress{};  // fraction done in [0, 1]
@@ -72,7 +91,7 @@ struct LoadError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads .obj .stl .ply .off .cscene here; any other ending goes to the converter process (collided-import).
+/// Reads .obj .stl .ply .off .gltf .glb .json (CityJSON) .xyz .pcd .bt .csv .urdf .cscene here; any other ending goes to the converter process (collided-import).
 /// Either the whole scene comes back or a LoadError is thrown.
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report);
 

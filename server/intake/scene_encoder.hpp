@@ -65,8 +65,11 @@ class SceneEncoder {
     std::vector<flatbuffers::Offset<format::Part>> parts;
     for (const Part& part : from.parts) {
       const format::Filter filter = packed(part.filter);
-      parts.push_back(format::CreatePart(builder_, builder_.CreateString(part.name), part.first_triangle,
-                                         part.triangle_count, &filter));
+      const auto name = builder_.CreateString(part.name);
+      const auto pieces = !part.cut.piece_of ? flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>{}
+                                                : builder_.CreateVector(*part.cut.piece_of);
+      parts.push_back(
+          format::CreatePart(builder_, name, part.first_triangle, part.triangle_count, &filter, pieces));
     }
     std::vector<flatbuffers::Offset<format::Object>> objects;
     for (const SceneObject& object : from.objects) {
@@ -150,7 +153,7 @@ inline std::uint64_t encoded_bytes(const Shape& shape) {
 inline std::uint64_t encoded_bytes(const Scene& scene) {
   std::uint64_t bytes = 1024 + encoded_bytes(scene.mesh) + scene.name.size();
   for (const Part& part : scene.parts) {
-    bytes += 128 + part.name.size();
+    bytes += 128 + part.name.size() + sizeof(std::uint32_t) * part.cut.piece_count();
   }
   for (const SceneObject& object : scene.objects) {
     bytes += 256 + object.name.size() + encoded_bytes(object.shape);

@@ -423,6 +423,21 @@ class NameCheck {
   std::unordered_set<std::string_view> taken_;
 };
 
+CutTriangles decode_pieces(const format::Part& from) {
+  if (from.piece_of() == nullptr || from.piece_of()->size() == 0) {
+    return {};
+  }
+  std::vector<std::uint32_t> pieces(from.piece_of()->begin(), from.piece_of()->end());
+  const std::uint64_t whole_count = from.triangle_count() - std::min<std::uint64_t>(pieces.size(), from.triangle_count());
+  for (const std::uint32_t whole : pieces) {
+    if (whole >= whole_count) {
+      throw Flaw{fmt::format("part {} has a piece of triangle {}, allowed are those before {}",
+                             quoted(from.name()->string_view()), whole, whole_count)};
+    }
+  }
+  return {std::make_shared<const std::vector<std::uint32_t>>(std::move(pieces))};
+}
+
 void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
   const std::uint64_t triangle_count = scene.mesh.triangles.size();
   std::uint64_t covered = 0;
@@ -434,8 +449,8 @@ void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
                              part.triangle_count(), part.first_triangle(), covered, triangle_count)};
     }
     covered += part.triangle_count();
-    scene.parts.push_back(
-        {names.take(*part.name()), part.first_triangle(), part.triangle_count(), filter_of(part.filter())});
+    scene.parts.push_back({names.take(*part.name()), part.first_triangle(), part.triangle_count(),
+                           filter_of(part.filter()), decode_pieces(part)});
   }
   if (covered != triangle_count) {
     throw Flaw{fmt::format("parts cover {} of {} triangles", covered, triangle_count)};

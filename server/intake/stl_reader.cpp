@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
+#include <span>
 
 #include "server/intake/byte_order.hpp"
 #include "server/intake/reading.hpp"
@@ -48,6 +50,18 @@ bool is_text(const Reading& reading) {
   return reading.bytes.size() < kHeaderBytes;
 }
 
+void read_corners(const Reading& reading, std::size_t triangle, std::size_t count, Vec3* corners) {
+  const std::size_t byte = kHeaderBytes + kTriangleBytes * triangle + 12;
+  for (std::size_t k = 0; k < 9; ++k) {
+    const auto value = number_at<float>(reading.begin() + byte + 4 * k, std::endian::little);
+    if (!std::isfinite(value)) {
+      refuse_byte(reading, byte + 4 * k,
+                  fmt::format("triangle {} of {}: coordinate {} is not finite", triangle + 1, count, value));
+    }
+    corners[k / 3][static_cast<Eigen::Index>(k % 3)] = value;
+  }
+}
+
 Scene read_binary(const Reading& reading) {
   if (reading.bytes.size() < kHeaderBytes) {
     refuse(reading, fmt::format("{} bytes, a binary STL has at least {}", reading.bytes.size(), kHeaderBytes));
@@ -64,23 +78,18 @@ Scene read_binary(const Reading& reading) {
         fmt::format("{} bytes after the {} triangles that the header counts were not read", surplus, count));
   }
   Scene scene;
-  check_vertex_count(reading, 3 * count);
-  scene.mesh.vertices.resize(3 * count);
   scene.mesh.triangles.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t byte = kHeaderBytes + kTriangleBytes * i + 12;
-    for (std::size_t k = 0; k < 9; ++k) {
-      const auto value = number_at<float>(reading.begin() + byte + 4 * k, std::endian::little);
-      if (!std::isfinite(value)) {
-        refuse_byte(reading, byte + 4 * k,
-                    fmt::format("triangle {} of {}: coordinate {} is not finite", i + 1, count, value));
-      }
-      scene.mesh.vertices[3 * i + k / 3][static_cast<Eigen::Index>(k % 3)] = value;
-    }
-    const auto first = static_cast<std::uint32_t>(3 * i);
-    scene.mesh.triangles[i] = {first, first + 1, first + 2};
-    if (i % 0x40000 == 0) {
-      tell_progress(reading, 0.5 * static_cast<double>(i) / static_cast<double>(count));
+  // STL has no vertex numbers: corners with equal coordinates are what the format calls one vertex. A closed surface has
+  // half as many as triangles.
+  Welder welder(scene.mesh.vertices, count / 2 + 16);
+  constexpr std::size_t kTriangles = Welder::kBatch / 3;
+  std::array<Vec3, Welder::kBatch> corners;
+  for (std::size_t first = 0; first < count; first += kTriangles) {
+    const std::size_t end = std::min(first + kTriangles, std::size_t{count});
+    for (std::size_t i = first; i < end; ++i) read_corners(reading, i, count, &corners[3 * (i - first)]);
+    welder.number(std::span(corners).first(3 * (end - first)), scene.mesh.triangles[first].data());
+    if (first % 0x40000 == 0) {
+      tell_progress(reading, 0.5 * static_cast<double>(first) / static_cast<double>(count));
     }
   }
   scene.parts.push_back({.name = {}, .triangle_count = static_cast<std::uint32_t>(count)});
@@ -139,8 +148,7 @@ class StlTextReader {
     for (int axis = 0; axis < 3; ++axis) {
       vertex[axis] = cursor_.finite_number("vertex coordinate");
     }
-    loop_.push_back(static_cast<std::uint32_t>(scene_.mesh.vertices.size()));
-    scene_.mesh.vertices.push_back(vertex);
+    loop_.push_back(welder_.number_of(vertex));
     check_vertex_count(reading_, scene_.mesh.vertices.size());
   }
 
@@ -166,15 +174,13 @@ class StlTextReader {
   TextCursor cursor_;
   std::vector<std::uint32_t> loop_;
   Scene scene_;
+  Welder welder_{scene_.mesh.vertices};
 };
 
 }  // namespace
 
 Scene read_stl(const Reading& reading) {
-  Scene scene = is_text(reading) ? StlTextReader(reading).read() : read_binary(reading);
-  // STL has no vertex numbers: corners with equal coordinates are what the format calls one vertex.
-  weld_equal_vertices(scene.mesh);
-  return scene;
+  return is_text(reading) ? StlTextReader(reading).read() : read_binary(reading);
 }
 
 }  // namespace collided

@@ -1,26 +1,24 @@
 #include "server/intake/weld.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <utility>
+
+#include "server/intake/mixed.hpp"
 
 namespace collided {
 namespace {
 
 constexpr std::uint32_t kFree = 0xffffffff;
 
-std::uint64_t mixed(std::uint64_t value) {  // the finalizer of SplitMix64 (Steele, Lea, Flood, 2014)
-  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;
-  value = (value ^ (value >> 27)) * 0x94d049bb133111ebu;
-  return value ^ (value >> 31);
+std::uint64_t hash_of(const Vec3& point) {
+  const auto bits = [&](int axis) { return std::bit_cast<std::uint64_t>(point[axis] + 0.0); };  // -0 + 0 is 0
+  // Odd numbers without pattern: two places differ in the sum unless three products happen to cancel.
+  return mixed(bits(0) * 0x9e3779b97f4a7c15u + bits(1) * 0xc2b2ae3d27d4eb4fu + bits(2) * 0x165667b19e3779f9u);
 }
 
-std::uint64_t hash_of(const Vec3& point) {
-  std::uint64_t hash = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    hash = mixed(hash + 0x9e3779b97f4a7c15u + std::bit_cast<std::uint64_t>(point[axis] + 0.0));  // -0 + 0 is 0
-  }
-  return hash;
-}
+bool is_same_place(const Vec3& a, const Vec3& b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
 
 std::uint64_t hash_of(const TriangleCorners& corners) {
   return mixed(mixed(std::uint64_t{corners[0]} << 32 | corners[1]) + corners[2]);
@@ -56,35 +54,61 @@ std::vector<std::uint32_t> first_equal_vertices(const std::vector<Vec3>& vertice
   IndexTable table(vertices.size());
   std::vector<std::uint32_t> first(vertices.size());
   for (std::uint32_t i = 0; i < vertices.size(); ++i) {
-    const Vec3& vertex = vertices[i];
-    first[i] = table.find_or_add(hash_of(vertex), i, [&](std::uint32_t other) {
-      const Vec3& before = vertices[other];
-      return before[0] == vertex[0] && before[1] == vertex[1] && before[2] == vertex[2];
-    });
+    first[i] = table.find_or_add(hash_of(vertices[i]), i,
+                                 [&](std::uint32_t other) { return is_same_place(vertices[other], vertices[i]); });
   }
   return first;
 }
 
-void weld_equal_vertices(TriangleMesh& mesh) {
-  std::vector<std::uint32_t> number = first_equal_vertices(mesh.vertices);
-  std::uint32_t kept = 0;
-  for (std::uint32_t i = 0; i < number.size(); ++i) {
-    if (number[i] == i) {
-      mesh.vertices[kept] = mesh.vertices[i];
-      number[i] = kept++;
-    } else {
-      number[i] = number[number[i]];
-    }
+Welder::Welder(std::vector<Vec3>& kept, std::size_t expected_count)
+    : kept_(kept), slots_(std::bit_ceil(std::max<std::size_t>(2 * expected_count, 1024)), kFree) {}
+
+std::uint32_t Welder::number_of(const Vec3& vertex) { return find_or_keep(vertex, hash_of(vertex)); }
+
+void Welder::number(std::span<const Vec3> vertices, std::uint32_t* numbers) {
+  std::array<std::uint64_t, kBatch> hashes;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    hashes[i] = hash_of(vertices[i]);
+    __builtin_prefetch(&slots_[hashes[i] & (slots_.size() - 1)]);
   }
-  mesh.vertices.resize(kept);
-  for (TriangleCorners& corners : mesh.triangles) {
-    for (std::uint32_t& corner : corners) {
-      corner = number[corner];
-    }
+  for (std::size_t i = 0; i < vertices.size(); ++i) numbers[i] = find_or_keep(vertices[i], hashes[i]);
+}
+
+std::uint32_t Welder::find_or_keep(const Vec3& vertex, std::uint64_t hash) {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t slot = hash & mask;
+  for (; slots_[slot] != kFree; slot = (slot + 1) & mask) {
+    if (is_same_place(kept_[slots_[slot]], vertex)) return slots_[slot];
+  }
+  const auto number = static_cast<std::uint32_t>(kept_.size());
+  slots_[slot] = number;
+  kept_.push_back(vertex);
+  if (2 * kept_.size() > slots_.size()) grow();
+  return number;
+}
+
+void Welder::grow() {
+  slots_.assign(2 * slots_.size(), kFree);
+  const std::size_t mask = slots_.size() - 1;
+  for (std::uint32_t i = 0; i < kept_.size(); ++i) {
+    std::size_t slot = hash_of(kept_[i]) & mask;
+    while (slots_[slot] != kFree) slot = (slot + 1) & mask;
+    slots_[slot] = i;
   }
 }
 
-std::uint64_t count_duplicate_triangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal) {
+void weld_equal_vertices(TriangleMesh& mesh) {
+  const std::vector<Vec3> vertices = std::exchange(mesh.vertices, {});
+  Welder welder(mesh.vertices);
+  std::vector<std::uint32_t> numbers;
+  numbers.reserve(vertices.size());
+  for (const Vec3& vertex : vertices) numbers.push_back(welder.number_of(vertex));
+  for (TriangleCorners& corners : mesh.triangles) {
+    for (std::uint32_t& corner : corners) corner = numbers[corner];
+  }
+}
+
+std::vector<std::uint32_t> duplicate_triangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal) {
   const auto sorted = [&](std::uint32_t i) {
     TriangleCorners corners = mesh.triangles[i];
     for (std::uint32_t& corner : corners) {
@@ -94,12 +118,14 @@ std::uint64_t count_duplicate_triangles(const TriangleMesh& mesh, const std::vec
     return corners;
   };
   IndexTable table(mesh.triangles.size());
-  std::uint64_t duplicates = 0;
+  std::vector<std::uint32_t> duplicates;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const TriangleCorners corners = sorted(i);
     const std::uint32_t first =
         table.find_or_add(hash_of(corners), i, [&](std::uint32_t other) { return sorted(other) == corners; });
-    duplicates += first == i ? 0 : 1;
+    if (first != i) {
+      duplicates.push_back(i);
+    }
   }
   return duplicates;
 }

@@ -43,7 +43,7 @@ void Broadcast::publish_events(const Stamp& stamp) {
       if (event.kind == EventKind::began) names_.note(event.of, world_);
     }
     EventColumns& frame = persisted ? persisted_ : events_;
-    frame.add(event);
+    frame.add(event, names_);
     if (frame.size() == wire_contract::kMaxEventsPerFrame) send(frame, persisted);
   }
   send(events_, false);
@@ -65,7 +65,7 @@ void Broadcast::publish_contacts(const Stamp& stamp) {
     contacts_.clear();
     contacts_.shard = static_cast<std::uint8_t>(shard);
     for (std::size_t i = 0; i < open.size(); ++i) {
-      if (shard_of_[i] == shard) contacts_.add(open[i]);
+      if (shard_of_[i] == shard) contacts_.add(open[i], names_);
     }
     contacts_.named.fill(name_of);
     // DDS delivers no larger message. Names can be missed, contacts cannot.

@@ -19,7 +19,11 @@ void append(std::vector<double>& numbers, const Contact& contact) {
 void NameBook::note(ObjectId id, const World& world) {
   Entry& entry = entries_[id];
   if (entry.contacts++ > 0) return;
-  if (const ObjectInfo* info = world.info(id)) entry.name = info->name;
+  if (const ObjectInfo* info = world.info(id)) {
+    entry.name = info->name;
+    entry.cut = info->cut;
+    entry.part_triangles = info->part_triangles;
+  }
 }
 
 void NameBook::forget(ObjectId id) {
@@ -40,6 +44,11 @@ void NameBook::forget(const OpenContact& contact) {
 std::string_view NameBook::name(ObjectId id) const {
   const auto found = entries_.find(id);
   return found == entries_.end() ? std::string_view() : found->second.name;
+}
+
+std::uint32_t NameBook::triangle(ObjectId id, std::uint32_t triangle) const {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? triangle : found->second.cut.told(triangle, found->second.part_triangles);
 }
 
 void NameTable::clear() {
@@ -66,15 +75,15 @@ void EventColumns::clear() {
   named.clear();
 }
 
-void EventColumns::add(const Event& event) {
+void EventColumns::add(const Event& event, const NameBook& book) {
   if (kinds.empty()) first_sequence = event.sequence;
   kinds.push_back(static_cast<std::uint8_t>(event.kind));
   reasons.push_back(static_cast<std::uint8_t>(event.reason));
   shards.push_back(wire_contract::contact_shard(event.of.a, event.of.b));
   a.push_back(event.of.a);
   b.push_back(event.of.b);
-  a_triangles.push_back(event.of.a_triangle);
-  b_triangles.push_back(event.of.b_triangle);
+  a_triangles.push_back(book.triangle(event.of.a, event.of.a_triangle));
+  b_triangles.push_back(book.triangle(event.of.b, event.of.b_triangle));
   episodes.push_back(event.of.episode);
   append(numbers, event.of.contact);
   numbers.push_back(event.bracket_low_s);
@@ -121,12 +130,12 @@ std::size_t ContactColumns::bytes() const {
   return size() * kBytesPerContact + named.ids.size() * sizeof(ObjectId) + named.names.size();
 }
 
-void ContactColumns::add(const OpenContact& contact) {
+void ContactColumns::add(const OpenContact& contact, const NameBook& book) {
   a.push_back(contact.a);
   b.push_back(contact.b);
   episodes.push_back(contact.episode);
-  a_triangles.push_back(contact.a_triangle);
-  b_triangles.push_back(contact.b_triangle);
+  a_triangles.push_back(book.triangle(contact.a, contact.a_triangle));
+  b_triangles.push_back(book.triangle(contact.b, contact.b_triangle));
   began_ns.push_back(contact.began_ns);
   append(numbers, contact.contact);
   named.add_id(contact.a);

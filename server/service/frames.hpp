@@ -19,10 +19,14 @@ class NameBook {
   void note(const OpenContact& contact, const World& world);
   void forget(const OpenContact& contact);
   std::string_view name(ObjectId id) const;
+  /// What is told of a contact's triangle: its number in the file.
+  std::uint32_t triangle(ObjectId id, std::uint32_t triangle) const;
 
  private:
   struct Entry {
     std::string name;
+    CutTriangles cut{};
+    std::uint32_t part_triangles = 0;
     std::uint32_t contacts = 0;
   };
   void note(ObjectId id, const World& world);
@@ -59,7 +63,7 @@ struct EventColumns {
   NameTable named;
 
   void clear();
-  void add(const Event& event);
+  void add(const Event& event, const NameBook& book);
   std::size_t size() const { return kinds.size(); }
 };
 
@@ -73,7 +77,7 @@ struct ContactColumns {
   NameTable named;
 
   void clear();
-  void add(const OpenContact& contact);
+  void add(const OpenContact& contact, const NameBook& book);
   std::size_t size() const { return a.size(); }
   std::size_t bytes() const;
 };

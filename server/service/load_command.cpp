@@ -33,21 +33,27 @@ void refuse_taken_names(const World& world, const Scene& scene) {
 /// Throws BadCommand.
 Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
   Load load;
-  arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace"});
+  arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf"});
   load.path = arguments.text("path");
   load.options.name = arguments.text("name");
   load.options.unit_m = arguments.number("unit_m", 1);
   load.options.radius_m = arguments.number("radius_m", 0);
-  const std::string up = arguments.text("up", "z");
+  const std::string up = arguments.text("up");
   load.options.strict = arguments.truth("strict", false);
   load.replace = arguments.truth("replace", false);
   if (load.path.empty()) throw BadCommand("load: without a path");
   if (!load.options.name.empty() && !is_good_name(load.options.name))
     throw BadCommand("load: the name is too long or not text");
-  if (up != "y" && up != "z") throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z'", printable(up)));
+  if (!up.empty() && up != "y" && up != "z") {
+    throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z', or nothing: as the format says", printable(up)));
+  }
+  const double crack_m = arguments.number("crack_m", 0);
+  if (!(crack_m >= 0)) throw BadCommand(fmt::format("load: crack_m is {}; allowed: 0 and more", crack_m));
+  if (arguments.truth("mend", false)) load.options.mend_m = crack_m;
+  load.options.srdf = arguments.text("srdf");
   if (!(load.options.unit_m > 0))
     throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
-  load.options.up = up[0];
+  load.options.up = up.empty() ? '\0' : up[0];
   load.ask = std::move(ask);
   return load;
 }
@@ -125,6 +131,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
           {"parts", loaded.scene.parts.size()},
           {"objects", loaded.scene.objects.size()},
           {"seconds", loaded.seconds},
+          {"placed", loaded.report.placed},
           {"mended", loaded.report.mended},
           {"refused", loaded.report.refused},
           {"warnings", loaded.report.warnings},

@@ -18,7 +18,7 @@ struct Options {
   std::string state_dir;            // empty: chosen by epoch.hpp
   std::vector<std::string> scenes;  // files, loaded in order; none: the embedded scene
   double unit_m = 1;
-  char up = 'z';
+  char up = 0;  // 0: as the format says
   std::uint32_t max_objects = 0;
   std::uint32_t max_contacts = 0;
   double error_m = 0;            // of questions that ask for none; 0: exact on doubt

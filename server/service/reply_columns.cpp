@@ -53,9 +53,13 @@ bool ReplyFiller::fill(ReplyColumns& columns) {
   return true;
 }
 
-std::string_view ReplyFiller::name_of(ObjectId id) const {
+const ObjectInfo* ReplyFiller::info_of(ObjectId id) const {
   const std::uint32_t slot = slot_of(id);
-  const ObjectInfo* info = slot < snapshot_.objects->size() ? (*snapshot_.objects)[slot].get() : nullptr;
+  return slot < snapshot_.objects->size() ? (*snapshot_.objects)[slot].get() : nullptr;
+}
+
+std::string_view ReplyFiller::name_of(ObjectId id) const {
+  const ObjectInfo* info = info_of(id);
   return info ? std::string_view(info->name) : std::string_view();
 }
 
@@ -74,7 +78,8 @@ void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
     columns.named.append(name_of(hit.object));
   }
   columns.objects.push_back(hit.object);
-  columns.triangles.push_back(hit.triangle);
+  const ObjectInfo* info = info_of(hit.object);
+  columns.triangles.push_back(info ? info->told_triangle(hit.triangle) : hit.triangle);
   columns.hit_flags.push_back(hit.flags);
   const std::size_t end = columns.numbers.size();
   columns.numbers.resize(end + wire_contract::kHitNumbers);

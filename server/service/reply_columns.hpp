@@ -49,6 +49,7 @@ class ReplyFiller {
   bool add_question(ReplyColumns& columns);
   std::size_t bytes_of(const AnswerHit& hit);
   void add_hit(const AnswerHit& hit, ReplyColumns& columns);
+  const ObjectInfo* info_of(ObjectId id) const;
   std::string_view name_of(ObjectId id) const;
 
   const Snapshot& snapshot_;

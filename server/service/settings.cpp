@@ -68,8 +68,8 @@ Allowed apply_unit(Options& options, Values values) {
 }
 
 Allowed apply_up(Options& options, Values values) {
-  if (values[0] != "y" && values[0] != "z") return "'y' or 'z'";
-  options.up = values[0][0];
+  if (values[0] != "auto" && values[0] != "y" && values[0] != "z") return "'auto', 'y' or 'z'";
+  options.up = values[0] == "auto" ? '\0' : values[0][0];
   return std::nullopt;
 }
 
@@ -167,7 +167,7 @@ constexpr Setting kSettings[] = {
      "keeps the epoch across starts; default: the user's state folder", false, apply_state_dir},
     {"world.scenes", "", "COLLIDED_SCENES", "", "FILES", "scene files, loaded in order", true, apply_scenes},
     {"world.unit", "--unit", "COLLIDED_UNIT", "m", "UNIT", "of the scene files' numbers", false, apply_unit},
-    {"world.up", "--up", "COLLIDED_UP", "z", "AXIS", "of the scene files: y or z", false, apply_up},
+    {"world.up", "--up", "COLLIDED_UP", "auto", "AXIS", "of the scene files: y or z; auto: as the format says, else z", false, apply_up},
     {"world.max_objects", "--max-objects", "COLLIDED_MAX_OBJECTS", "100000", "N", "static parts and moving objects",
      false, apply_max_objects},
     {"world.max_contacts", "--max-contacts", "COLLIDED_MAX_CONTACTS", "10000000", "N",

@@ -174,6 +174,7 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
     info->filter = scene.parts[part].filter;
     info->scene_part = part;
     info->part_triangles = scene.parts[part].triangle_count;
+    info->cut = scene.parts[part].cut;
     s.table()[slot_of(id)] = info;
     s.names.emplace(info->name, id);
     s.mark(slot_of(id), Motion::placed);

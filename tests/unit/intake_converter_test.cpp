@@ -128,14 +128,7 @@ TEST_F(IntakeConverted, TheHouseHasAllItsTrianglesAndStandsYUp) {
   EXPECT_EQ(turned.high[1], -box.low[2]);
 }
 
-TEST_F(IntakeConverted, TheEngineHasAllItsTriangles) {
-  const Scene engine = model("glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb", {.name = "engine"});
-  EXPECT_EQ(engine.mesh.triangles.size(), 121496u);
-  EXPECT_EQ(engine.name, "engine");
-  EXPECT_EQ(engine.parts.size(), 67u);
-}
-
-TEST_F(IntakeConverted, LimitsAndBadNumbersReachTheUser) {
+TEST_F(IntakeConverted, LimitsAndComplaintsReachTheUser) {
   const auto said = [&](const std::string& path, const LoadOptions& options) -> std::string {
     try {
       model(path, options);
@@ -148,8 +141,6 @@ TEST_F(IntakeConverted, LimitsAndBadNumbersReachTheUser) {
             "AC14-FZK-Haus.ifc: the converter failed with code 1: more than 1000 triangles. Nothing was loaded.");
   EXPECT_EQ(said("IFC/AC14-FZK-Haus.ifc", {.max_file_bytes = 1000}),
             "AC14-FZK-Haus.ifc: 4065749 bytes, limit 1000. Nothing was loaded.");
-  EXPECT_NE(said("glTF2/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb", {}).find("vertex 0 is (-inf, -0.5, 0.5)"),
-            std::string::npos);
   EXPECT_NE(said("invalid/emptyIrrMesh.xml", {}).find("Assimp cannot read it"), std::string::npos);
 }
 

@@ -61,6 +61,64 @@ TEST(IntakeMeshHealth, ATurnedTriangleIsInconsistentAlongItsThreeEdges) {
   EXPECT_FALSE(examine(box).is_consistently_oriented);
 }
 
+// Whichever triangle comes first: the fewer are the ones that are turned over.
+TEST(IntakeMeshHealth, TheFewerOfAPieceAreFlipped) {
+  for (std::uint32_t turned = 0; turned < 12; ++turned) {
+    TriangleMesh box = box_mesh({0, 0, 0}, {1, 1, 1});
+    std::swap(box.triangles[turned][0], box.triangles[turned][1]);
+    EXPECT_EQ(examine(box).flipped, std::vector<std::uint32_t>{turned});
+    for (TriangleCorners& corners : box.triangles) std::swap(corners[0], corners[1]);
+    EXPECT_EQ(examine(box).flipped, std::vector<std::uint32_t>{turned});
+  }
+  // Of as many, not the first one's side.
+  const TriangleMesh two{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 3, 2}}};
+  EXPECT_EQ(examine(two).flipped, std::vector<std::uint32_t>{1});
+}
+
+TEST(IntakeMeshHealth, AMoebiusStripIsOneSidedAndNoneOfItIsFlipped) {
+  TriangleMesh strip;
+  constexpr std::uint32_t kSteps = 9;
+  for (std::uint32_t i = 0; i < kSteps; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kSteps;
+    const Vec3 middle(2 * std::cos(angle), 2 * std::sin(angle), 0);
+    const Vec3 across = 0.4 * (std::cos(angle / 2) * middle.normalized() + std::sin(angle / 2) * Vec3::UnitZ());
+    strip.vertices.insert(strip.vertices.end(), {middle + across, middle - across});
+  }
+  for (std::uint32_t i = 0; i < kSteps; ++i) {
+    const bool is_last = i + 1 == kSteps;
+    const std::uint32_t next = is_last ? 1 : 2 * i + 2;
+    const std::uint32_t next_other = is_last ? 0 : 2 * i + 3;
+    strip.triangles.push_back({2 * i, 2 * i + 1, next});
+    strip.triangles.push_back({next, 2 * i + 1, next_other});
+  }
+  const MeshHealth health = examine(strip);
+  EXPECT_EQ(health.unorientable_count, 1u);
+  EXPECT_TRUE(health.flipped.empty());
+  EXPECT_GT(health.inconsistent_edge_count, 0u);
+  EXPECT_EQ(health.boundary_edge_count, 2 * kSteps);
+  // A flap on a flap, whose triangle comes first and whose edge comes last, hears of it all the same.
+  const TriangleCorners last = strip.triangles[2 * kSteps - 3];
+  strip.vertices.emplace_back(0, 0, 5);
+  strip.vertices.emplace_back(0, 0, 6);
+  strip.triangles.push_back({last[2], last[1], 2 * kSteps});
+  strip.triangles.insert(strip.triangles.begin(), {last[2], 2 * kSteps, 2 * kSteps + 1});
+  EXPECT_EQ(examine(strip).unorientable_count, 1u);
+  EXPECT_TRUE(examine(strip).flipped.empty());
+}
+
+TEST(IntakeMeshHealth, WhereFansMeetAtAPointAloneItIsPinched) {
+  TriangleMesh two = box_mesh({0, 0, 0}, {1, 1, 1});
+  const TriangleMesh other = box_mesh({1, 1, 1}, {2, 2, 2});
+  for (const TriangleCorners& t : other.triangles) two.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+  two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
+  const MeshHealth health = examine(two);
+  ASSERT_EQ(health.pinched_points.size(), 1u);
+  EXPECT_EQ(two.vertices[health.pinched_points[0]], Vec3(1, 1, 1));
+  EXPECT_TRUE(health.is_closed);
+  EXPECT_FALSE(health.is_manifold());
+  EXPECT_TRUE(examine(box_mesh({0, 0, 0}, {1, 1, 1})).pinched_points.empty());
+}
+
 TEST(IntakeMeshHealth, AFinOnABoxIsNoManifold) {
   TriangleMesh box = box_mesh({0, 0, 0}, {1, 1, 1});
   box.vertices.emplace_back(2, 2, 2);

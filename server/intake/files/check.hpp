@@ -4,7 +4,14 @@
 
 namespace collided::files {
 
-/// Prints what a file holds and what is wrong with it. 0: all of it was taken; 1: something was refused.
-int check(const FileOptions& file, bool as_json);
+struct CheckOptions {
+  bool as_json = false;
+  double crease_deg = 30;
+  std::string eye{};  // "X,Y,Z"; empty: no silhouettes are counted
+};
+
+/// Prints what a file holds, what is wrong with it and what the service does about each. 0: all of it was taken; 1:
+/// something was refused.
+int check(const FileOptions& file, const CheckOptions& options);
 
 }  // namespace collided::files

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <unordered_set>
@@ -14,19 +13,6 @@
 
 namespace collided::files {
 namespace {
-
-Vec3 parse_point(const std::string& text) {
-  Vec3 point = Vec3::Zero();
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [stop, error] = std::from_chars(at, end, point[axis]);
-    const bool separated = axis == 2 ? stop == end : stop != end && *stop == ',';
-    if (error != std::errc{} || !separated || !std::isfinite(point[axis])) throw LoadError(fmt::format("--origin '{}'; three finite numbers are needed: X,Y,Z", text));
-    at = stop + 1;
-  }
-  return point;
-}
 
 Vec3 middle(const Scene& scene) {
   Aabb all;
@@ -94,10 +80,11 @@ int convert(const ConvertOptions& options) {
   fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()), grouped(scene.mesh.triangles.size()),
              grouped(scene.objects.size()));
   if (options.center) move_to_origin(scene, middle(scene));
-  if (!options.origin.empty()) move_to_origin(scene, parse_point(options.origin));
+  if (!options.origin.empty()) move_to_origin(scene, parse_point("--origin", options.origin));
   forget_indexes(scene);
   if (!options.no_index) add_indexes(scene, options.index == "best" ? BspForm::best : BspForm::fast);
   save_scene(options.output, scene);
+  for (const std::string& line : report.placed) fmt::print("  placed   {}\n", line);
   for (const std::string& line : report.mended) fmt::print("  mended   {}\n", line);
   for (const std::string& line : report.refused) fmt::print("  refused  {}\n", line);
   for (const std::string& line : report.warnings) fmt::print("  warning  {}\n", line);

@@ -14,9 +14,14 @@ namespace {
 void declare_reading(CLI::App& verb, collided::files::FileOptions& file) {
   verb.add_option("file", file.path, "File to read")->required();
   verb.add_option("--unit", file.unit, "Of the file: m, mm, cm, km, um, in, ft, or metres a unit (m)");
-  verb.add_option("--up", file.up, "Axis of the file that points up: y or z (z)")->check(CLI::IsMember({"y", "z"}));
+  verb.add_option("--up", file.up, "Axis of the file that points up: y or z (as the format says, else z)")
+      ->check(CLI::IsMember({"y", "z"}));
   verb.add_option("--name", file.name, "Name of the scene (the file's stem)");
   verb.add_flag("--strict", file.strict, "Refuse what would be mended");
+  verb.add_flag("--mend", file.mend, "Cut edges at T-vertices and close cracks");
+  verb.add_option("--crack", file.crack, "Widest crack, as 0.1mm (a ten-thousandth of the diagonal)");
+  verb.add_option("--radius", file.radius, "Of the balls about the points of an .xyz or .pcd file (0)");
+  verb.add_option("--srdf", file.srdf, "Of a .urdf robot: the file that says which links may touch");
 }
 
 }  // namespace
@@ -25,10 +30,13 @@ int main(int argument_count, char** arguments) {
   CLI::App app("Scene files without a server", "collide");
   app.require_subcommand(1);
   collided::files::FileOptions checked;
-  bool as_json = false;
+  collided::files::CheckOptions check_options;
   CLI::App* check = app.add_subcommand("check", "What a file holds and what is wrong with it");
   declare_reading(*check, checked);
-  check->add_flag("--json", as_json, "One JSON object");
+  check->add_flag("--json", check_options.as_json, "One JSON object");
+  check->add_option("--crease", check_options.crease_deg, "Angle between two triangles above which their edge is a crease, degrees (30)")
+      ->check(CLI::Range(0.0, 180.0));
+  check->add_option("--eye", check_options.eye, "Count the silhouette edges seen from this point X,Y,Z");
   collided::files::ConvertOptions converted;
   CLI::App* convert = app.add_subcommand("convert", "Read a file, write a .cscene file");
   declare_reading(*convert, converted.file);
@@ -46,7 +54,7 @@ int main(int argument_count, char** arguments) {
     return 2;
   }
   try {
-    return check->parsed() ? collided::files::check(checked, as_json) : collided::files::convert(converted);
+    return check->parsed() ? collided::files::check(checked, check_options) : collided::files::convert(converted);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 2;

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace collided {
+
+/// Numbers in sets that only grow; the smallest number of a set stands for it.
+/// source    Galler, Fischer, "An improved equivalence algorithm", 1964; halving paths: van Leeuwen, van der Weide, 1977
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
+
+  std::uint32_t find(std::uint32_t number) {
+    while (parents_[number] != number) {
+      parents_[number] = parents_[parents_[number]];
+      number = parents_[number];
+    }
+    return number;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t first = find(a);
+    const std::uint32_t second = find(b);
+    parents_[std::max(first, second)] = std::min(first, second);
+  }
+
+ private:
+  std::vector<std::uint32_t> parents_;
+};
+
+}  // namespace collided

@@ -1,0 +1,187 @@
+// Readers and the health report on one core: megabytes of file a second, memory at its peak beside what came out, and
+// the seconds that a mesh of a million triangles takes to be checked.
+// Each row runs in a process of its own, pinned to one core, and tells the best of three.
+
+#include <fmt/format.h>
+#include <fmt/os.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "server/exact_phase/edge_kinds.hpp"
+#include "server/intake/file_bytes.hpp"
+#include "server/intake/mend.hpp"
+#include "server/intake/mesh_health.hpp"
+#include "server/intake/reading.hpp"
+#include "server/world/self_intersections.hpp"
+#include "tests/scenes/meshes.hpp"
+
+namespace collided::bench {
+namespace {
+
+constexpr int kRepeats = 3;
+constexpr std::uint32_t kCells = 708;  // 2 * 708^2 triangles: a million
+
+/// Of the processor, all threads together: others may use the core in between.
+double processor_s() {
+  timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double seconds(const std::function<void()>& work) {
+  double best = 1e9;
+  for (int i = 0; i < kRepeats; ++i) {
+    const double start = processor_s();
+    work();
+    best = std::min(best, processor_s() - start);
+  }
+  return best;
+}
+
+long peak_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss * 1024;
+}
+
+/// In a process of its own on one core, so that peaks do not mix.
+void alone(const std::function<void()>& row) {
+  std::fflush(stdout);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(0, &one);
+    ::sched_setaffinity(0, sizeof one, &one);
+    row();
+    std::fflush(stdout);
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+}
+
+template <class Number>
+void put(std::string& bytes, Number value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void write(const std::string& path, const std::string& bytes) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  std::fwrite(bytes.data(), 1, bytes.size(), file);
+  std::fclose(file);
+}
+
+std::string obj(const TriangleMesh& mesh) {
+  std::string text;
+  for (const Vec3& v : mesh.vertices) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", v[0], v[1], v[2]);
+  for (const TriangleCorners& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  return text;
+}
+
+std::string off(const TriangleMesh& mesh) {
+  std::string text = fmt::format("OFF\n{} {} 0\n", mesh.vertices.size(), mesh.triangles.size());
+  for (const Vec3& v : mesh.vertices) text += fmt::format("{:.9g} {:.9g} {:.9g}\n", v[0], v[1], v[2]);
+  for (const TriangleCorners& t : mesh.triangles) text += fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
+  return text;
+}
+
+std::string stl(const TriangleMesh& mesh) {
+  std::string bytes(80, '\0');
+  put(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle t = mesh.triangle(i);
+    for (int k = 0; k < 3; ++k) put(bytes, 0.f);
+    for (const Vec3& corner : {t.a, t.b, t.c}) {
+      for (const double number : corner) put(bytes, static_cast<float>(number));
+    }
+    put(bytes, std::uint16_t{0});
+  }
+  return bytes;
+}
+
+std::string ply(const TriangleMesh& mesh) {
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(), mesh.triangles.size());
+  for (const Vec3& v : mesh.vertices) {
+    for (const double number : v) put(bytes, number);
+  }
+  for (const TriangleCorners& t : mesh.triangles) {
+    put(bytes, std::uint8_t{3});
+    for (const std::uint32_t corner : t) put(bytes, static_cast<std::int32_t>(corner));
+  }
+  return bytes;
+}
+
+void read_row(const std::string& path, Scene (*read)(const Reading&)) {
+  const auto file_mb = static_cast<double>(std::filesystem::file_size(path)) / 1e6;
+  const long before = peak_bytes();
+  double result = 0;
+  LoadReport report;
+  {
+    const Scene scene = load_scene(path, {}, report);
+    result = static_cast<double>(scene.mesh.vertices.size() * sizeof(Vec3) + scene.mesh.triangles.size() * sizeof(TriangleCorners));
+  }
+  const auto peak = static_cast<double>(peak_bytes() - before);
+  const double whole_s = seconds([&] {
+    LoadReport unread;
+    load_scene(path, {}, unread);
+  });
+  const FileBytes bytes(path, FileBytes::Access::copied, {});
+  const double reader_s = seconds([&] {
+    LoadReport unread;
+    const LoadOptions options;
+    read({"terrain", bytes.bytes(), options, unread});
+  });
+  std::printf("  %-5s %6.1f MB  reader %5.0f MB/s  whole load %5.0f MB/s  peak %5.1f MB beside %5.1f of file and %4.1f of result: %4.2f\n",
+              std::filesystem::path(path).extension().c_str(), file_mb, file_mb / reader_s, file_mb / whole_s, peak / 1e6, file_mb,
+              result / 1e6, peak / (file_mb * 1e6 + result));
+}
+
+void check_rows(const TriangleMesh& mesh) {
+  MeshHealth health;
+  std::printf("  health report        %6.3f s\n", seconds([&] { health = examine(mesh); }));
+  std::printf("  creases, silhouettes %6.3f s\n", seconds([&] { edge_kinds(mesh, health.edges, {.eye = Vec3(3, 2, 30)}); }));
+  BspTree tree;
+  std::printf("  index                %6.3f s\n", seconds([&] { tree = BspTree::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}); }));
+  std::printf("  self-intersections   %6.3f s\n", seconds([&] { self_intersections(mesh, tree); }));
+  std::printf("  mending a clean mesh %6.3f s\n", seconds([&] { mend(mesh, 0); }));
+}
+
+}  // namespace
+}  // namespace collided::bench
+
+int main() {
+  using namespace collided;
+  using namespace collided::bench;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("collided_intake_bench_{}", ::getpid());
+  std::filesystem::create_directory(folder);
+  const auto path = [&](const char* ending) { return (folder / (std::string("terrain") + ending)).string(); };
+  alone([&] {
+    const TriangleMesh mesh = scenes::terrain(kCells, 100, 7);
+    write(path(".obj"), obj(mesh));
+    write(path(".stl"), stl(mesh));
+    write(path(".ply"), ply(mesh));
+    write(path(".off"), off(mesh));
+  });
+  std::printf("reading %u triangles, names, weld report and all\n", 2 * kCells * kCells);
+  alone([&] { read_row(path(".obj"), read_obj); });
+  alone([&] { read_row(path(".off"), read_off); });
+  alone([&] { read_row(path(".stl"), read_stl); });
+  alone([&] { read_row(path(".ply"), read_ply); });
+  std::filesystem::remove_all(folder);
+  std::printf("checking them\n");
+  alone([&] { check_rows(scenes::terrain(kCells, 100, 7)); });
+  return 0;
+}

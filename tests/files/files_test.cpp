@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Ran {
+  std::string text;  // both streams
+  int code = 0;
+};
+
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::path(testing::TempDir()) / "collided_files_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    const fs::path path = folder_ / name;
+    std::ofstream(path, std::ios::binary) << text;
+    return path.string();
+  }
+
+  Ran run(const std::string& words) const {
+    std::FILE* pipe = ::popen((std::string(COLLIDED_FILES_BUILT) + " " + words + " 2>&1").c_str(), "r");
+    Ran ran;
+    std::array<char, 4096> piece{};
+    for (std::size_t got = 0; (got = std::fread(piece.data(), 1, piece.size(), pipe)) > 0;) ran.text.append(piece.data(), got);
+    ran.code = WEXITSTATUS(::pclose(pipe));
+    return ran;
+  }
+
+  json checked(const std::string& words) const {
+    const Ran ran = run("check --json " + words);
+    EXPECT_LE(ran.code, 1) << ran.text;
+    return json::parse(ran.text);
+  }
+
+  fs::path folder_;
+};
+
+/// Two panels; the second one's long edge passes a point of the first one's.
+const std::string kPanels =
+    "o left\nv 0 0 0\nv 1 0 0\nv 1 .5 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 5\nf 3 4 5\no right\nv 2 0 0\nv 2 1 0\nf 2 6 7\nf 2 7 4\n";
+
+const std::string kCube =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+TEST_F(Files, CheckNamesEachDefectItsPlaceAndWhatTheServiceDoes) {
+  const json found = checked(write("panels.obj", kPanels));
+  EXPECT_EQ(found["t_vertices"], 1);
+  EXPECT_EQ(found["cracks"], 0);
+  const json& finding = found["findings"]["t_vertices"];
+  EXPECT_EQ(finding["places"][0]["object"], "panels/right");
+  EXPECT_EQ(finding["places"][0]["triangle"], 1);
+  EXPECT_EQ(finding["places"][0]["detail"], "side 2 at vertex 2, gap 0 m");
+  EXPECT_NE(finding["service"].get<std::string>().find("--mend"), std::string::npos);
+  EXPECT_EQ(found["findings"]["boundary_edges"]["places"].size(), 9u);
+}
+
+TEST_F(Files, MendingIsSaidAndWhatComesAfterIsClean) {
+  const std::string path = write("panels.obj", kPanels);
+  const json found = checked(path + " --mend");
+  EXPECT_EQ(found["t_vertices"], 0);
+  EXPECT_EQ(found["self_intersections"], 0);
+  EXPECT_EQ(found["triangles"], 6);
+  EXPECT_EQ(found["mended"][0], "1 T-vertices: the edges cut there");
+  // The worst boundary edges are named by the file's two triangles of that part, never by the third one.
+  for (const json& place : found["findings"]["boundary_edges"]["places"]) {
+    if (place["object"] == "panels/right") {
+      EXPECT_LE(place["triangle"], 1);
+    }
+  }
+  EXPECT_EQ(checked(path)["mended"].size(), 0u);
+}
+
+TEST_F(Files, ConvertMendsOnRequestAndTheSceneFileIsClean) {
+  const std::string path = write("panels.obj", kPanels);
+  const std::string out = (folder_ / "out.cscene").string();
+  const Ran ran = run("convert " + path + " " + out + " --mend");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_NE(ran.text.find("  mended   1 T-vertices: the edges cut there\n"), std::string::npos) << ran.text;
+  EXPECT_EQ(checked(out)["t_vertices"], 0);
+  run("convert " + path + " " + out);
+  EXPECT_EQ(checked(out)["t_vertices"], 1);
+}
+
+TEST_F(Files, EdgesAreCountedByKind) {
+  const json cube = checked(write("cube.obj", kCube) + " --eye 5,7,11 --crease 60");
+  EXPECT_EQ(cube["edges"], 18);
+  EXPECT_EQ(cube["crease_edges"], 12);
+  EXPECT_EQ(cube["silhouette_edges"], 6);
+  EXPECT_EQ(cube["boundary_edges"], 0);
+  EXPECT_TRUE(cube["closed"] && cube["oriented"] && cube["manifold"]);
+  EXPECT_TRUE(cube["findings"].empty());
+  std::string two = kCube;
+  two.replace(two.find("f 5 6"), 0, "usemtl red\n").replace(two.find("f 1 2 6"), 0, "usemtl blue\n");
+  EXPECT_EQ(checked(write("two.obj", two))["material_edges"], 8);
+  EXPECT_FALSE(cube.contains("unit_doubt"));
+}
+
+TEST_F(Files, UnitAxisAndOriginAreStated) {
+  const json placed = checked(write("cube.obj", kCube) + " --unit mm --up y")["placed"];
+  EXPECT_EQ(placed[0], "a unit of the file is 0.001 m, as asked");
+  EXPECT_EQ(placed[1], "y is up and turned to z, as asked");
+  EXPECT_EQ(placed[2], "the origin is that of the file");
+  EXPECT_EQ(checked(write("cube.obj", kCube))["placed"][1], "z is up, since OBJ does not say; --up does");
+}
+
+TEST_F(Files, ASizeThatSuggestsAnotherUnitIsDoubted) {
+  const json found = checked(write("big.obj", "v 0 0 0\nv 1210 0 0\nv 0 850 0\nf 1 2 3\n"));
+  EXPECT_EQ(found["unit_doubt"], "1210 m across: if the file is in millimetres, it is 1.21 m (--unit mm)");
+  EXPECT_TRUE(checked(write("small.obj", "v 0 0 0\nv 0.0005 0 0\nv 0 0.0005 0\nf 1 2 3\n")).contains("unit_doubt"));
+  // A survey is large and far away, and that is what it should be.
+  EXPECT_FALSE(checked(write("utm.obj", "v 4649000.1 500000 0\nv 4650200.2 500000 0\nv 4649000 500900 0\nf 1 2 3\n")).contains("unit_doubt"));
+}
+
+TEST_F(Files, SinglePrecisionFarFromTheOriginIsWarnedOf) {
+  std::string text;
+  for (int i = 0; i < 12; ++i) {
+    std::array<char, 128> line{};
+    std::snprintf(line.data(), line.size(), "v %.9g %.9g %d\n", static_cast<double>(4649000.3f + 0.7f * static_cast<float>(i)),
+                  static_cast<double>(500000.1f * 7 + static_cast<float>(i * i)), i);
+    text += line.data();
+  }
+  const json found = checked(write("far.obj", text + "f 1 2 3\n"));
+  EXPECT_NE(found["warnings"][0].get<std::string>().find("written in single precision"), std::string::npos);
+}
+
+TEST_F(Files, LinksOfARobotAreCheckedEachAndAnSrdfFileIsTaken) {
+  const std::string robot = write("r.urdf", R"(<robot name="r"><link name="a"><collision><geometry><mesh filename="package://p/cube.obj"/></geometry></collision></link>
+    <link name="b"><collision><geometry><sphere radius="1"/></geometry></collision></link>
+    <joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>)");
+  write("cube.obj", kCube);
+  const std::string srdf = write("r.srdf", R"(<robot name="r"><disable_collisions link1="a" link2="b"/></robot>)");
+  const json found = checked(robot + " --srdf " + srdf);
+  EXPECT_EQ(found["objects"], 2);
+  EXPECT_EQ(found["object_meshes"][0]["object"], "r/a");
+  EXPECT_EQ(found["object_meshes"][0]["edges"], 18);
+  EXPECT_TRUE(found["warnings"].empty());
+  EXPECT_EQ(checked(robot)["warnings"].size(), 1u);
+}
+
+TEST_F(Files, BadOptionsAreRefusedByName) {
+  const std::string path = write("cube.obj", kCube);
+  const auto refused = [&](const std::string& options) {
+    const Ran ran = run("check " + path + " " + options);
+    EXPECT_EQ(ran.code, 2) << options;
+    return ran.text;
+  };
+  EXPECT_EQ(refused("--crack wide"), "error: --crack 'wide'; a length above 0 is needed, as 0.1mm or 2e-4\n");
+  EXPECT_EQ(refused("--crack -- -1mm").substr(0, 6), "error:");
+  EXPECT_EQ(refused("--eye 1,2"), "error: --eye '1,2'; three finite numbers are needed: X,Y,Z\n");
+  EXPECT_EQ(refused("--crease 200").substr(0, 6), "error:");
+}
+
+}  // namespace
