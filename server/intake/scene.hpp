@@ -12,6 +12,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/geometry/shape.hpp"
+#include "server/intake/collapse_order.hpp"
 
 namespace collided {
 
@@ -45,10 +46,12 @@ struct Scene {
   std::vector<Part> parts{};
   std::vector<SceneObject> objects{};
   SavedIndex index{};  // of the mesh
+  CollapseOrder collapses{};  // of the mesh; empty: no levels of detail are made
 };
 
 /// What loading did; each line is a sentence for the user with a count.
 struct LoadReport {
+  std::vector<std::string> notes;  // what was made of the file, with its error
   std::vector<std::string> mended;
   std::vector<std::string> refused;
   std::vector<std::string> warnings;
