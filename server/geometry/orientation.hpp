@@ -19,10 +19,15 @@ class OrientedPlane {
  public:
   OrientedPlane(const Vec3& a, const Vec3& b, const Vec3& c);
   std::optional<int> side(const Vec3& d) const {
+    const int quick = quick_side(d);
+    return quick != 0 ? quick : exact_side(d);
+  }
+  /// The same where double is sure of +1 or -1, else 0.
+  int quick_side(const Vec3& d) const {
     const Vec3 to = d - a_;
     const double height = normal_.dot(to);
     const double bound = spread_ * to.cwiseAbs().maxCoeff() + kLeastBound;
-    return height > bound ? 1 : height < -bound ? -1 : exact_side(d);
+    return height > bound ? 1 : height < -bound ? -1 : 0;
   }
 
  private:

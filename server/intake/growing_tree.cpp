@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "server/intake/space_order.hpp"
+
 namespace collided {
 namespace {
 
@@ -16,23 +18,14 @@ float down(double value) {
 }
 float up(double value) { return -down(-value); }
 
-/// The low 21 bits, two zeros after each.
-std::uint64_t spread(std::uint64_t bits) {
-  bits = (bits | bits << 32) & 0x1f00000000ffff;
-  bits = (bits | bits << 16) & 0x1f0000ff0000ff;
-  bits = (bits | bits << 8) & 0x100f00f00f00f00f;
-  bits = (bits | bits << 4) & 0x10c30c30c30c30c3;
-  return (bits | bits << 2) & 0x1249249249249249;
-}
-
 }  // namespace
 
-GrowingTree::Box GrowingTree::box_of(const Vec3& low, const Vec3& high) const {
+GrowingTree::Box GrowingTree::box_of(const Aabb& bounds) const {
   Box box;
   for (int axis = 0; axis < 3; ++axis) {
     // The difference is rounded to double first, which the step outward covers.
-    const double from = low[axis] - origin_[axis];
-    const double to = high[axis] - origin_[axis];
+    const double from = bounds.low[axis] - origin_[axis];
+    const double to = bounds.high[axis] - origin_[axis];
     box.low[axis] = down(from - std::abs(from) * 0x1p-52);
     box.high[axis] = up(to + std::abs(to) * 0x1p-52);
   }
@@ -48,51 +41,35 @@ void GrowingTree::extend(Box& box, const Box& more) {
 
 bool GrowingTree::contains(const Box& box, const Box& inner) {
   bool all = true;
-  for (int axis = 0; axis < 3; ++axis) all = all && box.low[axis] <= inner.low[axis] && inner.high[axis] <= box.high[axis];
+  for (int axis = 0; axis < 3; ++axis) all &= (box.low[axis] <= inner.low[axis]) & (inner.high[axis] <= box.high[axis]);
   return all;
 }
 
 bool GrowingTree::overlaps(const Box& a, const Box& b) {
   bool all = true;
-  for (int axis = 0; axis < 3; ++axis) all = all && a.low[axis] <= b.high[axis] && b.low[axis] <= a.high[axis];
+  for (int axis = 0; axis < 3; ++axis) all &= (a.low[axis] <= b.high[axis]) & (b.low[axis] <= a.high[axis]);
   return all;
-}
-
-void GrowingTree::sort_by_place(const std::vector<Vec3>& vertices, const std::vector<TriangleCorners>& corners) {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-  const auto place = [&](std::uint32_t triangle) { return vertices[corners[triangle][0]]; };
-  for (const std::uint32_t triangle : order_) {
-    low = low.cwiseMin(place(triangle));
-    high = high.cwiseMax(place(triangle));
-  }
-  origin_ = low / 2 + high / 2;
-  const double largest = (high - low).maxCoeff();
-  const double scale = largest > 0 && std::isfinite(largest) ? 0x1fffff / largest : 0;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-  keys.reserve(order_.size());
-  for (const std::uint32_t triangle : order_) {
-    const Vec3 at = (place(triangle) - low) * scale;
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) key |= spread(static_cast<std::uint64_t>(std::clamp(at[axis], 0.0, 0x1fffff * 1.0))) << axis;
-    keys.emplace_back(key, triangle);
-  }
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t i = 0; i < keys.size(); ++i) order_[i] = keys[i].second;
 }
 
 void GrowingTree::build(const std::vector<Vec3>& vertices, const std::vector<TriangleCorners>& corners,
                         const std::vector<std::uint32_t>& triangles) {
-  order_ = triangles;
-  sort_by_place(vertices, corners);
-  leaf_of_.resize(corners.size());
+  std::vector<Vec3> places;
+  Aabb all;
+  for (const std::uint32_t triangle : triangles) all.extend(places.emplace_back(vertices[corners[triangle][0]]));
+  origin_ = triangles.empty() ? Vec3::Zero() : Vec3(all.low / 2 + all.high / 2);
+  order_.clear();
+  for (const std::uint32_t number : space_order(places)) order_.push_back(triangles[number]);
+  place_of_.resize(corners.size());
+  own_boxes_.resize(order_.size());
   leaf_count_ = std::bit_ceil(static_cast<std::uint32_t>(order_.size() / kLeafTriangles + 1));
   const Box nothing{{kEndless, kEndless, kEndless}, {-kEndless, -kEndless, -kEndless}};
   boxes_.assign(2 * std::size_t{leaf_count_}, nothing);
-  for (std::uint32_t i = 0; i < order_.size(); ++i) {
-    const std::uint32_t leaf = leaf_count_ + i / kLeafTriangles;
-    leaf_of_[order_[i]] = leaf;
-    for (const std::uint32_t corner : corners[order_[i]]) extend(boxes_[leaf], box_of(vertices[corner], vertices[corner]));
+  for (std::uint32_t place = 0; place < order_.size(); ++place) {
+    Aabb bounds;
+    for (const std::uint32_t corner : corners[order_[place]]) bounds.extend(vertices[corner]);
+    place_of_[order_[place]] = place;
+    own_boxes_[place] = box_of(bounds);
+    extend(boxes_[leaf_count_ + place / kLeafTriangles], own_boxes_[place]);
   }
   for (std::uint32_t node = leaf_count_ - 1; node > 0; --node) {
     extend(boxes_[node], boxes_[2 * std::size_t{node}]);
@@ -100,15 +77,16 @@ void GrowingTree::build(const std::vector<Vec3>& vertices, const std::vector<Tri
   }
 }
 
-void GrowingTree::extend(std::uint32_t triangle, const Vec3& point) {
-  const Box more = box_of(point, point);
-  for (std::uint32_t node = leaf_of_[triangle]; node > 0 && !contains(boxes_[node], more); node /= 2) {
-    extend(boxes_[node], more);
+void GrowingTree::update(std::uint32_t triangle, const Aabb& bounds) {
+  const std::uint32_t place = place_of_[triangle];
+  const Box box = own_boxes_[place] = box_of(bounds);
+  for (std::uint32_t node = leaf_count_ + place / kLeafTriangles; node > 0 && !contains(boxes_[node], box); node /= 2) {
+    extend(boxes_[node], box);
   }
 }
 
-void GrowingTree::find(const Vec3& low, const Vec3& high, std::vector<std::uint32_t>& found) const {
-  const Box asked = box_of(low, high);
+void GrowingTree::find(const Aabb& bounds, std::vector<std::uint32_t>& found) const {
+  const Box asked = box_of(bounds);
   std::array<std::uint32_t, 64> waiting;
   std::size_t waiting_count = 0;
   if (!order_.empty()) waiting[waiting_count++] = 1;
@@ -122,7 +100,9 @@ void GrowingTree::find(const Vec3& low, const Vec3& high, std::vector<std::uint3
     }
     const std::size_t first = std::size_t{node - leaf_count_} * kLeafTriangles;
     const std::size_t end = std::min(first + kLeafTriangles, order_.size());
-    found.insert(found.end(), order_.begin() + static_cast<std::ptrdiff_t>(first), order_.begin() + static_cast<std::ptrdiff_t>(end));
+    for (std::size_t place = first; place < end; ++place) {
+      if (overlaps(own_boxes_[place], asked)) found.push_back(order_[place]);
+    }
   }
 }
 

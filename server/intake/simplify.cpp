@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <queue>
 
 #include "server/geometry/aabb.hpp"
+#include "server/geometry/orientation.hpp"
 #include "server/intake/growing_tree.hpp"
 #include "server/intake/quadric.hpp"
 #include "server/intake/shrinking_surface.hpp"
+#include "server/intake/space_order.hpp"
 #include "server/intake/triangle_crossing.hpp"
 #include "server/intake/weld.hpp"
 
@@ -35,19 +38,24 @@ UnitNormal unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   return length > 0 ? UnitNormal((normal / length).cast<float>()) : UnitNormal::Zero();
 }
 
-/// One vertex and how cheaply it can go now.
+/// Costs count by two steps an octave. Among those of one step the vertex number decides, which follows the surface in
+/// space: the next collapse is mostly near the last one and its numbers are in the cache still.
+float in_steps(double cost) {
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(static_cast<float>(cost)) & 0xffc00000);
+}
+
+/// One vertex and how cheaply it can go, or less: what has become dearer since is found out when its turn comes.
 struct Offer {
   float cost;
   std::uint32_t vertex;
-  std::uint32_t version;
   bool operator<(const Offer& other) const { return cost != other.cost ? cost > other.cost : vertex > other.vertex; }
 };
 
 class Simplifier {
  public:
   Simplifier(const TriangleMesh& welded, const SimplifyOptions& options, SimplifyReport& report)
-      : options_(options), report_(report), surface_(welded), version_(welded.vertices.size(), 0),
-        tried_(welded.vertices.size(), 0), is_locked_(welded.vertices.size(), false),
+      : options_(options), report_(report), surface_(welded),
+        offered_(welded.vertices.size(), kNever), tried_(welded.vertices.size(), 0), is_locked_(welded.vertices.size(), false),
         is_in_ring_(welded.triangles.size(), 0) {
     lock_between_parts(welded);
     find_normals(welded);
@@ -57,13 +65,13 @@ class Simplifier {
 
   void run(CollapseOrder& order) {
     std::vector<std::uint32_t> ring;
-    for (std::uint32_t vertex = 0; vertex < version_.size(); ++vertex) offer(vertex, ring);
+    for (std::uint32_t vertex = 0; vertex < offered_.size(); ++vertex) offer(vertex, ring);
     const std::size_t begin_count = surface_.live_count();
     for (std::size_t looked_at = 0; !offers_.empty() && surface_.live_count() > options_.triangles_at_most; ++looked_at) {
       if (looked_at % 0x1000 == 0 && !tell(begin_count)) break;
       const Offer best = offers_.top();
       offers_.pop();
-      if (version_[best.vertex] == best.version) take(best.vertex, order);
+      if (offered_[best.vertex] == best.cost) take(best, order);
     }
     report_.triangle_count = surface_.live_count();
   }
@@ -180,12 +188,23 @@ class Simplifier {
     }
   }
 
+  void push(std::uint32_t vertex, float cost) {
+    offered_[vertex] = cost;
+    if (cost < kNever) offers_.push({cost, vertex});
+  }
+
   void offer(std::uint32_t vertex, std::vector<std::uint32_t>& ring) {
-    ++version_[vertex];
     tried_[vertex] = 0;
     find_targets(vertex, ring);
     const auto best = std::min_element(targets_.begin(), targets_.end(), by_cost);
-    if (best != targets_.end()) offers_.push({static_cast<float>(best->cost), vertex, version_[vertex]});
+    push(vertex, best == targets_.end() ? kNever : in_steps(best->cost));
+  }
+
+  /// After a collapse into `kept`: the other ways of its neighbour are as they were or dearer.
+  void offer_neighbour(std::uint32_t vertex, std::uint32_t kept) {
+    if (tried_[vertex] > 0 || offered_[vertex] == kNever) return offer(vertex, ring_);
+    const float cost = in_steps(cost_of(vertex, kept));
+    if (cost < offered_[vertex]) push(vertex, cost);
   }
 
   static bool by_cost(const Target& a, const Target& b) {
@@ -193,19 +212,22 @@ class Simplifier {
   }
 
   /// Tries the vertex's next target; where a guard refuses, the one after it waits for its turn.
-  void take(std::uint32_t vertex, CollapseOrder& order) {
+  void take(const Offer& offered, CollapseOrder& order) {
+    const std::uint32_t vertex = offered.vertex;
     find_targets(vertex, ring_);
     std::sort(targets_.begin(), targets_.end(), by_cost);
     const std::size_t at = tried_[vertex];
-    if (at >= targets_.size()) return;
+    if (at >= targets_.size()) return push(vertex, kNever);
+    if (const float cost = in_steps(targets_[at].cost); cost > offered.cost) return push(vertex, cost);
     const Neighbour kept = targets_[at].kept;
     if (is_allowed(vertex, kept)) {
       collapse(vertex, kept.vertex);
       order.push_back({vertex, kept.vertex});
-    } else if (at + 1 < targets_.size() && at < 0xff) {
-      ++tried_[vertex];
-      offers_.push({static_cast<float>(targets_[at + 1].cost), vertex, version_[vertex]});
+      return;
     }
+    const bool is_last = at + 1 >= targets_.size() || at == 0xff;
+    tried_[vertex] = static_cast<std::uint8_t>(is_last ? at : at + 1);
+    push(vertex, is_last ? kNever : in_steps(targets_[at + 1].cost));
   }
 
   /// ring_ and neighbours_ are those of the vertex.
@@ -260,21 +282,23 @@ class Simplifier {
   /// Some triangle as it would be meets another of them, or one of the rest.
   bool crosses() {
     const std::vector<Vec3>& vertices = surface_.vertices();
-    for (std::size_t i = 0; i < moved_.size(); ++i) {
-      for (std::size_t k = 0; k < i; ++k) {
-        if (cross_beyond_shared(vertices, moved_[i].corners, moved_[k].corners)) return true;
-      }
-    }
-    ++ring_stamp_;
-    for (const std::uint32_t triangle : ring_) is_in_ring_[triangle] = ring_stamp_;
     Aabb all;
+    planes_.clear();
     for (Moved& moved : moved_) {
       moved.bounds = {};
       for (const std::uint32_t corner : moved.corners) moved.bounds.extend(vertices[corner]);
       all.extend(moved.bounds);
+      planes_.emplace_back(vertices[moved.corners[0]], vertices[moved.corners[1]], vertices[moved.corners[2]]);
     }
+    for (std::size_t i = 0; i < moved_.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        if (cross_beyond_shared(vertices, moved_[i].corners, planes_[i], moved_[k].corners)) return true;
+      }
+    }
+    ++ring_stamp_;
+    for (const std::uint32_t triangle : ring_) is_in_ring_[triangle] = ring_stamp_;
     near_.clear();
-    if (!all.empty()) tree_.find(all.low, all.high, near_);
+    if (!all.empty()) tree_.find(all, near_);
     return std::any_of(near_.begin(), near_.end(), [&](std::uint32_t other) {
       return is_in_ring_[other] != ring_stamp_ && surface_.is_live(other) && crosses_with(surface_.corners()[other]);
     });
@@ -284,15 +308,17 @@ class Simplifier {
     const std::vector<Vec3>& vertices = surface_.vertices();
     Aabb bounds;
     for (const std::uint32_t corner : other) bounds.extend(vertices[corner]);
-    return std::any_of(moved_.begin(), moved_.end(), [&](const Moved& moved) {
-      return overlaps(moved.bounds, bounds) && cross_beyond_shared(vertices, moved.corners, other);
-    });
+    for (std::size_t i = 0; i < moved_.size(); ++i) {
+      if (!overlaps(moved_[i].bounds, bounds)) continue;
+      if (cross_beyond_shared(vertices, moved_[i].corners, planes_[i], other)) return true;
+    }
+    return false;
   }
 
   void collapse(std::uint32_t vertex, std::uint32_t kept) {
     surface_.merge(vertex, kept);
-    ++version_[vertex];
-    for (const Moved& moved : moved_) tree_.extend(moved.triangle, surface_.vertices()[kept]);
+    offered_[vertex] = kNever;
+    for (const Moved& moved : moved_) tree_.update(moved.triangle, moved.bounds);
     if (options_.cost == CollapseCost::quadric) {
       quadrics_[kept].add(quadrics_[vertex]);
       weights_[kept] += weights_[vertex];
@@ -300,8 +326,8 @@ class Simplifier {
     if (surface_.live_count() < rebuild_at_) rebuild_tree();
     surface_.find_ring(kept, ring_);
     surface_.find_neighbours(kept, ring_, changed_);
-    changed_.push_back({kept, 0});
-    for (const Neighbour& n : changed_) offer(n.vertex, ring_);
+    for (const Neighbour& n : changed_) offer_neighbour(n.vertex, kept);
+    offer(kept, ring_);
   }
 
   struct Moved {
@@ -320,8 +346,9 @@ class Simplifier {
   std::vector<Quadric> quadrics_;       // by vertex, about the origin
   std::vector<double> weights_;         // by vertex: areas that its quadric stands for
   std::priority_queue<Offer> offers_;
-  std::vector<std::uint32_t> version_;  // by vertex: offers of another one are void
-  std::vector<std::uint8_t> tried_;     // by vertex: targets that were refused since
+  static constexpr float kNever = std::numeric_limits<float>::infinity();
+  std::vector<float> offered_;          // by vertex: the cost in its valid offer
+  std::vector<std::uint8_t> tried_;     // by vertex: targets that were refused since its neighbourhood changed
   std::vector<bool> is_locked_;
   std::vector<std::uint32_t> is_in_ring_;  // by triangle: the last stamp
   std::uint32_t ring_stamp_ = 0;
@@ -332,6 +359,7 @@ class Simplifier {
   std::vector<Neighbour> changed_;
   std::vector<Target> targets_;
   std::vector<Moved> moved_;
+  std::vector<OrientedPlane> planes_;  // of those
   std::vector<std::uint32_t> near_;
 };
 
@@ -340,15 +368,28 @@ class Simplifier {
 CollapseOrder simplify(const TriangleMesh& mesh, const SimplifyOptions& options, SimplifyReport& report) {
   report = {};
   CollapseOrder order;
-  TriangleMesh welded = mesh;
   const std::vector<std::uint32_t> first_equal = first_equal_vertices(mesh.vertices);
   for (std::uint32_t i = 0; i < first_equal.size(); ++i) {
     if (first_equal[i] != i) order.push_back({i, first_equal[i]});
   }
-  for (TriangleCorners& corners : welded.triangles) {
-    for (std::uint32_t& corner : corners) corner = first_equal[corner];
+  // The work is done on vertices numbered along their places.
+  const std::vector<std::uint32_t> original = space_order(mesh.vertices);
+  std::vector<std::uint32_t> number(original.size());
+  TriangleMesh work;
+  work.vertices.reserve(original.size());
+  for (std::uint32_t i = 0; i < original.size(); ++i) {
+    number[original[i]] = i;
+    work.vertices.push_back(mesh.vertices[original[i]]);
   }
-  Simplifier(welded, options, report).run(order);
+  work.triangles.reserve(mesh.triangles.size());
+  for (const TriangleCorners& c : mesh.triangles) {
+    work.triangles.push_back({number[first_equal[c[0]]], number[first_equal[c[1]]], number[first_equal[c[2]]]});
+  }
+  const std::size_t welds = order.size();
+  Simplifier(work, options, report).run(order);
+  for (std::size_t step = welds; step < order.size(); ++step) {
+    order[step] = {original[order[step].removed], original[order[step].kept]};
+  }
   return order;
 }
 

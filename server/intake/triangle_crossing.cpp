@@ -133,7 +133,25 @@ bool share_edge_and_fold(const Points& one, const Vec3& other_tip) {
   return !parts(a, b, seen_along(one[2], axis), std::array<PlanePoint, 1>{seen_along(other_tip, axis)});
 }
 
+/// Every corner of the other that is not shared is strictly on one side of one's plane: they share what they share.
+bool is_beside(const std::vector<Vec3>& vertices, const TriangleCorners& one, const OrientedPlane& plane,
+               const TriangleCorners& other) {
+  int common_side = 0;
+  for (const std::uint32_t corner : other) {
+    if (corner == one[0] || corner == one[1] || corner == one[2]) continue;
+    const int side = plane.quick_side(vertices[corner]);
+    if (side == 0 || side == -common_side) return false;
+    common_side = side;
+  }
+  return common_side != 0;
+}
+
 }  // namespace
+
+bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleCorners& one, const OrientedPlane& plane_of_one,
+                         const TriangleCorners& other) {
+  return !is_beside(vertices, one, plane_of_one, other) && cross_beyond_shared(vertices, one, other);
+}
 
 bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleCorners& one, const TriangleCorners& other) {
   std::array<std::pair<std::size_t, std::size_t>, 3> shared;

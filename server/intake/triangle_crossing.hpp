@@ -1,6 +1,7 @@
 #pragma once
 
 #include "server/geometry/mesh.hpp"
+#include "server/geometry/orientation.hpp"
 
 namespace collided {
 
@@ -10,5 +11,9 @@ namespace collided {
 /// returns  exact; true as well where exact arithmetic in double has no room, and for most triangles without area
 /// threads  pure; no allocation
 bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleCorners& one, const TriangleCorners& other);
+
+/// The same with the plane through one's corners, for asking about one triangle and many others.
+bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleCorners& one, const OrientedPlane& plane_of_one,
+                         const TriangleCorners& other);
 
 }  // namespace collided
