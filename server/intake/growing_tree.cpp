@@ -33,23 +33,15 @@ GrowingTree::Box GrowingTree::box_of(const Aabb& bounds) const {
 }
 
 void GrowingTree::extend(Box& box, const Box& more) {
-  for (int axis = 0; axis < 3; ++axis) {
-    box.low[axis] = std::min(box.low[axis], more.low[axis]);
-    box.high[axis] = std::max(box.high[axis], more.high[axis]);
-  }
+  box.low = box.low.min(more.low);
+  box.high = box.high.max(more.high);
 }
 
 bool GrowingTree::contains(const Box& box, const Box& inner) {
-  bool all = true;
-  for (int axis = 0; axis < 3; ++axis) all &= (box.low[axis] <= inner.low[axis]) & (inner.high[axis] <= box.high[axis]);
-  return all;
+  return ((box.low <= inner.low) && (inner.high <= box.high)).all();
 }
 
-bool GrowingTree::overlaps(const Box& a, const Box& b) {
-  bool all = true;
-  for (int axis = 0; axis < 3; ++axis) all &= (a.low[axis] <= b.high[axis]) & (b.low[axis] <= a.high[axis]);
-  return all;
-}
+bool GrowingTree::overlaps(const Box& a, const Box& b) { return ((a.low <= b.high) && (b.low <= a.high)).all(); }
 
 void GrowingTree::build(const std::vector<Vec3>& vertices, const std::vector<TriangleCorners>& corners,
                         const std::vector<std::uint32_t>& triangles) {
@@ -62,7 +54,7 @@ void GrowingTree::build(const std::vector<Vec3>& vertices, const std::vector<Tri
   place_of_.resize(corners.size());
   own_boxes_.resize(order_.size());
   leaf_count_ = std::bit_ceil(static_cast<std::uint32_t>(order_.size() / kLeafTriangles + 1));
-  const Box nothing{{kEndless, kEndless, kEndless}, {-kEndless, -kEndless, -kEndless}};
+  const Box nothing{Eigen::Array3f::Constant(kEndless), Eigen::Array3f::Constant(-kEndless)};
   boxes_.assign(2 * std::size_t{leaf_count_}, nothing);
   for (std::uint32_t place = 0; place < order_.size(); ++place) {
     Aabb bounds;

@@ -29,8 +29,8 @@ class GrowingTree {
  private:
   /// Floats about the origin, rounded outward.
   struct Box {
-    std::array<float, 3> low;
-    std::array<float, 3> high;
+    Eigen::Array3f low;
+    Eigen::Array3f high;
   };
   static constexpr std::uint32_t kLeafTriangles = 8;
 

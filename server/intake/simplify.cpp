@@ -53,13 +53,14 @@ struct Offer {
 
 class Simplifier {
  public:
-  Simplifier(const TriangleMesh& welded, const SimplifyOptions& options, SimplifyReport& report)
-      : options_(options), report_(report), surface_(welded),
-        offered_(welded.vertices.size(), kNever), tried_(welded.vertices.size(), 0), is_locked_(welded.vertices.size(), false),
-        is_in_ring_(welded.triangles.size(), 0) {
-    lock_between_parts(welded);
-    find_normals(welded);
-    if (options.cost == CollapseCost::quadric) find_quadrics(welded);
+  /// part_of  a number for each triangle
+  Simplifier(const TriangleMesh& mesh, const std::vector<std::uint32_t>& part_of, const SimplifyOptions& options,
+             SimplifyReport& report)
+      : options_(options), report_(report), surface_(mesh), offered_(mesh.vertices.size(), kNever),
+        tried_(mesh.vertices.size(), 0), is_locked_(mesh.vertices.size(), false), is_in_ring_(mesh.triangles.size(), 0) {
+    lock_between_parts(mesh, part_of);
+    find_normals(mesh);
+    if (options.cost == CollapseCost::quadric) find_quadrics(mesh);
     rebuild_tree();
   }
 
@@ -92,14 +93,13 @@ class Simplifier {
     return !(options_.cancelled && options_.cancelled());
   }
 
-  void lock_between_parts(const TriangleMesh& mesh) {
-    std::vector<std::uint32_t> part_of(mesh.vertices.size(), 0);  // one more than its number; 0: none yet
-    std::size_t part = 0;
+  void lock_between_parts(const TriangleMesh& mesh, const std::vector<std::uint32_t>& part_of) {
+    constexpr std::uint32_t kNoPart = 0xffffffff;
+    std::vector<std::uint32_t> part_at(mesh.vertices.size(), kNoPart);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      while (part < options_.part_ends.size() && i >= options_.part_ends[part]) ++part;
       for (const std::uint32_t corner : mesh.triangles[i]) {
-        if (part_of[corner] == 0) part_of[corner] = static_cast<std::uint32_t>(part + 1);
-        else if (part_of[corner] != part + 1) is_locked_[corner] = true;
+        if (part_at[corner] == kNoPart) part_at[corner] = part_of[i];
+        else if (part_at[corner] != part_of[i]) is_locked_[corner] = true;
       }
     }
   }
@@ -363,6 +363,37 @@ class Simplifier {
   std::vector<std::uint32_t> near_;
 };
 
+/// A mesh whose numbers follow its places, without equal vertices in use.
+struct SortedMesh {
+  TriangleMesh mesh;
+  std::vector<std::uint32_t> original;  // vertex numbers
+  std::vector<std::uint32_t> part_of;   // by triangle
+};
+
+SortedMesh sorted_in_space(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal,
+                           std::span<const std::uint32_t> part_ends) {
+  SortedMesh sorted;
+  sorted.original = space_order(mesh.vertices);
+  std::vector<std::uint32_t> number(sorted.original.size());
+  for (std::uint32_t i = 0; i < number.size(); ++i) {
+    number[sorted.original[i]] = i;
+    sorted.mesh.vertices.push_back(mesh.vertices[sorted.original[i]]);
+  }
+  std::vector<std::pair<TriangleCorners, std::uint32_t>> triangles;
+  std::uint32_t part = 0;
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    while (part < part_ends.size() && i >= part_ends[part]) ++part;
+    const TriangleCorners& c = mesh.triangles[i];
+    triangles.push_back({{number[first_equal[c[0]]], number[first_equal[c[1]]], number[first_equal[c[2]]]}, part});
+  }
+  std::stable_sort(triangles.begin(), triangles.end(), [](const auto& a, const auto& b) { return a.first[0] < b.first[0]; });
+  for (const auto& [corners, part_number] : triangles) {
+    sorted.mesh.triangles.push_back(corners);
+    sorted.part_of.push_back(part_number);
+  }
+  return sorted;
+}
+
 }  // namespace
 
 CollapseOrder simplify(const TriangleMesh& mesh, const SimplifyOptions& options, SimplifyReport& report) {
@@ -372,23 +403,11 @@ CollapseOrder simplify(const TriangleMesh& mesh, const SimplifyOptions& options,
   for (std::uint32_t i = 0; i < first_equal.size(); ++i) {
     if (first_equal[i] != i) order.push_back({i, first_equal[i]});
   }
-  // The work is done on vertices numbered along their places.
-  const std::vector<std::uint32_t> original = space_order(mesh.vertices);
-  std::vector<std::uint32_t> number(original.size());
-  TriangleMesh work;
-  work.vertices.reserve(original.size());
-  for (std::uint32_t i = 0; i < original.size(); ++i) {
-    number[original[i]] = i;
-    work.vertices.push_back(mesh.vertices[original[i]]);
-  }
-  work.triangles.reserve(mesh.triangles.size());
-  for (const TriangleCorners& c : mesh.triangles) {
-    work.triangles.push_back({number[first_equal[c[0]]], number[first_equal[c[1]]], number[first_equal[c[2]]]});
-  }
   const std::size_t welds = order.size();
-  Simplifier(work, options, report).run(order);
+  const SortedMesh work = sorted_in_space(mesh, first_equal, options.part_ends);
+  Simplifier(work.mesh, work.part_of, options, report).run(order);
   for (std::size_t step = welds; step < order.size(); ++step) {
-    order[step] = {original[order[step].removed], original[order[step].kept]};
+    order[step] = {work.original[order[step].removed], work.original[order[step].kept]};
   }
   return order;
 }

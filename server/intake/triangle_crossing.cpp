@@ -150,7 +150,9 @@ bool is_beside(const std::vector<Vec3>& vertices, const TriangleCorners& one, co
 
 bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleCorners& one, const OrientedPlane& plane_of_one,
                          const TriangleCorners& other) {
-  return !is_beside(vertices, one, plane_of_one, other) && cross_beyond_shared(vertices, one, other);
+  if (is_beside(vertices, one, plane_of_one, other)) return false;
+  const OrientedPlane plane_of_other(vertices[other[0]], vertices[other[1]], vertices[other[2]]);
+  return !is_beside(vertices, other, plane_of_other, one) && cross_beyond_shared(vertices, one, other);
 }
 
 bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleCorners& one, const TriangleCorners& other) {
