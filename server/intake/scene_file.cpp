@@ -21,6 +21,7 @@
 namespace collided {
 namespace {
 
+static_assert(sizeof(Collapse) == 2 * sizeof(std::uint32_t));
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(TriangleCorners) == 3 * sizeof(std::uint32_t));
 
 /// Offsets of FlatBuffers are 31 bits; the rest is for names and tables.
@@ -442,6 +443,18 @@ void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
   }
 }
 
+CollapseOrder decode_collapses(const format::Scene& from, std::size_t vertex_count) {
+  const auto* numbers = from.collapses();
+  if (numbers == nullptr) return {};
+  if (numbers->size() % 2 != 0 || numbers->size() / 2 > vertex_count) {
+    throw Flaw{fmt::format("{} numbers of collapses, allowed are twos, at most one for each of {} vertices", numbers->size(), vertex_count)};
+  }
+  CollapseOrder order(numbers->size() / 2);
+  if (!order.empty()) std::memcpy(order.data(), numbers->Data(), order.size() * sizeof(Collapse));
+  if (const std::string flaw = flaw_of(order, vertex_count); !flaw.empty()) throw Flaw{flaw};
+  return order;
+}
+
 Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::uint64_t max_triangles) {
   if (from.format() != kSceneFormat) {
     throw Flaw{fmt::format("scene format {}, this program reads {}", from.format(), kSceneFormat)};
@@ -455,6 +468,7 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
   if (from.mesh() != nullptr) {
     scene.mesh = decoder.mesh(*from.mesh());
   }
+  scene.collapses = decode_collapses(from, scene.mesh.vertices.size());
   NameCheck names;
   decode_parts(from, names, scene);
   for (std::uint32_t i = 0; from.objects() != nullptr && i < from.objects()->size(); ++i) {

@@ -9,7 +9,7 @@ cd "${1:?repository root}"
 declare -A may=(
   [server/geometry]="server/geometry"
   [server/intake]="server/intake server/geometry idl"
-  [server/intake/files]="server/intake server/broad_phase server/geometry"  # a program: above the rooms it uses
+  [server/intake/files]="server/intake server/world server/broad_phase server/geometry"  # a program: above the rooms it uses
   [server/broad_phase]="server/broad_phase server/geometry"
   [server/exact_phase]="server/exact_phase server/geometry"
   [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry idl"

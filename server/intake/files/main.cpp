@@ -37,6 +37,10 @@ int main(int argument_count, char** arguments) {
   convert->add_option("--origin", converted.origin, "This point X,Y,Z becomes 0 0 0");
   convert->add_option("--index", converted.index, "How the saved index is built: fast, or best for faster questions (fast)")
       ->check(CLI::IsMember({"fast", "best"}));
+  convert->add_option("--to", converted.to, "Simplify to so many triangles, or to so many per cent: 5000 or 10%");
+  convert->add_flag("--levels", converted.levels, "Save how to simplify it, so that distances asked --within an error are cheaper");
+  convert->add_option("--cost", converted.cost, "What simplification goes by: quadric or length (quadric)")
+      ->check(CLI::IsMember({"quadric", "length"}));
   convert->add_flag("--no-index", converted.no_index, "Save no index; loading builds it");
   try {
     app.parse(argument_count, arguments);
