@@ -30,7 +30,7 @@ constexpr float kLeastTurnCosine = 0.05f;
 constexpr double kShortEdgesFirst = 1e-6;
 
 /// Weight of a plane across the surface at its border, which keeps the border's outline, against that of the surface.
-constexpr double kBorderWeight = 10;
+constexpr double kBorderWeight = 1;
 
 UnitNormal unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a);
@@ -56,9 +56,10 @@ class Simplifier {
   /// part_of  a number for each triangle
   Simplifier(const TriangleMesh& mesh, const std::vector<std::uint32_t>& part_of, const SimplifyOptions& options,
              SimplifyReport& report)
-      : options_(options), report_(report), surface_(mesh), offered_(mesh.vertices.size(), kNever),
+      : options_(options), report_(report), part_of_(part_of), surface_(mesh), offered_(mesh.vertices.size(), kNever),
         tried_(mesh.vertices.size(), 0), is_locked_(mesh.vertices.size(), false), is_in_ring_(mesh.triangles.size(), 0) {
-    lock_between_parts(mesh, part_of);
+    lock_between_parts(mesh);
+    count_parts();
     find_normals(mesh);
     if (options.cost == CollapseCost::quadric) find_quadrics(mesh);
     rebuild_tree();
@@ -93,13 +94,20 @@ class Simplifier {
     return !(options_.cancelled && options_.cancelled());
   }
 
-  void lock_between_parts(const TriangleMesh& mesh, const std::vector<std::uint32_t>& part_of) {
+  void count_parts() {
+    for (const std::uint32_t triangle : surface_.live_triangles()) {
+      if (part_of_[triangle] >= left_in_part_.size()) left_in_part_.resize(part_of_[triangle] + 1, 0);
+      ++left_in_part_[part_of_[triangle]];
+    }
+  }
+
+  void lock_between_parts(const TriangleMesh& mesh) {
     constexpr std::uint32_t kNoPart = 0xffffffff;
     std::vector<std::uint32_t> part_at(mesh.vertices.size(), kNoPart);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       for (const std::uint32_t corner : mesh.triangles[i]) {
-        if (part_at[corner] == kNoPart) part_at[corner] = part_of[i];
-        else if (part_at[corner] != part_of[i]) is_locked_[corner] = true;
+        if (part_at[corner] == kNoPart) part_at[corner] = part_of_[i];
+        else if (part_at[corner] != part_of_[i]) is_locked_[corner] = true;
       }
     }
   }
@@ -126,7 +134,7 @@ class Simplifier {
       const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
       const double twice_area = normal.norm();
       if (!(twice_area > 0)) continue;
-      add_plane(mesh.triangles[i], normal / twice_area, t.a, twice_area / 2);
+      add_plane(mesh.triangles[i], normal / twice_area, t.a, 1);
     }
     for (std::uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
       surface_.find_ring(vertex, ring);
@@ -152,7 +160,7 @@ class Simplifier {
       const Vec3 along = mesh.vertices[b] - mesh.vertices[a];
       const Vec3 across = along.cross(normals_[triangle].cast<double>());
       const double length = across.norm();
-      if (length > 0) add_plane(std::array{a, b}, across / length, mesh.vertices[a], kBorderWeight * along.squaredNorm());
+      if (length > 0) add_plane(std::array{a, b}, across / length, mesh.vertices[a], kBorderWeight);
     }
   }
 
@@ -221,7 +229,7 @@ class Simplifier {
     if (const float cost = in_steps(targets_[at].cost); cost > offered.cost) return push(vertex, cost);
     const Neighbour kept = targets_[at].kept;
     if (is_allowed(vertex, kept)) {
-      collapse(vertex, kept.vertex);
+      collapse(vertex, kept);
       order.push_back({vertex, kept.vertex});
       return;
     }
@@ -232,7 +240,9 @@ class Simplifier {
 
   /// ring_ and neighbours_ are those of the vertex.
   bool is_allowed(std::uint32_t vertex, const Neighbour& kept) {
-    if (!surface_.may_merge(ring_, neighbours_, kept)) {
+    // What stays unlocked has a ring of one part, whose last triangle stays.
+    const bool empties_part = left_in_part_[part_of_[ring_.front()]] <= kept.triangle_count;
+    if (empties_part || !surface_.may_merge(ring_, neighbours_, kept)) {
       ++report_.topology_refusals;
       return false;
     }
@@ -315,7 +325,9 @@ class Simplifier {
     return false;
   }
 
-  void collapse(std::uint32_t vertex, std::uint32_t kept) {
+  void collapse(std::uint32_t vertex, const Neighbour& merged) {
+    const std::uint32_t kept = merged.vertex;
+    left_in_part_[part_of_[ring_.front()]] -= merged.triangle_count;
     surface_.merge(vertex, kept);
     offered_[vertex] = kNever;
     for (const Moved& moved : moved_) tree_.update(moved.triangle, moved.bounds);
@@ -338,6 +350,8 @@ class Simplifier {
 
   const SimplifyOptions& options_;
   SimplifyReport& report_;
+  const std::vector<std::uint32_t>& part_of_;
+  std::vector<std::uint32_t> left_in_part_;  // live triangles
   ShrinkingSurface surface_;
   GrowingTree tree_;
   std::size_t rebuild_at_ = 0;

@@ -34,7 +34,7 @@ struct SimplifyReport {
 ///
 /// promise   no triangle's normal turns by 90 degrees or more from what it was in the mesh; no two triangles that are left
 ///           meet beyond common corners and edges unless they did before (exact signs; in doubt a collapse is refused);
-///           holes, pieces and borders stay; vertices of two parts stay. Vertices with equal coordinates count as one.
+///           holes, pieces and borders stay, vertices of two parts and each part's last triangle too. Vertices with equal coordinates count as one.
 /// cost      O(n log n), about 10 us a collapse
 /// threads   pure, the calling one alone; same input, same order
 /// source    Hoppe, "Progressive Meshes", 1996; Garland, Heckbert, "Surface Simplification Using Quadric Error

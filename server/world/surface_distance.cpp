@@ -6,6 +6,7 @@
 #include <limits>
 #include <mutex>
 #include <queue>
+#include <set>
 
 #include "server/exact_phase/nearest_filter.hpp"
 #include "server/intake/parallel.hpp"
@@ -177,6 +178,8 @@ class OneSide {
 }  // namespace
 
 double surface_distance(const PartedSurface& a, const PartedSurface& b, const DistanceOptions& options) {
+  const std::set<std::uint32_t> parts_of_a(a.part_of.begin(), a.part_of.end());
+  if (parts_of_a != std::set<std::uint32_t>(b.part_of.begin(), b.part_of.end())) return kNoBound;
   const double from_a_m = OneSide(a, b, options).bound(0);
   return std::max(from_a_m, OneSide(b, a, options).bound(from_a_m));
 }
