@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "server/intake/limits.hpp"
+#include "server/intake/vertex_buffer.hpp"
 
 namespace collided {
 
@@ -49,13 +50,8 @@ void Polygons::add(std::span<const std::uint32_t> corners, const char* place) {
 }
 
 void Polygons::add_strip(std::span<const std::uint32_t> corners, const char* place) {
-  for (std::size_t i = 2; i < corners.size(); ++i) {
-    const std::size_t odd = i % 2;
-    const TriangleCorners triangle = {corners[i - 2 + odd], corners[i - 1 - odd], corners[i]};
-    // A repeated corner only steers the strip; it is no triangle.
-    if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0]) {
-      add(triangle, place);
-    }
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+    if (const TriangleCorners triangle = strip_triangle(corners, i); !is_collapsed(triangle)) add(triangle, place);
   }
 }
 

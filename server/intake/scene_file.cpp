@@ -16,6 +16,7 @@
 #include "server/intake/scene_encoder.hpp"
 #include "server/intake/scene_index.hpp"
 #include "server/intake/shape_scale.hpp"
+#include "server/intake/vertex_buffer.hpp"
 #include "server/intake/write_file.hpp"
 
 namespace collided {
@@ -94,6 +95,7 @@ class Decoder {
     add_polylines(from, shape);
     add_half_spaces(from, shape);
     add_surface(from, shape);
+    add_buffers(from, shape);
     if (shape.empty()) {
       throw Flaw{"shape of nothing"};
     }
@@ -367,6 +369,28 @@ class Decoder {
       throw Flaw{"mesh without triangles"};
     }
     shape.mesh = known;
+  }
+
+  void add_buffers(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.buffers() != nullptr && i < from.buffers()->size(); ++i) {
+      const format::VertexBuffer& buffer = *from.buffers()->Get(i);
+      const std::string name = fmt::format("buffer {}: ", i);
+      const auto bytes_of = [](const flatbuffers::Vector<std::uint8_t>* bytes) {
+        return bytes == nullptr ? std::span<const std::byte>() : std::as_bytes(std::span(bytes->data(), bytes->size()));
+      };
+      const VertexBuffer read{static_cast<BufferKind>(buffer.kind()), buffer.is_double(), buffer.stride(), buffer.offset(),
+                              bytes_of(buffer.vertices()), buffer.index_bytes(), bytes_of(buffer.indices())};
+      // A corner makes at most one piece of a kind; a vertex in doubles takes twice the bytes of one in floats.
+      const std::uint64_t corners = read.index_bytes == 0 ? read.vertices.size() / 12 : read.indices.size() / read.index_bytes;
+      spend_bytes(std::max(read.vertices.size(), read.indices.size()));
+      read.kind >= BufferKind::triangles ? spend_triangles(corners) : spend_primitives(corners);
+      std::variant<Shape, std::string> taken = shape_of_buffer(read, buffer.radius());
+      if (const auto* flaw = std::get_if<std::string>(&taken)) throw Flaw{name + *flaw};
+      const Shape& part = std::get<Shape>(taken);
+      if (part.mesh && shape.mesh) throw Flaw{name + "a second surface; a shape holds one"};
+      if (part.mesh) shape.mesh = part.mesh;
+      shape.primitives.insert(shape.primitives.end(), part.primitives.begin(), part.primitives.end());
+    }
   }
 
   void apply_scale(const Vec3& factor, Shape& shape) {

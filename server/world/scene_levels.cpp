@@ -12,6 +12,9 @@ constexpr std::size_t kFewerBy = 4;
 /// Below so many triangles a question costs what its answer does.
 constexpr std::size_t kFewTriangles = 32;
 
+/// What is off by more than this part of the mesh's size, nobody asks for.
+constexpr double kUsefulShare = 16;
+
 }  // namespace
 
 std::uint64_t SceneLevel::bytes() const {
@@ -49,7 +52,7 @@ std::vector<std::shared_ptr<const SceneLevel>> build_levels(const TriangleMesh& 
     for (const std::uint32_t original : left.originals) level->part_of.push_back(part_of[original]);
     level->tree = BspTree::build(level->mesh, {.progress = {}, .cancelled = {}, .form = BspForm::fast});
     level->off_by_m = surface_distance({mesh, tree, part_of}, {level->mesh, level->tree, level->part_of}, {.cancelled = cancelled});
-    if (!(level->off_by_m < size_m)) break;
+    if (!(level->off_by_m < size_m / kUsefulShare)) break;
     last_count = left.triangles.size();
     levels.push_back(std::move(level));
   }

@@ -30,7 +30,7 @@ std::vector<std::uint32_t> parts_of_triangles(const std::vector<Part>& parts, st
 std::vector<std::uint32_t> ends_of_parts(const std::vector<Part>& parts);
 
 /// Levels with a quarter of the triangles, a quarter of those and so on, finest first, each with its bound measured. Ends
-/// where the collapses do, or where a level would be off by as much as the mesh is large.
+/// where the collapses do, or where a level would be off by a sixteenth of the mesh's size.
 /// cost  per level a few microseconds a triangle of the mesh, on all cores
 std::vector<std::shared_ptr<const SceneLevel>> build_levels(const TriangleMesh& mesh, const BspTree& tree,
                                                             const std::vector<Part>& parts, const CollapseOrder& order,

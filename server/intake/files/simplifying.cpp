@@ -86,7 +86,9 @@ void add_levels(Scene& scene, CollapseCost cost) {
   SimplifyReport report;
   scene.collapses = simplified(scene, 0, cost, report);
   const BspTree tree = BspTree::build(scene.mesh);
-  for (const auto& level : build_levels(scene.mesh, tree, scene.parts, scene.collapses, {})) {
+  const auto levels = build_levels(scene.mesh, tree, scene.parts, scene.collapses, {});
+  if (levels.empty()) fmt::print("  level    none: the mesh does not get much simpler without being far off\n");
+  for (const auto& level : levels) {
     fmt::print("  level    {} triangles, distances within {} m\n", grouped(level->mesh.triangles.size()), shortest(level->off_by_m));
   }
   fmt::print("           {}\n", refusals(report));
