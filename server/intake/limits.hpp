@@ -15,6 +15,9 @@ inline constexpr std::size_t kMaxNameBytes = 255;
 /// seconds. Others have no limit.
 inline constexpr std::size_t kMaxConcaveCorners = 20'000;
 
+/// Triangles of one curved surface.
+inline constexpr std::uint64_t kMaxTessellationTriangles = 20'000'000;
+
 /// Places at which one polygon is split because it crosses itself; one that crosses more often is cut by ears alone.
 inline constexpr std::size_t kMaxCrossings = 100;
 

@@ -48,6 +48,8 @@ Scene read_obj(const Reading& reading);
 Scene read_stl(const Reading& reading);
 Scene read_ply(const Reading& reading);
 Scene read_off(const Reading& reading);
+/// Curved surfaces, one a line, each as a part of triangles.
+Scene read_surfaces(const Reading& reading);
 /// One object, a cloud of points.
 Scene read_xyz(const Reading& reading);
 

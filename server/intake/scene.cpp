@@ -24,7 +24,7 @@
 namespace collided {
 namespace {
 
-enum class Format { obj, stl, ply, off, xyz, scene, other };
+enum class Format { obj, stl, ply, off, surfaces, xyz, scene, other };
 
 Format format_of(const std::string& file) {
   std::string ending = std::filesystem::path(file).extension().string();
@@ -34,6 +34,7 @@ Format format_of(const std::string& file) {
          : ending == ".stl"    ? Format::stl
          : ending == ".ply"    ? Format::ply
          : ending == ".off"    ? Format::off
+         : ending == ".surfaces" ? Format::surfaces
          : ending == ".xyz"    ? Format::xyz
          : ending == ".cscene" ? Format::scene
                                : Format::other;
@@ -162,12 +163,14 @@ Scene read_mesh(Format format, const Reading& reading) {
       return read_ply(reading);
     case Format::off:
       return read_off(reading);
+    case Format::surfaces:
+      return read_surfaces(reading);
     case Format::xyz:
     case Format::scene:
     case Format::other:
       break;
   }
-  refuse(reading, "the ending is none of .obj .stl .ply .off .xyz .cscene");
+  refuse(reading, "the ending is none of .obj .stl .ply .off .surfaces .xyz .cscene");
 }
 
 void finish_mesh(const Reading& reading, Scene& scene) {

@@ -75,7 +75,7 @@ struct LoadError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads .obj .stl .ply .off .cscene here; any other ending goes to the converter process (collided-import).
+/// Reads .obj .stl .ply .off .surfaces .xyz .cscene here; any other ending goes to the converter process (collided-import).
 /// Either the whole scene comes back or a LoadError is thrown.
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report);
 
