@@ -118,6 +118,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
           {"parts", loaded.scene.parts.size()},
           {"objects", loaded.scene.objects.size()},
           {"seconds", loaded.seconds},
+          {"notes", loaded.report.notes},
           {"mended", loaded.report.mended},
           {"refused", loaded.report.refused},
           {"warnings", loaded.report.warnings},

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "server/intake/files/volumes.hpp"
 #include "server/intake/mesh_health.hpp"
 
 namespace collided::files {
@@ -34,6 +35,7 @@ void print_json(const Scene& scene, const MeshHealth& health, const LoadReport& 
                         {"components", health.component_count},
                         {"closed", health.is_closed},
                         {"oriented", health.is_consistently_oriented},
+                        {"notes", report.notes},
                         {"mended", report.mended},
                         {"refused", report.refused},
                         {"warnings", report.warnings},
@@ -65,6 +67,7 @@ void print_text(const Scene& scene, const MeshHealth& health, const LoadReport& 
   if (health.zero_area_count + health.duplicate_count > 0) {
     fmt::print("  idle     {} triangles without area, {} that repeat an earlier one\n", grouped(health.zero_area_count), grouped(health.duplicate_count));
   }
+  print_lines("note", report.notes);
   print_lines("mended", report.mended);
   print_lines("refused", report.refused);
   print_lines("warning", report.warnings);
@@ -72,12 +75,14 @@ void print_text(const Scene& scene, const MeshHealth& health, const LoadReport& 
 
 }  // namespace
 
-int check(const FileOptions& file, bool as_json) {
+int check(const FileOptions& file, bool as_json, const CheckTables& tables) {
   LoadReport report;
   const Scene scene = load(file, report);
   const MeshHealth health = examine(scene.mesh);
   if (as_json) print_json(scene, health, report);
   else print_text(scene, health, report);
+  if (tables.volumes) print_volumes(scene);
+  if (tables.encodings) print_encodings(scene);
   return report.refused.empty() ? 0 : 1;
 }
 

@@ -29,6 +29,9 @@ int main(int argument_count, char** arguments) {
   CLI::App* check = app.add_subcommand("check", "What a file holds and what is wrong with it");
   declare_reading(*check, checked);
   check->add_flag("--json", as_json, "One JSON object");
+  collided::files::CheckTables tables;
+  check->add_flag("--volumes", tables.volumes, "Bounding volumes too: size, volume, time")->excludes("--json");
+  check->add_flag("--encodings", tables.encodings, "Bytes as lists, fans, strips and as a mesh too")->excludes("--json");
   collided::files::ConvertOptions converted;
   CLI::App* convert = app.add_subcommand("convert", "Read a file, write a .cscene file");
   declare_reading(*convert, converted.file);
@@ -50,7 +53,7 @@ int main(int argument_count, char** arguments) {
     return 2;
   }
   try {
-    return check->parsed() ? collided::files::check(checked, as_json) : collided::files::convert(converted);
+    return check->parsed() ? collided::files::check(checked, as_json, tables) : collided::files::convert(converted);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 2;
