@@ -13,7 +13,8 @@ namespace collided {
 /// beside them; lobes on the two sides of a crossing then face opposite ways.
 ///
 /// vertices  get a new one for each crossing, in the middle of the two edges there
-/// returns   nothing where no two edges cross (they may touch), or there are more than kMaxCrossings of them
+/// returns   nothing where no two edges cross (they may touch), where two only seem to and pass by each other in space by
+///           more than kFlatEnough of the polygon's size, or there are more than kMaxCrossings crossings
 /// cost      O(n^2) a crossing
 std::vector<TriangleCorners> split_at_crossings(std::span<const std::uint32_t> corners, std::vector<Vec3>& vertices);
 

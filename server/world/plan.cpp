@@ -98,7 +98,7 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
                   has_static ? "" : "its memory and a walk a question"});
   const std::string levels = level_words(snapshot);
   rows.push_back({"levels of detail", !levels.empty(),
-                  levels.empty() ? "no scene was simplified ahead (collide convert --levels)" : levels + ": for distances asked --within that",
+                  levels.empty() ? "no scene was simplified ahead (collide convert --levels)" : levels + "; for distances asked --within four times as much",
                   levels.empty() ? "a third more memory" : ""});
   rows.push_back({"grid (objects)", has_objects,
                   has_objects ? number(c.moving, "moving and ") + number(c.placed, "placed objects")

@@ -381,6 +381,14 @@ TEST(IntakeBowtie, AStarAndAnAsymmetricOneKeepTheirLobes) {
   EXPECT_EQ(simple.size(), 4u);
 }
 
+// A quad twisted in space only looks like a bowtie: a point between its edges would tear it off its neighbours.
+TEST(IntakeBowtie, ATwistedPolygonIsNotSplit) {
+  std::vector<Vec3> v = {{0, 0, 0}, {4, 4, 1}, {4, 0, 0}, {0, 4, 0}};
+  const std::vector<std::uint32_t> corners = {0, 1, 2, 3};
+  EXPECT_TRUE(split_at_crossings(corners, v).empty());
+  EXPECT_EQ(v.size(), 4u);
+}
+
 TEST(IntakeBowtie, TheReportSaysWhatWasGuessedAndStrictRefuses) {
   const std::string obj = "v 0 0 0\nv 4 4 0\nv 4 0 0\nv 0 4 0\nv 9 0 0\nv 9 4 0.5\nf 3 5 6 2\nf 1 2 3 4\n";
   const std::string off = "OFF\n6 2 0\n0 0 0\n4 4 0\n4 0 0\n0 4 0\n9 0 0\n9 4 0.5\n4 2 4 5 1\n4 0 1 2 3\n";
