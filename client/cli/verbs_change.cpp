@@ -236,6 +236,7 @@ class LoadCommand : public Command {
                       {"parts", count_of(answer, "parts")},
                       {"objects", count_of(answer, "objects")},
                       {"seconds", number_of(answer, "seconds")},
+                      {"notes", names_json(texts_of(answer, "notes"))},
                       {"mended", names_json(texts_of(answer, "mended"))},
                       {"refused", names_json(texts_of(answer, "refused"))},
                       {"warnings", names_json(texts_of(answer, "warnings"))},
@@ -253,6 +254,7 @@ class LoadCommand : public Command {
       for (const std::string& text : texts_of(answer, key)) printer.line(fmt::format("  {:<9}{}", label, printable(text)));
     };
     lines("placed", "placed");
+    lines("note", "notes");
     lines("mended", "mended");
     lines("refused", "refused");
     lines("warning", "warnings");

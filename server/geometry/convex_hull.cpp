@@ -3,19 +3,11 @@
 #include <algorithm>
 #include <array>
 
-#include "server/geometry/bounded.hpp"
 #include "server/geometry/expansion.hpp"
+#include "server/geometry/orientation.hpp"
 
 namespace collided {
 namespace {
-
-/// The sign of (b - a) x (c - a) . (d - a): positive where d is in front of a b c.
-template <class N>
-N volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const auto side = [&](const Vec3& to, int axis) { return N(to[axis]) - N(a[axis]); };
-  const auto minor = [&](int i, int j) { return side(b, i) * side(c, j) - side(b, j) * side(c, i); };
-  return (minor(1, 2) * side(d, 0) + minor(2, 0) * side(d, 1)) + minor(0, 1) * side(d, 2);
-}
 
 class Builder {
  public:
@@ -41,13 +33,9 @@ int Builder::in_front(const Face& face, std::uint32_t point) {
   const Vec3& a = points_[face[0]];
   const Vec3& b = points_[face[1]];
   const Vec3& c = points_[face[2]];
-  const Bounded quick = volume<Bounded>(a, b, c, points_[point]);
-  if (quick.value > quick.bound()) return 1;
-  if (quick.value < -quick.bound()) return -1;
-  const Expansion exact = volume<Expansion>(a, b, c, points_[point]);
-  lost_ = lost_ || exact.lost();
-  const double leading = exact.lost() ? 0 : exact.leading();
-  return leading > 0 ? 1 : leading < 0 ? -1 : 0;
+  const std::optional<int> side = orientation(a, b, c, points_[point]);
+  lost_ = lost_ || !side;
+  return side.value_or(0);
 }
 
 /// Four corners that are not in one plane: two that differ, one off their line, one off their plane.

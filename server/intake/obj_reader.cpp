@@ -7,6 +7,7 @@
 #include "server/intake/limits.hpp"
 #include "server/intake/obj_chunk.hpp"
 #include "server/intake/parallel.hpp"
+#include "server/intake/polygon_counts.hpp"
 #include "server/intake/reading.hpp"
 #include "server/intake/triangulate.hpp"
 
@@ -32,10 +33,16 @@ struct FaceRun {
   std::size_t end_triangle = 0;
 };
 
+/// A polygon that crosses itself, and where its triangles begin in the chunk.
+struct CrossingFace {
+  std::vector<std::uint32_t> corners;
+  std::size_t first_triangle;
+};
+
 struct ChunkTriangles {
   std::vector<TriangleCorners> triangles;
-  std::uint64_t concave_count = 0;
-  std::uint64_t crossing_count = 0;
+  std::vector<CrossingFace> crossing;
+  PolygonCounts counts;
 };
 
 class ObjReader {
@@ -52,6 +59,7 @@ class ObjReader {
     run_in_parallel(
         chunks_.size(), [this](std::size_t i) { cut_chunk(i); },
         [this](std::size_t done) { tell_progress(reading_, 0.6 + 0.2 * fraction(done)); });
+    split_crossing_faces();
     gather_triangles();
     report();
     return std::move(scene_);
@@ -167,22 +175,34 @@ class ObjReader {
 
   void cut_face(std::size_t chunk_index, std::size_t face, std::span<const std::uint32_t> corners) {
     ChunkTriangles& cut = triangles_[chunk_index];
+    if (corners.size() > 3) cut.counts.measure(corners, scene_.mesh.vertices);
+    const std::size_t first_new = cut.triangles.size();
     switch (triangulate(corners, scene_.mesh.vertices, cut.triangles)) {
       case PolygonKind::convex:
-        return;
       case PolygonKind::concave:
-        ++cut.concave_count;
         return;
       case PolygonKind::crossing:
-        ++cut.crossing_count;
         if (reading_.options.strict) {
           refuse_line(reading_, face_place(chunk_index, face), "polygon crosses or touches itself");
         }
+        cut.crossing.push_back({{corners.begin(), corners.end()}, first_new});
         return;
       case PolygonKind::too_long:
         refuse_line(reading_, face_place(chunk_index, face),
-                    fmt::format("concave polygon of {} corners, limit {}", corners.size(), kMaxConcaveCorners));
+                    fmt::format("polygon of {} corners that crosses or touches itself, limit {}", corners.size(), kMaxConcaveCorners));
     }
+  }
+
+  /// Afterwards and one by one, since each may need a new vertex.
+  void split_crossing_faces() {
+    for (ChunkTriangles& cut : triangles_) {
+      for (const CrossingFace& face : cut.crossing) {
+        const auto triangles = std::span(cut.triangles).subspan(face.first_triangle, face.corners.size() - 2);
+        counts_.split(face.corners, scene_.mesh.vertices, triangles);
+      }
+      counts_.add(cut.counts);
+    }
+    check_vertex_count(reading_, scene_.mesh.vertices.size());
   }
 
   const char* face_place(std::size_t chunk_index, std::size_t face) const {
@@ -225,7 +245,6 @@ class ObjReader {
 
   void report() {
     ObjChunk sum;
-    ChunkTriangles cut;
     for (std::size_t i = 0; i < chunks_.size(); ++i) {
       sum.point_lines += chunks_[i].point_lines;
       sum.curve_lines += chunks_[i].curve_lines;
@@ -234,8 +253,6 @@ class ObjReader {
       sum.unknown_lines += chunks_[i].unknown_lines;
       sum.first_unknown_line =
           sum.first_unknown_line == nullptr ? chunks_[i].first_unknown_line : sum.first_unknown_line;
-      cut.concave_count += triangles_[i].concave_count;
-      cut.crossing_count += triangles_[i].crossing_count;
     }
     const auto tell = [](std::vector<std::string>& lines, std::uint64_t count, std::string_view sentence) {
       if (count > 0) {
@@ -252,7 +269,7 @@ class ObjReader {
                                           sum.unknown_lines, line));
     }
     tell(lines.warnings, sum.weighted_vertices, "vertices with a weight other than 1; the weight is not used");
-    tell(lines.mended, cut.crossing_count, "polygons that cross or touch themselves cut into triangles by a guess");
+    counts_.report(lines);
   }
 
   const Reading& reading_;
@@ -264,6 +281,7 @@ class ObjReader {
   std::vector<Belonging> belongings_;
   std::vector<FaceRun> runs_;
   std::vector<ChunkTriangles> triangles_;
+  PolygonCounts counts_;
   Scene scene_;
 };
 

@@ -1,5 +1,6 @@
 #include "server/intake/planar.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -56,6 +57,13 @@ int turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
   sum.add_product(a[1], c[0]);
   sum.add_product(c[1], b[0]);
   return sum.sign();
+}
+
+bool edges_cross(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const PlanePoint& d) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    if (std::max(a[axis], b[axis]) < std::min(c[axis], d[axis]) || std::max(c[axis], d[axis]) < std::min(a[axis], b[axis])) return false;
+  }
+  return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
 }
 
 }  // namespace collided

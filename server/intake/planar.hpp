@@ -12,4 +12,7 @@ using PlanePoint = std::array<double, 2>;
 /// source    Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997
 int turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c);
 
+/// a b and c d go through each other, each at a point that is no end of it. As exact as turn.
+bool edges_cross(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const PlanePoint& d);
+
 }  // namespace collided

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "server/intake/limits.hpp"
+#include "server/intake/vertex_buffer.hpp"
 
 namespace collided {
 
@@ -33,29 +34,27 @@ void Polygons::add(std::span<const std::uint32_t> corners, const char* place) {
   if (triangle_count > reading_.options.max_triangles) {
     check_triangle_count(reading_, triangle_count);
   }
+  if (corners.size() > 3) counts_.measure(corners, mesh_.vertices);
+  const std::size_t first_new = mesh_.triangles.size();
   switch (triangulate(corners, mesh_.vertices, mesh_.triangles)) {
     case PolygonKind::convex:
     case PolygonKind::concave:
       return;
     case PolygonKind::crossing:
-      ++crossing_count_;
       if (reading_.options.strict) {
         complain(place, "polygon crosses or touches itself");
       }
+      counts_.split(corners, mesh_.vertices, std::span(mesh_.triangles).subspan(first_new));
+      check_vertex_count(reading_, mesh_.vertices.size());
       return;
     case PolygonKind::too_long:
-      complain(place, fmt::format("concave polygon of {} corners, limit {}", corners.size(), kMaxConcaveCorners));
+      complain(place, fmt::format("polygon of {} corners that crosses or touches itself, limit {}", corners.size(), kMaxConcaveCorners));
   }
 }
 
 void Polygons::add_strip(std::span<const std::uint32_t> corners, const char* place) {
-  for (std::size_t i = 2; i < corners.size(); ++i) {
-    const std::size_t odd = i % 2;
-    const TriangleCorners triangle = {corners[i - 2 + odd], corners[i - 1 - odd], corners[i]};
-    // A repeated corner only steers the strip; it is no triangle.
-    if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0]) {
-      add(triangle, place);
-    }
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+    if (const TriangleCorners triangle = strip_triangle(corners, i); !is_collapsed(triangle)) add(triangle, place);
   }
 }
 
@@ -63,10 +62,7 @@ void Polygons::report() const {
   if (short_count_ > 0) {
     reading_.report.refused.push_back(fmt::format("{} faces of fewer than 3 corners left out", short_count_));
   }
-  if (crossing_count_ > 0) {
-    reading_.report.mended.push_back(
-        fmt::format("{} polygons that cross or touch themselves cut into triangles by a guess", crossing_count_));
-  }
+  counts_.report(reading_.report);
 }
 
 Scene Polygons::take_scene() {

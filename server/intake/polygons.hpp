@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "server/intake/polygon_counts.hpp"
 #include "server/intake/reading.hpp"
 #include "server/intake/triangulate.hpp"
 
@@ -35,7 +36,7 @@ class Polygons {
   Places places_;
   TriangleMesh mesh_;
   std::uint64_t short_count_ = 0;
-  std::uint64_t crossing_count_ = 0;
+  PolygonCounts counts_;
 };
 
 }  // namespace collided

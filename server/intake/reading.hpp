@@ -49,6 +49,8 @@ Scene read_obj(const Reading& reading);
 Scene read_stl(const Reading& reading);
 Scene read_ply(const Reading& reading);
 Scene read_off(const Reading& reading);
+/// Curved surfaces, one a line, each as a part of triangles.
+Scene read_surfaces(const Reading& reading);
 Scene read_gltf(const Reading& reading);      // 2.0, as text or GLB
 Scene read_cityjson(const Reading& reading);  // 1.0 to 2.0
 /// One object, a cloud of points without radius.

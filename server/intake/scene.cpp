@@ -43,6 +43,7 @@ constexpr Format kFormats[] = {
     {".stl", "STL", Content::mesh, read_stl},
     {".ply", "PLY", Content::mesh, read_ply},
     {".off", "OFF", Content::mesh, read_off},
+    {".surfaces", "the list of surfaces", Content::mesh, read_surfaces},
     {".gltf", "glTF", Content::mesh, read_gltf, true, 'y'},
     {".glb", "glTF", Content::mesh, read_gltf, true, 'y'},
     {".json", "CityJSON", Content::mesh, read_cityjson, true, 'z'},

@@ -13,6 +13,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/geometry/shape.hpp"
+#include "server/intake/collapse_order.hpp"
 
 namespace collided {
 
@@ -60,10 +61,12 @@ struct Scene {
   std::vector<Part> parts{};
   std::vector<SceneObject> objects{};
   SavedIndex index{};  // of the mesh
+  CollapseOrder collapses{};  // of the mesh; empty: no levels of detail are made
 };
 
 /// What loading did; each line is a sentence for the user with a count.
 struct LoadReport {
+  std::vector<std::string> notes;  // what was made of the file, with its error
   std::vector<std::string> mended;
   std::vector<std::string> refused;
   std::vector<std::string> warnings;
@@ -91,7 +94,8 @@ struct LoadError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads .obj .stl .ply .off .gltf .glb .json (CityJSON) .xyz .pcd .bt .csv .urdf .cscene here; any other ending goes to the converter process (collided-import).
+/// Reads .obj .stl .ply .off .surfaces .gltf .glb .json (CityJSON) .xyz .pcd .bt .csv .urdf .cscene here; any other ending
+/// goes to the converter process (collided-import).
 /// Either the whole scene comes back or a LoadError is thrown.
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report);
 

@@ -85,8 +85,9 @@ class SceneEncoder {
     const auto name = builder_.CreateString(from.name);
     const auto part_vector = builder_.CreateVector(parts);
     const auto object_vector = builder_.CreateVector(objects);
-    format::FinishSceneBuffer(builder_,
-                              format::CreateScene(builder_, kSceneFormat, name, mesh_table, part_vector, object_vector));
+    const auto collapses = collapse_numbers(from.collapses);
+    format::FinishSceneBuffer(builder_, format::CreateScene(builder_, kSceneFormat, name, mesh_table, part_vector,
+                                                            object_vector, collapses));
   }
 
   void finish(flatbuffers::Offset<format::Shape> root) { builder_.Finish(root); }
@@ -126,6 +127,14 @@ class SceneEncoder {
     parts.axes.emplace_back(packed(box.axes));
   }
 
+  flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> collapse_numbers(const CollapseOrder& order) {
+    if (order.empty()) return 0;
+    std::uint32_t* numbers = nullptr;
+    const auto vector = builder_.CreateUninitializedVector(2 * order.size(), &numbers);
+    std::memcpy(numbers, order.data(), order.size() * sizeof(Collapse));
+    return vector;
+  }
+
   template <class Struct>
   flatbuffers::Offset<flatbuffers::Vector<const Struct*>> optional(const std::vector<Struct>& structs) {
     return structs.empty() ? 0 : builder_.CreateVectorOfStructs(structs);
@@ -151,7 +160,7 @@ inline std::uint64_t encoded_bytes(const Shape& shape) {
 
 /// Never less than the buffer will have.
 inline std::uint64_t encoded_bytes(const Scene& scene) {
-  std::uint64_t bytes = 1024 + encoded_bytes(scene.mesh) + scene.name.size();
+  std::uint64_t bytes = 1024 + encoded_bytes(scene.mesh) + scene.name.size() + scene.collapses.size() * sizeof(Collapse);
   for (const Part& part : scene.parts) {
     bytes += 128 + part.name.size() + sizeof(std::uint32_t) * part.cut.piece_count();
   }

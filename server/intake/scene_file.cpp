@@ -16,11 +16,13 @@
 #include "server/intake/scene_encoder.hpp"
 #include "server/intake/scene_index.hpp"
 #include "server/intake/shape_scale.hpp"
+#include "server/intake/vertex_buffer.hpp"
 #include "server/intake/write_file.hpp"
 
 namespace collided {
 namespace {
 
+static_assert(sizeof(Collapse) == 2 * sizeof(std::uint32_t));
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(TriangleCorners) == 3 * sizeof(std::uint32_t));
 
 /// Offsets of FlatBuffers are 31 bits; the rest is for names and tables.
@@ -93,6 +95,7 @@ class Decoder {
     add_polylines(from, shape);
     add_half_spaces(from, shape);
     add_surface(from, shape);
+    add_buffers(from, shape);
     if (shape.empty()) {
       throw Flaw{"shape of nothing"};
     }
@@ -368,6 +371,28 @@ class Decoder {
     shape.mesh = known;
   }
 
+  void add_buffers(const format::Shape& from, Shape& shape) {
+    for (std::uint32_t i = 0; from.buffers() != nullptr && i < from.buffers()->size(); ++i) {
+      const format::VertexBuffer& buffer = *from.buffers()->Get(i);
+      const std::string name = fmt::format("buffer {}: ", i);
+      const auto bytes_of = [](const flatbuffers::Vector<std::uint8_t>* bytes) {
+        return bytes == nullptr ? std::span<const std::byte>() : std::as_bytes(std::span(bytes->data(), bytes->size()));
+      };
+      const VertexBuffer read{static_cast<BufferKind>(buffer.kind()), buffer.is_double(), buffer.stride(), buffer.offset(),
+                              bytes_of(buffer.vertices()), buffer.index_bytes(), bytes_of(buffer.indices())};
+      // A corner makes at most one piece of a kind; a vertex in doubles takes twice the bytes of one in floats.
+      const std::uint64_t corners = read.index_bytes == 0 ? read.vertices.size() / 12 : read.indices.size() / read.index_bytes;
+      spend_bytes(std::max(read.vertices.size(), read.indices.size()));
+      read.kind >= BufferKind::triangles ? spend_triangles(corners) : spend_primitives(corners);
+      std::variant<Shape, std::string> taken = shape_of_buffer(read, buffer.radius());
+      if (const auto* flaw = std::get_if<std::string>(&taken)) throw Flaw{name + *flaw};
+      const Shape& part = std::get<Shape>(taken);
+      if (part.mesh && shape.mesh) throw Flaw{name + "a second surface; a shape holds one"};
+      if (part.mesh) shape.mesh = part.mesh;
+      shape.primitives.insert(shape.primitives.end(), part.primitives.begin(), part.primitives.end());
+    }
+  }
+
   void apply_scale(const Vec3& factor, Shape& shape) {
     if (factor == Vec3::Ones()) return;
     if (shape.mesh) {
@@ -457,6 +482,18 @@ void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
   }
 }
 
+CollapseOrder decode_collapses(const format::Scene& from, std::size_t vertex_count) {
+  const auto* numbers = from.collapses();
+  if (numbers == nullptr) return {};
+  if (numbers->size() % 2 != 0 || numbers->size() / 2 > vertex_count) {
+    throw Flaw{fmt::format("{} numbers of collapses, allowed are twos, at most one for each of {} vertices", numbers->size(), vertex_count)};
+  }
+  CollapseOrder order(numbers->size() / 2);
+  if (!order.empty()) std::memcpy(order.data(), numbers->Data(), order.size() * sizeof(Collapse));
+  if (const std::string flaw = flaw_of(order, vertex_count); !flaw.empty()) throw Flaw{flaw};
+  return order;
+}
+
 Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::uint64_t max_triangles) {
   if (from.format() != kSceneFormat) {
     throw Flaw{fmt::format("scene format {}, this program reads {}", from.format(), kSceneFormat)};
@@ -470,6 +507,7 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
   if (from.mesh() != nullptr) {
     scene.mesh = decoder.mesh(*from.mesh());
   }
+  scene.collapses = decode_collapses(from, scene.mesh.vertices.size());
   NameCheck names;
   decode_parts(from, names, scene);
   for (std::uint32_t i = 0; from.objects() != nullptr && i < from.objects()->size(); ++i) {

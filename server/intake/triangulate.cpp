@@ -1,37 +1,15 @@
 #include "server/intake/triangulate.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "server/intake/limits.hpp"
 #include "server/intake/planar.hpp"
+#include "server/intake/polygon_plane.hpp"
+#include "server/intake/sweep_triangulation.hpp"
 
 namespace collided {
 namespace {
-
-/// The polygon in the coordinate plane that sees most of it, turning to the left as a whole.
-std::vector<PlanePoint> flattened(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices) {
-  const Vec3& origin = vertices[corners[0]];
-  Vec3 normal = Vec3::Zero();
-  Vec3 seen = Vec3::Zero();  // of each coordinate plane; unlike the normal, lobes that turn both ways do not cancel
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3 from = vertices[corners[i]] - origin;
-    const Vec3 to = vertices[corners[(i + 1) % corners.size()]] - origin;
-    const Vec3 fan_triangle = from.cross(to);
-    normal += fan_triangle;
-    seen += fan_triangle.cwiseAbs();
-  }
-  int drop = 0;
-  seen.maxCoeff(&drop);
-  const int u = (drop + 1) % 3;
-  const int v = (drop + 2) % 3;
-  std::vector<PlanePoint> points;
-  points.reserve(corners.size());
-  const double mirror = normal[drop] < 0 ? -1 : 1;
-  for (const std::uint32_t corner : corners) {
-    points.push_back({mirror * vertices[corner][u], vertices[corner][v]});
-  }
-  return points;
-}
 
 /// No corner turns right, and the direction goes round once: its height changes from falling to rising once.
 bool is_convex(const std::vector<PlanePoint>& points) {
@@ -145,6 +123,28 @@ class EarClipper {
   std::vector<std::size_t> reflex_;
 };
 
+/// A polygon of more corners is cut by the sweep, whose first hundred corners cost more than ears do.
+constexpr std::size_t kEarCorners = 100;
+
+bool cut_by_sweep(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> ring_ends,
+                  std::span<const PlanePoint> points, std::vector<TriangleCorners>& triangles) {
+  const std::size_t first_new = triangles.size();
+  if (triangulate_by_sweep(points, ring_ends, triangles)) return false;
+  for (std::size_t i = first_new; i < triangles.size(); ++i) {
+    for (std::uint32_t& corner : triangles[i]) corner = corners[corner];
+  }
+  return true;
+}
+
+bool crosses_itself(const std::vector<PlanePoint>& points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t k = i + 2; k < points.size(); ++k) {
+      if (edges_cross(points[i], points[i + 1], points[k], points[(k + 1) % points.size()])) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 PolygonKind triangulate(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices,
@@ -160,10 +160,20 @@ PolygonKind triangulate(std::span<const std::uint32_t> corners, const std::vecto
     }
     return PolygonKind::convex;
   }
-  if (corners.size() > kMaxConcaveCorners) {
-    return PolygonKind::too_long;
-  }
-  return EarClipper(corners, std::move(points)).clip(triangles) ? PolygonKind::concave : PolygonKind::crossing;
+  const bool is_long = corners.size() > kEarCorners;
+  const std::array<std::uint32_t, 1> one_ring{static_cast<std::uint32_t>(corners.size())};
+  if (is_long && cut_by_sweep(corners, one_ring, points, triangles)) return PolygonKind::concave;
+  if (corners.size() > kMaxConcaveCorners) return PolygonKind::too_long;
+  const bool crosses = crosses_itself(points);
+  const bool all_ears = EarClipper(corners, std::move(points)).clip(triangles);
+  return all_ears && !crosses ? PolygonKind::concave : PolygonKind::crossing;
+}
+
+PolygonKind triangulate_with_holes(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> ring_ends,
+                                   const std::vector<Vec3>& vertices, std::vector<TriangleCorners>& triangles) {
+  if (ring_ends.size() == 1) return triangulate(corners, vertices, triangles);
+  const std::vector<PlanePoint> points = flattened(corners, ring_ends, vertices);
+  return cut_by_sweep(corners, ring_ends, points, triangles) ? PolygonKind::concave : PolygonKind::crossing;
 }
 
 }  // namespace collided

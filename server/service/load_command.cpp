@@ -132,6 +132,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
           {"objects", loaded.scene.objects.size()},
           {"seconds", loaded.seconds},
           {"placed", loaded.report.placed},
+          {"notes", loaded.report.notes},
           {"mended", loaded.report.mended},
           {"refused", loaded.report.refused},
           {"warnings", loaded.report.warnings},

@@ -51,6 +51,7 @@ std::string describe(const LoadedScene& loaded) {
       fmt::format("{}: {} triangles in {} parts, {} objects, {:.0f} ms", loaded.scene.name, loaded.triangles,
                   loaded.scene.parts.size(), loaded.scene.objects.size(), loaded.seconds * 1e3);
   for (const std::string& line : loaded.report.placed) text += "\n  placed   " + line;
+  for (const std::string& line : loaded.report.notes) text += "\n  note     " + line;
   for (const std::string& line : loaded.report.mended) text += "\n  mended   " + line;
   for (const std::string& line : loaded.report.refused) text += "\n  refused  " + line;
   for (const std::string& line : loaded.report.warnings) text += "\n  warning  " + line;

@@ -4,9 +4,11 @@
 #include "server/exact_phase/nearest_filter.hpp"
 #include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/precision.hpp"
 #include "server/world/part_index.hpp"
 #include "server/world/question.hpp"
 #include "server/world/question_shapes.hpp"
+#include "server/world/scene_levels.hpp"
 
 namespace collided {
 namespace {
@@ -16,12 +18,18 @@ struct NearWalk {
   Question& question;
   Vec3 point;
   double within_m;
-  double limit_m2;
+  double limit_m2;  // of what is looked for: square_up(wanted_m + off_by_m)
+  std::vector<ObjectId>& doubtful;  // whose simpler form leaves open whether they are within reach
+  double wanted_m = within_m;  // what is farther is not wanted
+  double off_by_m = 0;        // how far what is walked may lie from what it stands for
 
+  void set_limit() { limit_m2 = square_up(wanted_m + off_by_m); }
   template <class Part>
   void test(const Part& part, ObjectId object, std::uint32_t triangle);
+  bool is_within(const Closest& found, ObjectId object, const auto& part);
   void keep(const AnswerHit& hit);
   void walk_scene(const StaticScene& scene);
+  void walk_level(const SceneLevel& level, const StaticScene& scene);
   void walk_object(std::uint32_t slot);
   template <class Test>
   void walk_local(const BspTree& tree, double radius_m, const Frame& frame, Test&& test_one);
@@ -41,21 +49,30 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
   }
   const Closest found = closest(point, part);
   ++question.exact_tests;
-  if (!(found.distance_m - found.distance_error_m <= within_m)) return;
-  if (found.distance_m + found.distance_error_m > within_m) {
-    // The bound leaves it open whether it is within reach: a ball of that radius decides exactly.
-    const Verdict verdict = overlaps(Sphere{.center = point, .radius_m = within_m}, part);
-    question.count(verdict);
-    if (!verdict.yes()) return;
-  }
+  if (!is_within(found, object, part)) return;
   keep({.object = object,
         .triangle = triangle,
         .flags = question.flags_of(object),
         .distance_m = found.distance_m,
-        .error_m = found.distance_error_m,
+        .error_m = found.distance_error_m + off_by_m,
         .point = found.point,
-        .point_error_m = found.point_error_m,
+        // What is nearest to the simpler form may be near another place of the surface.
+        .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity() : found.point_error_m,
         .normal = found.normal});
+}
+
+bool NearWalk::is_within(const Closest& found, ObjectId object, const auto& part) {
+  const double error_m = found.distance_error_m + off_by_m;
+  if (!(found.distance_m - error_m <= within_m)) return false;
+  if (found.distance_m + error_m <= within_m) return true;
+  if (off_by_m > 0) {
+    if (std::find(doubtful.begin(), doubtful.end(), object) == doubtful.end()) doubtful.push_back(object);
+    return false;
+  }
+  // The bound leaves it open whether it is within reach: a ball of that radius decides exactly.
+  const Verdict verdict = overlaps(Sphere{.center = point, .radius_m = within_m}, part);
+  question.count(verdict);
+  return verdict.yes();
 }
 
 void NearWalk::keep(const AnswerHit& hit) {
@@ -71,7 +88,8 @@ void NearWalk::keep(const AnswerHit& hit) {
   found.insert(std::upper_bound(found.begin(), found.end(), hit, nearer_first), hit);
   if (found.size() == question.asked.max_hits) {
     const double farthest_m = std::max(found.back().distance_m - question.slack_m(), 0.0);
-    limit_m2 = std::min(limit_m2, square_up(farthest_m + found.back().error_m));
+    wanted_m = std::min(wanted_m, farthest_m + found.back().error_m);
+    set_limit();
   }
 }
 
@@ -90,6 +108,29 @@ void NearWalk::walk_scene(const StaticScene& scene) {
     return c.walk.limit_m2;
   };
   scene.tree.walk_near(point, limit_m2, 0, candidate, &context, question.walk);
+}
+
+void NearWalk::walk_level(const SceneLevel& level, const StaticScene& scene) {
+  struct Context {
+    NearWalk& walk;
+    const SceneLevel& level;
+    const StaticScene& scene;
+  } context{*this, level, scene};
+  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
+    Context& c = *static_cast<Context*>(raw);
+    const std::uint32_t part = c.level.part_of[triangle];
+    const ObjectId object = c.scene.part_objects[part];
+    if (c.walk.question.allows(object)) {
+      c.walk.test(c.level.mesh.triangle(triangle), object, c.level.originals[triangle] - c.scene.parts[part].first_triangle);
+    }
+    return c.walk.limit_m2;
+  };
+  // What is within reach may have its simpler form a little outside.
+  off_by_m = level.off_by_m;
+  set_limit();
+  level.tree.walk_near(point, limit_m2, 0, candidate, &context, question.walk);
+  off_by_m = 0;
+  set_limit();
 }
 
 /// Calls test_one(number) for what an index in an object's frame says that may be near enough.
@@ -121,9 +162,9 @@ void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& 
   auto* test = &test_one;
   double reach_m = parts.radius_m / 64;
   for (bool is_last = false; !is_last; reach_m *= 4) {
-    const double wanted_m = std::sqrt(limit_m2) * (1 + 1e-9);
-    is_last = !(reach_m < wanted_m && reach_m < all_m);
-    const double half_m = is_last ? std::min(wanted_m, all_m) : reach_m;
+    const double known_m = std::sqrt(limit_m2) * (1 + 1e-9);
+    is_last = !(reach_m < known_m && reach_m < all_m);
+    const double half_m = is_last ? std::min(known_m, all_m) : reach_m;
     Aabb cube;
     cube.extend(point);
     parts.tree.walk_box(seen_from(frame, grown(cube, half_m), parts.radius_m), candidate, &test, question.walk);
@@ -169,17 +210,39 @@ void widen_bounds(Question& question) {
   }
 }
 
+/// How far what stands for the scenes may be off, and what is asked within that of the numbers: a quarter of the error
+/// asked for goes to the simpler forms and one to the numbers, since half is what may lie nearer and is not looked for.
+double share_of_levels(const Question& question) { return question.asked.error_m / 4; }
+
+/// False where simpler forms leave open what is within reach.
+bool find_nearest(Question& question, const double* n, bool use_levels) {
+  // Its memory goes from question to question.
+  thread_local std::vector<ObjectId> doubtful;
+  doubtful.clear();
+  question.found.clear();
+  NearWalk walk{.question = question, .point = point_of(n), .within_m = n[3], .limit_m2 = square_up(n[3]), .doubtful = doubtful};
+  for (const auto& scene : question.snapshot.scenes) {
+    const SceneLevel* level = use_levels ? coarsest_within(scene->levels, share_of_levels(question)) : nullptr;
+    if (level == nullptr) {
+      walk.walk_scene(*scene);
+      continue;
+    }
+    const PrecisionScope blunter({.highest = question.asked.highest, .error_asked_m = question.asked.error_m / 4});
+    walk.walk_level(*level, *scene);
+  }
+  if (question.snapshot.grid) walk.walk_movers(*question.snapshot.grid);
+  if (question.found.size() == question.asked.max_hits) return true;
+  return std::all_of(doubtful.begin(), doubtful.end(), [&](ObjectId object) {
+    return std::any_of(question.found.begin(), question.found.end(), [&](const AnswerHit& hit) { return hit.object == object; });
+  });
+}
+
 }  // namespace
 
 void ask_near(Question& question, const double* n) {
   question.found.clear();
   if (question.asked.max_hits == 0) return;
-  NearWalk walk{.question = question,
-                .point = point_of(n),
-                .within_m = n[3],
-                .limit_m2 = square_up(n[3])};
-  for (const auto& scene : question.snapshot.scenes) walk.walk_scene(*scene);
-  if (question.snapshot.grid) walk.walk_movers(*question.snapshot.grid);
+  if (!find_nearest(question, n, true)) find_nearest(question, n, false);
   widen_bounds(question);
 }
 

@@ -26,6 +26,7 @@ struct IndexedMesh {
 };
 
 struct IndexedParts;  // part_index.hpp
+struct SceneLevel;    // scene_levels.hpp
 
 /// What is known of an object besides where it is. Immutable: a new definition makes a new one.
 struct ObjectInfo {
@@ -55,6 +56,7 @@ struct StaticScene {
   std::vector<Part> parts;            // ordered by first_triangle, without gap
   std::vector<ObjectId> part_objects; // one a part
   std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;  // one an object of the file; null: without a mesh
+  std::vector<std::shared_ptr<const SceneLevel>> levels;  // simpler forms of the mesh, finest first
   std::vector<std::string> warnings;  // saved indexes that were not fit for use
 
   std::uint32_t part_of(std::uint32_t triangle) const;

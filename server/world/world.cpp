@@ -9,6 +9,7 @@
 #include "server/geometry/float_environment.hpp"
 #include "server/world/indexed_mesh.hpp"
 #include "server/world/part_index.hpp"
+#include "server/world/scene_levels.hpp"
 #include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
 
@@ -128,6 +129,10 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BspOptions& 
   indexed->parts = scene.parts;
   indexed->tree = index_of(indexed->mesh, scene.index, "the scene's mesh", options, indexed->warnings);
   scene.index = {};
+  if (!scene.collapses.empty()) {
+    indexed->levels = build_levels(indexed->mesh, indexed->tree, indexed->parts, scene.collapses, options.cancelled);
+    scene.collapses = {};
+  }
   BspOptions quietly = options;
   quietly.progress = {};
   std::unordered_map<const TriangleMesh*, std::shared_ptr<const IndexedMesh>> of_mesh;  // objects that share one share it

@@ -31,7 +31,9 @@ std::vector<std::string> fuzz_seeds() {
   Scene with_index = small;
   const auto index = std::make_shared<const std::vector<std::byte>>(BspTree::build(small.mesh).saved(small.mesh));
   with_index.index = with_index.objects[0].index = {*index, index};
-  for (const Scene& scene : {small, with_index, embedded_scene()}) {
+  Scene with_levels = small;
+  with_levels.collapses = {{0, 1}};
+  for (const Scene& scene : {small, with_index, with_levels, embedded_scene()}) {
     save_scene(path.string(), scene);
     std::ifstream file(path, std::ios::binary);
     seeds.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());

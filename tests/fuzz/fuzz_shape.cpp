@@ -1,3 +1,5 @@
+#include <cstring>
+
 #include "idl/scene_generated.h"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/sphere_mesh.hpp"
@@ -35,6 +37,25 @@ static std::string with_forms() {
   return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
 }
 
+/// A strip with indices beside a line of points, as vertex buffers.
+static std::string with_buffers() {
+  using namespace collided;
+  flatbuffers::FlatBufferBuilder builder;
+  std::vector<std::uint8_t> vertices(5 * 16, 0);
+  for (std::size_t i = 0; i < 5; ++i) {
+    const float position[3] = {static_cast<float>(i / 2), static_cast<float>(i % 2), 0.5F};
+    std::memcpy(vertices.data() + 16 * i + 4, position, sizeof position);
+  }
+  const std::vector<std::uint8_t> indices{0, 0, 1, 0, 2, 0, 3, 0, 4, 0};
+  const auto strip = format::CreateVertexBufferDirect(builder, format::BufferKind_strip, false, 16, 4, &vertices, 2, &indices);
+  const auto line = format::CreateVertexBufferDirect(builder, format::BufferKind_polyline, false, 16, 4, &vertices, 0, nullptr, 0.1);
+  const auto buffers = builder.CreateVector(std::vector{strip, line});
+  format::ShapeBuilder shape(builder);
+  shape.add_buffers(buffers);
+  builder.Finish(shape.Finish());
+  return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
+}
+
 std::vector<std::string> fuzz_seeds() {
   using namespace collided;
   const Eigen::AngleAxisd turn(0.3, Vec3(1, 2, 3).normalized());
@@ -48,5 +69,6 @@ std::vector<std::string> fuzz_seeds() {
     seeds.emplace_back(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
   seeds.push_back(with_forms());
+  seeds.push_back(with_buffers());
   return seeds;
 }

@@ -1,60 +1,60 @@
-#ifdef COLLIDED_MESHOPTIMIZER
-#include <meshoptimizer.h>
-#endif
-
 #include <random>
 
-#include "tests/report/hausdorff.hpp"
+#include "server/intake/simplify.hpp"
+#include "server/world/surface_distance.hpp"
 #include "tests/report/levels.hpp"
 #include "tests/report/near_walk.hpp"
 #include "tests/report/studies.hpp"
 
 namespace collided::report {
-
-#ifdef COLLIDED_MESHOPTIMIZER
 namespace {
 
-/// The mesh with about target triangles, by quadric error; vertices stay those of the mesh.
-/// source  Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997 (meshoptimizer's own variant)
-TriangleMesh simplified(const TriangleMesh& mesh, std::size_t target) {
-  std::vector<float> positions;
-  for (const Vec3& v : mesh.vertices) {
-    for (int k = 0; k < 3; ++k) positions.push_back(static_cast<float>(v[k]));
+/// The mesh that distances are asked of, and what they are.
+struct Subject {
+  NamedMesh scene;
+  BspTree tree;
+  std::vector<std::uint32_t> part_of;
+  std::vector<Vec3> points;
+  std::vector<double> truth_m;
+
+  explicit Subject(const Setting& setting)
+      : scene(report_mesh(setting.quick)), tree(BspTree::build(scene.mesh)), part_of(scene.mesh.triangles.size(), 0) {
+    std::mt19937_64 random(setting.seed + 5);
+    points = points_around(scene.mesh, setting.count(2000), random);
+    for (const Vec3& p : points) truth_m.push_back(nearest_in(tree, scene.mesh, p, certified_distance).value);
   }
-  std::vector<unsigned> indices;
-  for (const TriangleCorners& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
-  std::vector<unsigned> kept(indices.size());
-  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), positions.data(), mesh.vertices.size(),
-                               3 * sizeof(float), 3 * target, 1.0f, 0, nullptr));
-  TriangleMesh result{mesh.vertices, {}};
-  for (std::size_t i = 0; i + 2 < kept.size(); i += 3) result.triangles.push_back({kept[i], kept[i + 1], kept[i + 2]});
-  return result;
-}
+
+  double bound_m(const TriangleMesh& level) const {
+    const BspTree level_tree = BspTree::build(level);
+    const std::vector<std::uint32_t> level_part_of(level.triangles.size(), 0);
+    return surface_distance({scene.mesh, tree, part_of}, {level, level_tree, level_part_of});
+  }
+};
 
 }  // namespace
 
 std::vector<Row> study_simplification(const Setting& setting) {
-  std::mt19937_64 random(setting.seed + 5);
-  const NamedMesh scene = report_mesh(setting.quick);
-  const BspTree tree = BspTree::build(scene.mesh);
-  const std::vector<Vec3> points = points_around(scene.mesh, setting.count(2000), random);
-  std::vector<double> truth_m;
-  for (const Vec3& p : points) truth_m.push_back(nearest_in(tree, scene.mesh, p, certified_distance).value);
+  const Subject subject(setting);
+  const TriangleMesh& mesh = subject.scene.mesh;
   std::vector<Row> rows;
-  std::size_t last_count = 0;
-  for (int divisor = 1; divisor <= (setting.quick ? 8 : 1024); divisor *= 2) {
-    const TriangleMesh level =
-        divisor == 1 ? scene.mesh : simplified(scene.mesh, scene.mesh.triangles.size() / divisor);
-    if (level.triangles.size() == last_count || level.triangles.empty()) break;
-    last_count = level.triangles.size();
-    const double bound_m = divisor == 1 ? 0 : two_sided_hausdorff(scene.mesh, level, setting.quick ? 1000 : 200000);
-    rows.push_back(level_row("simplification", scene.name, divisor == 1 ? "full" : "1/" + std::to_string(divisor),
-                             level, points, truth_m, bound_m, setting.repeats()));
+  for (const CollapseCost cost : {CollapseCost::quadric, CollapseCost::edge_length}) {
+    const bool is_first = cost == CollapseCost::quadric;
+    SimplifyReport report;
+    CollapseOrder order;
+    const double simplify_s = timed([&] { order = simplify(mesh, {.cost = cost}, report); });
+    std::size_t last_count = 0;
+    for (std::size_t divisor = 1; divisor <= (setting.quick ? 8 : 1024); divisor *= 2) {
+      const TriangleMesh level = compact_mesh(mesh, level_with(mesh, order, mesh.triangles.size() / divisor));
+      if (level.triangles.size() == last_count) break;
+      last_count = level.triangles.size();
+      Row row = level_row(is_first ? "simplification" : "simplification by length", subject.scene.name,
+                          divisor == 1 ? "full" : "1/" + std::to_string(divisor), level, subject.points, subject.truth_m,
+                          divisor == 1 ? 0 : subject.bound_m(level), setting.repeats());
+      if (divisor == 1) row.note = "simplified as far as it goes in " + short_number(simplify_s, 3) + " s";
+      rows.push_back(row);
+    }
   }
   return rows;
 }
-#else
-std::vector<Row> study_simplification(const Setting&) { return {}; }
-#endif
 
 }  // namespace collided::report

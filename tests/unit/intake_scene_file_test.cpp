@@ -134,6 +134,20 @@ TEST_F(IntakeSceneFile, ComesBackBitForBit) {
   EXPECT_TRUE(report.mended.empty() && report.refused.empty());
 }
 
+TEST_F(IntakeSceneFile, TheOrderOfCollapsesComesBackAndOneThatCannotBeTakenIsRefused) {
+  Scene scene = embedded_scene();
+  scene.collapses = {{0, 1}, {2, 1}, {1, 5}};
+  save_scene(path_, scene);
+  LoadReport report;
+  const CollapseOrder loaded = load_scene(path_, {}, report).collapses;
+  ASSERT_EQ(loaded.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(loaded[i].removed == scene.collapses[i].removed && loaded[i].kept == scene.collapses[i].kept);
+  scene.collapses[1] = {1'000'000, 1};
+  EXPECT_NE(save_complaint(scene).find("collapse 1: vertex 1000000 of "), std::string::npos) << save_complaint(scene);
+  scene.collapses[1] = {0, 1};
+  EXPECT_NE(save_complaint(scene).find("collapse 1: vertex 0 is gone already"), std::string::npos) << save_complaint(scene);
+}
+
 TEST_F(IntakeSceneFile, AnEmptySceneIsAScene) {
   save_scene(path_, Scene{.name = "void"});
   LoadReport report;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <random>
 
 #include "idl/scene_generated.h"
@@ -58,6 +59,38 @@ Answers asked(const World& world, wire_contract::QueryKind kind, const std::vect
   questions.numbers = numbers;
   answer(*world.newest(), questions, answers, scratch);
   return answers;
+}
+
+DecodedShape buffers_of(const std::vector<format::BufferKind>& kinds, std::uint32_t stride) {
+  std::vector<std::uint8_t> vertices(4 * stride, 0);
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const float position[3] = {static_cast<float>(i / 2), static_cast<float>(i % 2), 1};
+    std::memcpy(vertices.data() + i * stride, position, std::min<std::size_t>(stride, sizeof position));
+  }
+  const std::vector<std::uint8_t> indices{0, 0, 2, 0, 1, 0, 3, 0};
+  return decoded([&](fb::FlatBufferBuilder& b) {
+    std::vector<fb::Offset<format::VertexBuffer>> tables;
+    for (const format::BufferKind kind : kinds) tables.push_back(format::CreateVertexBufferDirect(b, kind, false, stride, 0, &vertices, 2, &indices, 0.25));
+    const auto buffers = b.CreateVector(tables);
+    format::ShapeBuilder shape(b);
+    shape.add_buffers(buffers);
+    return shape.Finish();
+  });
+}
+
+TEST(VertexBuffers, AreShapesOnTheWire) {
+  const DecodedShape strip = buffers_of({format::BufferKind_strip, format::BufferKind_points, format::BufferKind_polyline}, 16);
+  ASSERT_TRUE(strip.shape) << strip.refusal;
+  EXPECT_EQ(strip.shape->mesh->triangles.size(), 2u);
+  EXPECT_EQ(strip.shape->primitives.size(), 4u + 3u);
+  World world({});
+  added(world, "sheet", *buffers_of({format::BufferKind_strip}, 12).shape);
+  world.step(0, 1, {});
+  const Answers answers = asked(world, wire_contract::QueryKind::ray, {0.5, 0.25, 3, 0, 0, -1, 9});
+  ASSERT_EQ(answers.hits.size(), 1u);
+  EXPECT_EQ(answers.hits[0].distance_m, 2);
+  EXPECT_NE(buffers_of({format::BufferKind_strip}, 11).refusal.find("buffer 0: stride 11"), std::string::npos);
+  EXPECT_EQ(buffers_of({format::BufferKind_strip, format::BufferKind_fan}, 12).refusal, "buffer 1: a second surface; a shape holds one");
 }
 
 /// A hundred thousand balls of 4 mm in a metre; what a ray meets is counted, since a clock says nothing on a busy machine.

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "server/intake/files/mesh_findings.hpp"
+#include "server/intake/files/volumes.hpp"
 
 namespace collided::files {
 namespace {
@@ -81,7 +82,7 @@ json mesh_json(const CheckedMesh& checked) {
 
 void print_json(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report) {
   json object{{"scene", scene.name},   {"parts", scene.parts.size()},  {"objects", scene.objects.size()}, {"triangles", 0},
-              {"placed", report.placed}, {"mended", report.mended},      {"refused", report.refused},       {"warnings", report.warnings},
+              {"placed", report.placed}, {"notes", report.notes},   {"mended", report.mended},      {"refused", report.refused},       {"warnings", report.warnings},
               {"seconds", report.seconds}};
   json of_objects = json::array();
   for (const CheckedMesh& checked : meshes) {
@@ -153,6 +154,7 @@ void print_text(const Scene& scene, const std::vector<CheckedMesh>& meshes, cons
     if (checked.parts == nullptr) fmt::print("{}  {} triangles\n", checked.name, grouped(checked.health.triangle_count));
     print_mesh(checked);
   }
+  print_lines("note", report.notes);
   print_lines("mended", report.mended);
   print_lines("refused", report.refused);
   print_lines("warning", report.warnings);
@@ -168,6 +170,8 @@ int check(const FileOptions& file, const CheckOptions& options) {
   const std::vector<CheckedMesh> meshes = check_meshes(scene, scrutiny);
   if (options.as_json) print_json(scene, meshes, report);
   else print_text(scene, meshes, report);
+  if (options.volumes) print_volumes(scene);
+  if (options.encodings) print_encodings(scene);
   return report.refused.empty() ? 0 : 1;
 }
 

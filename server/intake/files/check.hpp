@@ -7,6 +7,8 @@ namespace collided::files {
 struct CheckOptions {
   bool as_json = false;
   double crease_deg = 30;
+  bool volumes = false;    // the table of bounding volumes besides
+  bool encodings = false;  // the table of bytes as lists, fans, strips and a mesh besides
   std::string eye{};  // "X,Y,Z"; empty: no silhouettes are counted
 };
 

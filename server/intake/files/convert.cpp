@@ -8,6 +8,7 @@
 
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/aabb.hpp"
+#include "server/intake/files/simplifying.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/scene_index.hpp"
 
@@ -82,9 +83,14 @@ int convert(const ConvertOptions& options) {
   if (options.center) move_to_origin(scene, middle(scene));
   if (!options.origin.empty()) move_to_origin(scene, parse_point("--origin", options.origin));
   forget_indexes(scene);
+  scene.collapses = {};
+  const CollapseCost cost = options.cost == "length" ? CollapseCost::edge_length : CollapseCost::quadric;
+  if (!options.to.empty()) simplify_to(scene, options.to, cost);
+  if (options.levels) add_levels(scene, cost);
   if (!options.no_index) add_indexes(scene, options.index == "best" ? BspForm::best : BspForm::fast);
   save_scene(options.output, scene);
   for (const std::string& line : report.placed) fmt::print("  placed   {}\n", line);
+  for (const std::string& line : report.notes) fmt::print("  note     {}\n", line);
   for (const std::string& line : report.mended) fmt::print("  mended   {}\n", line);
   for (const std::string& line : report.refused) fmt::print("  refused  {}\n", line);
   for (const std::string& line : report.warnings) fmt::print("  warning  {}\n", line);

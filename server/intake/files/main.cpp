@@ -37,6 +37,8 @@ int main(int argument_count, char** arguments) {
   check->add_option("--crease", check_options.crease_deg, "Angle between two triangles above which their edge is a crease, degrees (30)")
       ->check(CLI::Range(0.0, 180.0));
   check->add_option("--eye", check_options.eye, "Count the silhouette edges seen from this point X,Y,Z");
+  check->add_flag("--volumes", check_options.volumes, "Bounding volumes too: size, volume, time")->excludes("--json");
+  check->add_flag("--encodings", check_options.encodings, "Bytes as lists, fans, strips and as a mesh too")->excludes("--json");
   collided::files::ConvertOptions converted;
   CLI::App* convert = app.add_subcommand("convert", "Read a file, write a .cscene file");
   declare_reading(*convert, converted.file);
@@ -45,6 +47,10 @@ int main(int argument_count, char** arguments) {
   convert->add_option("--origin", converted.origin, "This point X,Y,Z becomes 0 0 0");
   convert->add_option("--index", converted.index, "How the saved index is built: fast, or best for faster questions (fast)")
       ->check(CLI::IsMember({"fast", "best"}));
+  convert->add_option("--to", converted.to, "Simplify to so many triangles, or to so many per cent: 5000 or 10%");
+  convert->add_flag("--levels", converted.levels, "Save how to simplify it, so that distances asked --within an error are cheaper");
+  convert->add_option("--cost", converted.cost, "What simplification goes by: quadric or length (quadric)")
+      ->check(CLI::IsMember({"quadric", "length"}));
   convert->add_flag("--no-index", converted.no_index, "Save no index; loading builds it");
   try {
     app.parse(argument_count, arguments);

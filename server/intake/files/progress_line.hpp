@@ -1,0 +1,29 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace collided::files {
+
+/// One line on stderr that says how far a long task is: only on a terminal and only after 400 ms; wiped in the end.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::string task);
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// fraction  done, in [0, 1]
+  void tell(double fraction);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::string task_;
+  bool on_terminal_;
+  bool is_shown_ = false;
+  Clock::time_point begun_ = Clock::now();
+  Clock::time_point told_ = begun_;
+};
+
+}  // namespace collided::files

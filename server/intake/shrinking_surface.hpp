@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/geometry/mesh.hpp"
+
+namespace collided {
+
+/// A mesh whose vertices can be merged one into another: which triangles are at a vertex, and what may be merged
+/// without changing how the surface hangs together.
+/// Always: no live triangle has two equal corners.
+class ShrinkingSurface {
+ public:
+  explicit ShrinkingSurface(const TriangleMesh& mesh);
+
+  const std::vector<Vec3>& vertices() const { return mesh_.vertices; }
+  const std::vector<TriangleCorners>& corners() const { return corners_; }
+  bool is_live(std::uint32_t triangle) const { return corners_[triangle][0] != corners_[triangle][1]; }
+  std::size_t live_count() const { return live_count_; }
+  std::vector<std::uint32_t> live_triangles() const;
+
+  /// The live triangles at a vertex, in a vector that the caller keeps.
+  void find_ring(std::uint32_t vertex, std::vector<std::uint32_t>& ring);
+
+  struct Neighbour {
+    std::uint32_t vertex;
+    std::uint32_t triangle_count;  // at the edge to it
+  };
+  /// Each vertex that shares a triangle with this one.
+  void find_neighbours(std::uint32_t vertex, const std::vector<std::uint32_t>& ring,
+                       std::vector<Neighbour>& neighbours) const;
+
+  /// Merging keeps the surface's pieces, holes and borders: the two have no common neighbour but the tips of the
+  /// triangles between them, and something is left.
+  /// ring, neighbours  of the vertex that goes
+  /// source            link condition: Dey, Edelsbrunner, Guha, Nekhayev, "Topology preserving edge contraction", 1999
+  bool may_merge(const std::vector<std::uint32_t>& ring, const std::vector<Neighbour>& neighbours, const Neighbour& kept);
+
+  /// Puts `kept` in the place of `removed`; the triangles that had both vanish.
+  void merge(std::uint32_t removed, std::uint32_t kept);
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  const TriangleMesh& mesh_;
+  std::vector<TriangleCorners> corners_;
+  std::vector<std::uint32_t> first_;  // by vertex: 3 * triangle + corner, or kNone
+  std::vector<std::uint32_t> next_;   // by 3 * triangle + corner
+  std::size_t live_count_ = 0;
+  std::vector<std::uint32_t> other_ring_;
+  std::vector<Neighbour> other_neighbours_;
+};
+
+}  // namespace collided
