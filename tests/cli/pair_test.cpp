@@ -19,8 +19,13 @@ class PairVerb : public testing::Test {
       last_options = options;
       return next;
     };
-    next = PairAnswer{.verdict = Verdict::miss, .version = 7, .normal = {1, 0, 0}, .distance_m = 0.0124, .error_m = 1e-13,
-                      .on_a = {1, 0, 0}, .on_b = {1.0124, 0, 0}};
+    next = {};
+    next.version = 7;
+    next.normal = {1, 0, 0};
+    next.distance_m = 0.0124;
+    next.error_m = 1e-13;
+    next.on_a = {1, 0, 0};
+    next.on_b = {1.0124, 0, 0};
   }
 
   static inline std::string names;
@@ -37,8 +42,12 @@ TEST_F(PairVerb, ApartReadsAsASentence) {
 }
 
 TEST_F(PairVerb, TouchingTellsWhereTheyBear) {
-  next = PairAnswer{.verdict = Verdict::hit, .normal = {0, 0, 1}, .depth_m = 0.01, .error_m = 1e-16, .point = {1, 2, 0},
-                    .manifold = {{.point = {1, 2, 0}, .depth_m = 0.01, .error_m = 1e-15}}};
+  next.verdict = Verdict::hit;
+  next.normal = {0, 0, 1};
+  next.depth_m = 0.01;
+  next.error_m = 1e-16;
+  next.point = {1, 2, 0};
+  next.manifold = {{.point = {1, 2, 0}, .depth_m = 0.01, .error_m = 1e-15}};
   const Ran ran = at_terminal("pair crate shelf");
   EXPECT_EQ(ran.code, 0);
   EXPECT_EQ(ran.out, "touching  depth 10 mm ±1e-16  at 1 2 0  apart by 0 0 0.01\n  bears at 1 2 0  10 mm deep ±1e-15\n");
@@ -93,7 +102,7 @@ class ProbeVerb : public testing::Test {
     fake::reset();
     fake::server().readings = {{.probe = "front", .object = "car", .state = Clearance::gap, .clearance_m = 0.12, .error_m = 1e-15, .met = "road"},
                                {.probe = "rear", .object = "car", .state = Clearance::collision, .clearance_m = -0.003, .error_m = 1e-15, .met = "road"},
-                               {.probe = "lost", .state = Clearance::absent}};
+                               {.probe = "lost", .object = "", .state = Clearance::absent, .met = ""}};
   }
 };
 
