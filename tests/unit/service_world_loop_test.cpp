@@ -169,12 +169,13 @@ TEST_F(WorldLoopTest, ProbesAreToldAfterEveryStepWhereThereAreAny) {
   EXPECT_TRUE(books.wait([&] { return books.statuses > 1; }));
   EXPECT_EQ(books.probe_readings, 0U);
   constexpr std::uint32_t kCount = wire_contract::kMaxProbesPerFrame + 10;
-  inbox.push_job([&] {
+  const bool taken = inbox.push_job([&] {
     for (std::uint32_t i = 0; i < kCount; ++i) {
       EXPECT_FALSE(loop->probes().set({.name = "probe" + std::to_string(i), .object = "ball1"}));
     }
     EXPECT_NEAR(loop->read_probes().at(0).clearance_m, 4.5, 1e-12);
   });
+  ASSERT_TRUE(taken);
   move(1, {0, 0, 4});
   EXPECT_TRUE(books.wait([&] { return books.probe_readings == kCount; }));
   const std::uint64_t version = books.probe_version;
