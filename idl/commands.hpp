@@ -38,7 +38,8 @@ inline constexpr const char* kPlan = "plan";
 /// float_repairs (times that a thread's floating-point settings had to be set back)
 inline constexpr const char* kAudit = "audit";
 
-/// name, object, origin, direction (in the object's frame), reach_m, back_m; one of that name is replaced.
+/// name, object, origin, direction (in the object's frame), reach_m (absent: endless), back_m (absent: 0); one of that
+/// name is replaced.
 /// With remove true: only the name, a glob -> probes [names], version
 inline constexpr const char* kProbe = "probe";
 

@@ -86,7 +86,8 @@ class PairCommand : public Command {
                               .most_triangle_pairs = static_cast<std::uint32_t>(std::min<std::uint64_t>(parse_count(most_, 1), 1 << 30)),
                               .timeout = timeout_of(globals, std::chrono::seconds(30))};
     const PairAnswer pair = take(session.client(globals).pair(names_[0], names_[1], options));
-    const bool proved = pair.certificate && proves(*pair.certificate);
+    const bool fits = pair.certificate && pair.certificate->touches == (pair.verdict == Verdict::hit);
+    const bool proved = fits && proves(*pair.certificate);
     if (pair.certificate && !proved) {
       throw Failure(Exit::undecided, "the server's certificate does not prove its answer", "collide pair without --certificate shows the answer");
     }

@@ -63,8 +63,20 @@ Convex::Convex(const Hull& h) : carrier{vertex_of(h, 0)}, hull(&h), hull_count(s
   // In the hull's own frame, which turning and rounding leave as it is but for the last digits.
   const std::vector<Vec3>& vertices = h.mesh->vertices;
   double reach = 0;
-  for (const Vec3& vertex : vertices) reach = std::max(reach, (vertex - vertices[0]).cwiseAbs().maxCoeff());
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& vertex : vertices) {
+    const Vec3 away = vertex - vertices[0];
+    reach = std::max(reach, away.cwiseAbs().maxCoeff());
+    sum += away;
+  }
+  hull_middle_ = h.rotation * (sum / static_cast<double>(vertices.size()));
   reach_m = 1.75 * reach + 16 * kRoundoff * carrier[0].cwiseAbs().maxCoeff();
+}
+
+Vec3 Convex::middle() const {
+  if (hull != nullptr) return hull_middle_;
+  if (carrier_count == 2) return (carrier[1] - carrier[0]) / 2;
+  return carrier_count == 3 ? Vec3(((carrier[1] - carrier[0]) + (carrier[2] - carrier[0])) / 3) : Vec3(Vec3::Zero());
 }
 
 Vec3 Convex::point(int i) const { return hull == nullptr ? carrier[i] : vertex_of(*hull, static_cast<std::size_t>(i)); }

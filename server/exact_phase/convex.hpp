@@ -23,6 +23,9 @@ struct Convex {
   Vec3 disc_unit = Vec3::UnitZ();  // about along the axis, of unit length
   double reach_m = 0;  // at least the distance of any of its points, without the ball, from carrier[0]
 
+  /// A point in the midst of the set, from carrier[0], to begin a search with.
+  Vec3 middle() const;
+
   explicit Convex(const Sphere& s);
   explicit Convex(const Box& b);
   explicit Convex(const Capsule& c);
@@ -44,6 +47,7 @@ struct Convex {
 
  private:
   int hull_count = 0;
+  Vec3 hull_middle_ = Vec3::Zero();  // from carrier[0]
 };
 
 /// rational + sqrt(numerator / denominator): how far a part of a set reaches along a direction.

@@ -128,7 +128,7 @@ Vec3 Proposal::on_b() const {
 
 Proposal nearest_proposal(const Convex& a, const Convex& b, Seek seek) {
   Proposal proposal;
-  Vec3 way = a.carrier[0] - b.carrier[0];
+  Vec3 way = (a.carrier[0] - b.carrier[0]) + (a.middle() - b.middle());
   if (way.isZero(0)) way = Vec3::UnitX();
   proposal.corner[0] = difference_support(-way, a, b);
   proposal.count = 1;

@@ -128,6 +128,43 @@ Result<std::string> Client::command(std::string_view name, std::string_view json
   return fake::server().command(text, nlohmann::json::parse(json_arguments), shape);
 }
 
+Result<PairAnswer> Client::pair(const std::string& a, const std::string& b, const PairOptions& options) {
+  if (!fake::server().pair) return Error{ErrorCode::refused, "no pairs", ""};
+  return fake::server().pair(a, b, options);
+}
+
+Result<Done> Client::add_probe(const Probe& probe) {
+  fake::server().probes.push_back(probe);
+  return Done{};
+}
+Result<std::size_t> Client::remove_probes(const std::string& name) {
+  return std::erase_if(fake::server().probes, [&](const Probe& probe) { return probe.name == name; });
+}
+Result<std::vector<ProbeReading>> Client::probes(const std::string&) {
+  return std::vector<ProbeReading>(fake::server().readings.begin(), fake::server().readings.end());
+}
+struct ProbeWatch::State {};
+Result<ProbeWatch> Client::watch_probes(const WatchOptions&) {
+  return ProbeWatch(std::make_unique<ProbeWatch::State>());
+}
+ProbeWatch::ProbeWatch(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ProbeWatch::~ProbeWatch() = default;
+ProbeWatch::ProbeWatch(ProbeWatch&&) noexcept = default;
+ProbeWatch& ProbeWatch::operator=(ProbeWatch&&) noexcept = default;
+std::optional<ProbeReading> ProbeWatch::next(std::chrono::nanoseconds wait) {
+  std::deque<ProbeReading>& readings = fake::server().readings;
+  if (!readings.empty()) {
+    ProbeReading reading = readings.front();
+    readings.pop_front();
+    return reading;
+  }
+  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
+  return std::nullopt;
+}
+std::uint64_t ProbeWatch::lost() const {
+  return 0;
+}
+
 Result<ServerStatus> Client::status() {
   const std::lock_guard lock(fake::server().mutex);
   return fake::server().status;

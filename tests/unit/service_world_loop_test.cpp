@@ -160,6 +160,30 @@ TEST_F(WorldLoopTest, ManyEventsComeInSeveralFrames) {
   EXPECT_EQ(books.status.state, ServerState::ready);
 }
 
+// Nobody has fixed a ray to anything: not a byte of it. Then each step tells every probe's reading, in frames of at most
+// 1,024.
+TEST_F(WorldLoopTest, ProbesAreToldAfterEveryStepWhereThereAreAny) {
+  define(1, {0, 0, 5});
+  define(2, {0, 0, 0});
+  start();
+  EXPECT_TRUE(books.wait([&] { return books.statuses > 1; }));
+  EXPECT_EQ(books.probe_readings, 0U);
+  constexpr std::uint32_t kCount = wire_contract::kMaxProbesPerFrame + 10;
+  const bool taken = inbox.push_job([&] {
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+      EXPECT_FALSE(loop->probes().set({.name = "probe" + std::to_string(i), .object = "ball1"}));
+    }
+    EXPECT_NEAR(loop->read_probes().at(0).clearance_m, 4.5, 1e-12);
+  });
+  ASSERT_TRUE(taken);
+  move(1, {0, 0, 4});
+  EXPECT_TRUE(books.wait([&] { return books.probe_readings == kCount; }));
+  const std::uint64_t version = books.probe_version;
+  move(1, {0, 0, 3});
+  EXPECT_TRUE(books.wait([&] { return books.probe_readings == 2 * kCount; }));
+  EXPECT_GT(books.probe_version, version);
+}
+
 class FullWorldLoopTest : public WorldLoopTest {
  protected:
   FullWorldLoopTest() : WorldLoopTest(WorldOptions{.max_contacts = 10}) {}

@@ -1,11 +1,11 @@
 // Which answers have a proof: all that touch over flat and ball-like shapes, to the last bit; few are missing elsewhere.
 #include <gtest/gtest.h>
 
-#include "collided/certificate.hpp"
 #include "server/world/pair_report.hpp"
 #include "tests/extreme/worlds.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/unit/certified.hpp"
 
 namespace collided {
 namespace {
@@ -30,29 +30,6 @@ Shape shape_of(int kind, oracle::RandomShapes& random) {
   mesh.vertices = {t.a, t.b, t.c};
   mesh.triangles = {{0, 1, 2}};
   return extreme::mesh_shape(std::move(mesh));
-}
-
-CertifiedPart::Numbers numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
-CertifiedPart certified(const ProofPart& proof_part) {
-  const PartNumbers from = numbers_of(proof_part.part);
-  CertifiedPart part{.beside = static_cast<CertifiedPart::Beside>(from.beside), .radius_m = from.radius_m, .tapers = from.tapers,
-                     .half_m = numbers(from.half_m)};
-  for (const Vec3& point : from.points) part.points.push_back(numbers(point));
-  for (int k = 0; k < 3; ++k) part.axes[static_cast<std::size_t>(k)] = numbers(from.axes.col(k));
-  return part;
-}
-
-/// As it travels, but for the wire.
-Certificate certified(const Proof& proof) {
-  Certificate certificate{.touches = proof.touches, .point = {proof.point[0], proof.point[1], proof.point[2]}, .divisor = proof.divisor,
-                          .mix_a = proof.mix_a, .mix_b = proof.mix_b};
-  for (const ProofPart& part : proof.a) certificate.a.push_back(certified(part));
-  for (const ProofPart& part : proof.b) certificate.b.push_back(certified(part));
-  for (const ProofStep& step : proof.steps) {
-    certificate.steps.push_back({static_cast<Certificate::Step::Kind>(step.kind), numbers(step.normal), numbers(step.point), step.at});
-  }
-  return certificate;
 }
 
 struct Count {

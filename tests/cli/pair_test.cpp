@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+
+#include "tests/cli/fake_client.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+CertifiedPart ball(double x, double radius_m) {
+  return {.beside = CertifiedPart::Beside::ball, .points = {{x, 0, 0}}, .radius_m = radius_m};
+}
+
+class PairVerb : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    fake::server().pair = [](const std::string& a, const std::string& b, const PairOptions& options) {
+      names = a + " " + b;
+      last_options = options;
+      return next;
+    };
+    next = {};
+    next.version = 7;
+    next.normal = {1, 0, 0};
+    next.distance_m = 0.0124;
+    next.error_m = 1e-13;
+    next.on_a = {1, 0, 0};
+    next.on_b = {1.0124, 0, 0};
+  }
+
+  static inline std::string names;
+  static inline PairOptions last_options;
+  static inline PairAnswer next;
+};
+
+TEST_F(PairVerb, ApartReadsAsASentence) {
+  const Ran ran = at_terminal("pair crate shelf");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_EQ(ran.out, "apart  12.4 mm ±1e-13  nearest 1 0 0 | 1.0124 0 0\n");
+  EXPECT_EQ(names, "crate shelf");
+  EXPECT_FALSE(last_options.certificate);
+}
+
+TEST_F(PairVerb, TouchingTellsWhereTheyBear) {
+  next.verdict = Verdict::hit;
+  next.normal = {0, 0, 1};
+  next.depth_m = 0.01;
+  next.error_m = 1e-16;
+  next.point = {1, 2, 0};
+  next.manifold = {{.point = {1, 2, 0}, .depth_m = 0.01, .error_m = 1e-15}};
+  const Ran ran = at_terminal("pair crate shelf");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out, "touching  depth 10 mm ±1e-16  at 1 2 0  apart by 0 0 0.01\n  bears at 1 2 0  10 mm deep ±1e-15\n");
+  next.verdict = Verdict::undecided;
+  EXPECT_EQ(collide("pair crate shelf").code, 3);
+}
+
+TEST_F(PairVerb, ACertificateIsCheckedHere) {
+  next.certificate = Certificate{.a = {ball(0, 1)}, .b = {ball(3, 1)}, .steps = {{.normal = {1, 0, 0}, .point = {1.5, 0, 0}}}};
+  const Ran ran = collide("pair crate shelf --certificate --fields answer,certificate");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_EQ(ran.out, "apart\tproved\n");
+  EXPECT_EQ(ran.err, "proved here: 1 plane between 1 and 1 parts\n");
+  EXPECT_TRUE(last_options.certificate);
+}
+
+// A server that is wrong, or lies, does not get its answer printed.
+TEST_F(PairVerb, AWrongCertificateIsRefused) {
+  next.certificate = Certificate{.a = {ball(0, 1)}, .b = {ball(1.5, 1)}, .steps = {{.normal = {1, 0, 0}, .point = {1, 0, 0}}}};
+  const Ran ran = collide("pair crate shelf --certificate");
+  EXPECT_EQ(ran.code, 3);
+  EXPECT_EQ(ran.out, "");
+  EXPECT_EQ(ran.err.find("error: the server's certificate does not prove its answer"), 0u) << ran.err;
+  next.certificate->touches = true;
+  EXPECT_EQ(collide("pair crate shelf --certificate").code, 3);
+  // One that proves the other answer is not believed either.
+  next.certificate = Certificate{.touches = true, .a = {ball(0, 1)}, .b = {ball(2, 1)}, .point = {Certificate::Sum{1}, {}, {}}, .divisor = {1},
+                                 .mix_a = {{0, {1}}}, .mix_b = {{0, {1}}}};
+  EXPECT_EQ(collide("pair crate shelf --certificate").code, 3);
+}
+
+TEST_F(PairVerb, TrianglesAreRowsAndACutIsSaid) {
+  next.verdict = Verdict::hit;
+  next.triangle_pairs = {{.a_triangle = 3, .b_triangle = 5, .from = {0, 0, 0}, .to = {1, 0, 0}, .error_m = 1e-16}};
+  next.triangle_pair_count = 12'000;
+  next.cut = true;
+  const Ran ran = collide("pair a b --triangles --most 1");
+  EXPECT_EQ(ran.out, "3\t5\t0 0 0\t1 0 0\t1e-16\n");
+  EXPECT_EQ(ran.err, "cut: 1 of 12 000 pairs of triangles; --most tells more, up to 100 000\n");
+  EXPECT_TRUE(last_options.triangles);
+  EXPECT_EQ(last_options.most_triangle_pairs, 1u);
+}
+
+TEST_F(PairVerb, TwoNamesAreNeeded) {
+  EXPECT_EQ(collide("pair crate").code, 2);
+  EXPECT_EQ(collide("pair a b c").code, 2);
+}
+
+class ProbeVerb : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    fake::server().readings = {{.probe = "front", .object = "car", .state = Clearance::gap, .clearance_m = 0.12, .error_m = 1e-15, .met = "road"},
+                               {.probe = "rear", .object = "car", .state = Clearance::collision, .clearance_m = -0.003, .error_m = 1e-15, .met = "road"},
+                               {.probe = "lost", .object = "", .state = Clearance::absent, .met = ""}};
+  }
+};
+
+TEST_F(ProbeVerb, IsFixedToAnObjectAndRemoved) {
+  EXPECT_EQ(collide("probe front --on car 1.2 70cm -.5 0 0 -1 --reach inf --back 20cm").code, 0);
+  ASSERT_EQ(fake::server().probes.size(), 1u);
+  const Probe& probe = fake::server().probes[0];
+  EXPECT_EQ(probe.name + " " + probe.object, "front car");
+  EXPECT_EQ(probe.origin, Vec3(1.2, 0.7, -0.5));
+  EXPECT_EQ(probe.direction, Vec3(0, 0, -1));
+  EXPECT_EQ(probe.back_m, 0.2);
+  EXPECT_TRUE(std::isinf(probe.reach_m));
+  EXPECT_EQ(collide("probe --rm front").code, 0);
+  EXPECT_EQ(collide("probe --rm front").code, 1);
+  EXPECT_EQ(collide("probe front 0 0 0 0 0 -1").code, 2) << "on what?";
+  EXPECT_EQ(collide("probe front --on car 0 0 0").code, 2);
+  EXPECT_EQ(collide("probe front --on car 0 0 0 0 0 0").code, 2);
+  EXPECT_EQ(collide("probe front --on car 0 0 0 0 0 nan").code, 2);
+}
+
+TEST_F(ProbeVerb, ReadingsAreRecords) {
+  EXPECT_EQ(collide("probe --fields probe,state,clearance,met").out, "front\tgap\t0.12\troad\nrear\tcollision\t-0.003\troad\nlost\tabsent\t\t\n");
+  const Ran ran = collide("probe --watch -n 2 --fields probe,clearance");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out, "front\t0.12\nrear\t-0.003\n");
+}
+
+TEST_F(ProbeVerb, AFollowedOneReadsAsALine) {
+  const Ran ran = at_terminal("probe --watch -n 2");
+  EXPECT_NE(ran.out.find("front  gap  +0.12 m ±1e-15  to road\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("rear  collision  -3 mm ±1e-15  in road\n"), std::string::npos) << ran.out;
+}
+
+}  // namespace
+}  // namespace collided
