@@ -47,8 +47,8 @@ static std::string with_buffers() {
     std::memcpy(vertices.data() + 16 * i + 4, position, sizeof position);
   }
   const std::vector<std::uint8_t> indices{0, 0, 1, 0, 2, 0, 3, 0, 4, 0};
-  const auto strip = format::CreateVertexBufferDirect(builder, format::BufferKind_strip, false, 16, 4, &vertices, 2, &indices);
-  const auto line = format::CreateVertexBufferDirect(builder, format::BufferKind_polyline, false, 16, 4, &vertices, 0, nullptr, 0.1);
+  const auto strip = format::CreateVertexBufferDirect(builder, format::BufferKind::strip, false, 16, 4, &vertices, 2, &indices);
+  const auto line = format::CreateVertexBufferDirect(builder, format::BufferKind::polyline, false, 16, 4, &vertices, 0, nullptr, 0.1);
   const auto buffers = builder.CreateVector(std::vector{strip, line});
   format::ShapeBuilder shape(builder);
   shape.add_buffers(buffers);

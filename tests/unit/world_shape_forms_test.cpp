@@ -79,18 +79,18 @@ DecodedShape buffers_of(const std::vector<format::BufferKind>& kinds, std::uint3
 }
 
 TEST(VertexBuffers, AreShapesOnTheWire) {
-  const DecodedShape strip = buffers_of({format::BufferKind_strip, format::BufferKind_points, format::BufferKind_polyline}, 16);
+  const DecodedShape strip = buffers_of({format::BufferKind::strip, format::BufferKind::points, format::BufferKind::polyline}, 16);
   ASSERT_TRUE(strip.shape) << strip.refusal;
   EXPECT_EQ(strip.shape->mesh->triangles.size(), 2u);
   EXPECT_EQ(strip.shape->primitives.size(), 4u + 3u);
   World world({});
-  added(world, "sheet", *buffers_of({format::BufferKind_strip}, 12).shape);
+  added(world, "sheet", *buffers_of({format::BufferKind::strip}, 12).shape);
   world.step(0, 1, {});
   const Answers answers = asked(world, wire_contract::QueryKind::ray, {0.5, 0.25, 3, 0, 0, -1, 9});
   ASSERT_EQ(answers.hits.size(), 1u);
   EXPECT_EQ(answers.hits[0].distance_m, 2);
-  EXPECT_NE(buffers_of({format::BufferKind_strip}, 11).refusal.find("buffer 0: stride 11"), std::string::npos);
-  EXPECT_EQ(buffers_of({format::BufferKind_strip, format::BufferKind_fan}, 12).refusal, "buffer 1: a second surface; a shape holds one");
+  EXPECT_NE(buffers_of({format::BufferKind::strip}, 11).refusal.find("buffer 0: stride 11"), std::string::npos);
+  EXPECT_EQ(buffers_of({format::BufferKind::strip, format::BufferKind::fan}, 12).refusal, "buffer 1: a second surface; a shape holds one");
 }
 
 /// A hundred thousand balls of 4 mm in a metre; what a ray meets is counted, since a clock says nothing on a busy machine.
