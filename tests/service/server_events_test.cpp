@@ -175,6 +175,64 @@ TEST_F(ServerEvents, ACrashIsRecoveredFrom) {
   EXPECT_EQ(events.open_contacts(), 1U);
 }
 
+// 142 balls in one place are 10,011 contacts.
+TEST_F(ServerEvents, WhoComesLateLearnsTenThousandContacts) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "crowd");
+  constexpr std::size_t kBalls = 142;
+  for (std::size_t i = 0; i < kBalls; ++i) add_ball(publisher, "ball " + std::to_string(i), at(60, 0.0001 * static_cast<double>(i), 50));
+  ASSERT_TRUE(publisher.wait_applied(10s));
+  const auto joined = std::chrono::steady_clock::now();
+  Result<Watch> watch = client.watch();
+  ASSERT_TRUE(watch);
+  constexpr std::size_t kContacts = kBalls * (kBalls - 1) / 2;
+  while (watch->open_contacts() < kContacts && std::chrono::steady_clock::now() - joined < 20s) {
+    ASSERT_TRUE(publisher.keep_alive());
+    std::this_thread::sleep_for(2ms);
+  }
+  EXPECT_EQ(watch->open_contacts(), kContacts);
+  std::printf("complete_ms=%.0f\n", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - joined).count());
+}
+
+// A subscriber that stands still neither slows the server nor costs its peers an event; awake again it catches up.
+TEST_F(ServerEvents, AFrozenSubscriberIsNobodyElsesTrouble) {
+  start();
+  Client client = connect();
+  Watch healthy = watch(client);
+  testing_support::ChildProcess frozen({COLLIDED_CLI, "--domain", std::to_string(domain_), "watch", "--json"}, folder_.path(), "frozen");
+  Publisher publisher = publish(client, "thrower");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
+  move(publisher, ball, at(6, 0, 0.05));
+  EXPECT_EQ(next(healthy).what, What::began);
+  ASSERT_TRUE(frozen.says("\"ball\"", 10s));
+  frozen.signal(SIGSTOP);
+  constexpr int kTouches = 5'000;
+  double slowest_ms = 0;
+  for (int i = 0; i < kTouches; ++i) {
+    const auto before = std::chrono::steady_clock::now();
+    move(publisher, ball, at(6, 0, 1));
+    move(publisher, ball, at(6, 0, 0.05));
+    slowest_ms = std::max(slowest_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
+    if (i % 100 == 99) {
+      ASSERT_TRUE(publisher.wait_applied(10s));
+    }
+  }
+  for (int i = 0; i < kTouches; ++i) {
+    ASSERT_EQ(next(healthy).what, What::ended) << i;
+    ASSERT_EQ(next(healthy).what, What::began) << i;
+  }
+  EXPECT_EQ(healthy.lost(), 0u);
+  EXPECT_EQ(healthy.resyncs(), 0u);
+  frozen.signal(SIGCONT);
+  move(publisher, ball, at(6, 5, 3));
+  EXPECT_EQ(next(healthy).what, What::ended);
+  const Publisher::Object last = add_ball(publisher, "the last one", at(8, 0, 0.05));
+  EXPECT_TRUE(frozen.says("the last one", 10s)) << "it goes on where the world is now";
+  static_cast<void>(last);
+  std::printf("two flushes took at most %.1f ms\n", slowest_ms);
+}
+
 // DDS holds on to a killed server's reader for ten seconds, and it acknowledges nothing; the next server gets every pose.
 TEST_F(ServerEvents, ADeadServersReaderHoldsNobodyUp) {
   testing_support::ChildProcess& first = start({}, "first");
