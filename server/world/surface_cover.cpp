@@ -86,7 +86,7 @@ SheetOverTable::Raised SheetOverTable::raised(const Vec3& point) const {
 
 /// False only where the segment surely keeps off the inside of the table: some line parts the two.
 bool SheetOverTable::may_run_over(const Raised& a, const Raised& b) const {
-  const double slack = kFlatSlack * reach_ * (size_ + reach_);
+  const double slack = kFlatSlack * (size_ + reach_) * (size_ + reach_);
   for (std::size_t i = 0; i < 3; ++i) {
     const Flat edge = inside_[(i + 1) % 3] - inside_[i];
     if (cross(edge, a.at - inside_[i]) < -slack && cross(edge, b.at - inside_[i]) < -slack) return false;
@@ -137,7 +137,7 @@ bool SheetOverTable::grow(std::uint32_t seed) {
 
 /// 1 or 0, or -1 where roundings leave it open.
 int SheetOverTable::covers_middle(const std::array<Raised, 3>& corners) const {
-  const double slack = kFlatSlack * reach_ * (size_ + reach_);
+  const double slack = kFlatSlack * (size_ + reach_) * (size_ + reach_);
   int left = 0;
   int right = 0;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -176,6 +176,20 @@ TEST(IntakeTessellate, ABezierPatchIsTheSplineOfOneSpan) {
   }
 }
 
+// Without curvature the bound is what roundings leave, and they do leave something.
+TEST(IntakeTessellate, AFlatPatchIsOffByRoundingsAlone) {
+  std::mt19937_64 random = oracle::seeded(106);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const Vec3 origin(1e3 + 0.1, 0.2, -7.3), along(0.3, 0.7, 0.1), across(-0.2, 0.4, 0.9);
+  const SplinePatch patch{1, 1, 2, {origin, origin + along, origin + across, origin + along + across}};
+  const Tessellation surface = tessellate_patch(patch, {7, 11});
+  double farthest = 0;
+  for (int i = 0; i < 300; ++i) farthest = std::max(farthest, distance_m(origin + unit(random) * along + unit(random) * across, surface.mesh));
+  EXPECT_GT(farthest, 0);
+  EXPECT_LE(farthest, surface.off_by_m);
+  EXPECT_LT(surface.off_by_m, 1e-10);
+}
+
 // A1: twice the pieces, a quarter of the error; by error, no more than asked and not many more triangles than needed.
 TEST(IntakeTessellate, TheErrorFallsByFourWhenThePiecesDouble) {
   const auto falls = [](const auto& make) {
