@@ -67,7 +67,7 @@ struct LoadReport {
   std::vector<std::string> mended;
   std::vector<std::string> refused;
   std::vector<std::string> warnings;
-  std::vector<std::string> placed;  // unit, up axis and origin: what the file says of them, what was taken where it is silent
+  std::vector<std::string> placed;  // unit, up axis and origin: what the file says, what was taken where it is silent
   double seconds = 0;
 };
 
@@ -79,7 +79,7 @@ struct LoadOptions {
   double radius_m = 0;  // of the balls about a cloud's points
   bool strict = false;  // refuse what would be mended
   std::optional<double> mend_m{};  // close cracks up to this width and T-vertices; 0: what mend.hpp takes by itself
-  std::string srdf{};                      // of a URDF robot: the file that says which links may touch
+  std::string srdf{};              // of a URDF robot: the file that says which links may touch
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
   std::function<void(double)> progress{};  // fraction done in [0, 1]
@@ -91,8 +91,8 @@ struct LoadError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads .obj .stl .ply .off .gltf .glb .json (CityJSON) .xyz .pcd .bt .csv .urdf .cscene here; any other ending goes to the converter process (collided-import).
-/// Either the whole scene comes back or a LoadError is thrown.
+/// Reads .obj .stl .ply .off .gltf .glb .json (CityJSON) .xyz .pcd .bt .csv .urdf .cscene here; any other ending goes
+/// to the converter process (collided-import). Either the whole scene comes back or a LoadError is thrown.
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report);
 
 /// The small scene that a server without an argument serves: a floor, four walls, shelves and pallets.
