@@ -32,7 +32,8 @@ Sign quick_turn(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v) { ret
 
 int widest_axis(const Triangle& t) {
   const Triple n = cross(kernel::triple(t.b) - kernel::triple(t.a), kernel::triple(t.c) - kernel::triple(t.a));
-  return std::abs(n.x) > std::abs(n.y) ? (std::abs(n.x) > std::abs(n.z) ? 0 : 2) : (std::abs(n.y) > std::abs(n.z) ? 1 : 2);
+  return std::abs(n.x) > std::abs(n.y) ? (std::abs(n.x) > std::abs(n.z) ? 0 : 2)
+                                       : (std::abs(n.y) > std::abs(n.z) ? 1 : 2);
 }
 
 /// Seen along the axis, p surely lies outside the closed angle from o that the triangle's other corners make.
@@ -94,7 +95,8 @@ Verdict meet_beyond_edge(const Triangle& a, const Triangle& b) {
   const int axis = widest_axis(a);
   const Sign one = quick_turn(a.a, a.b, a.c, (axis + 1) % 3, (axis + 2) % 3);
   const Sign other = quick_turn(a.a, a.b, b.c, (axis + 1) % 3, (axis + 2) % 3);
-  if ((one == Sign::positive && other == Sign::negative) || (one == Sign::negative && other == Sign::positive)) return no();
+  if ((one == Sign::positive && other == Sign::negative) || (one == Sign::negative && other == Sign::positive))
+    return no();
   return kernel::climb([&]<class N>() { return folds<N>(a, b); });
 }
 

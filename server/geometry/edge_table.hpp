@@ -19,13 +19,13 @@ inline std::uint32_t triangle_of(HalfEdge half) { return half / 3; }
 /// Edges are ordered by their points, uses of one edge by triangle, so the table does not depend on the machine.
 struct EdgeTable {
   struct Edge {
-    std::uint32_t low = 0;   // its points: low < high
+    std::uint32_t low = 0;  // its points: low < high
     std::uint32_t high = 0;
     std::uint32_t first_use = 0;
   };
-  std::vector<Edge> edges;     // one more than there are, so that the last one's uses have an end
+  std::vector<Edge> edges;  // one more than there are, so that the last one's uses have an end
   std::vector<HalfEdge> uses;
-  std::vector<bool> is_upward; // of each use: whether its triangle runs from low to high
+  std::vector<bool> is_upward;  // of each use: whether its triangle runs from low to high
 
   std::size_t size() const { return edges.empty() ? 0 : edges.size() - 1; }
   std::span<const HalfEdge> uses_of(std::size_t edge) const {

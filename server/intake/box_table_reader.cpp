@@ -33,8 +33,9 @@ Cells cells_of(std::string_view line) {
 template <std::size_t kCount>
 using Columns = std::array<std::size_t, kCount>;
 
-/// One box a line, by the columns that the heading names: centre x,y,z and whole sizes sx,sy,sz, with a turn qw,qx,qy,qz
-/// where there is one; or corners min_x,min_y,min_z,max_x,max_y,max_z. A column name, id or object names the box.
+/// One box a line, by the columns that the heading names: centre x,y,z and whole sizes sx,sy,sz, with a turn
+/// qw,qx,qy,qz where there is one; or corners min_x,min_y,min_z,max_x,max_y,max_z. A column name, id or object names
+/// the box.
 class BoxTableReader {
  public:
   explicit BoxTableReader(const Reading& reading) : reading_(reading) {}
@@ -87,8 +88,8 @@ class BoxTableReader {
 
   void read_heading(const Cells& cells) {
     heading_ = cells;
-    const auto corners = columns<6>({{"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"},
-                                     {"xmin", "ymin", "zmin", "xmax", "ymax", "zmax"}});
+    const auto corners = columns<6>(
+        {{"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"}, {"xmin", "ymin", "zmin", "xmax", "ymax", "zmax"}});
     if (corners) {
       std::copy_n(corners->begin(), 3, low_.begin());
       std::copy_n(corners->begin() + 3, 3, high_.begin());
@@ -123,7 +124,8 @@ class BoxTableReader {
   }
 
   void add_box(const Cells& cells) {
-    if (cells.size() != heading_.size()) complain(fmt::format("{} columns, the heading has {}", cells.size(), heading_.size()));
+    if (cells.size() != heading_.size())
+      complain(fmt::format("{} columns, the heading has {}", cells.size(), heading_.size()));
     if (type_ && cells[*type_] != "box") complain(fmt::format("type {}; only box is read", quoted(cells[*type_])));
     if (scene_.objects.size() == kMaxCloudPoints) complain(fmt::format("more than {} boxes", kMaxCloudPoints));
     SceneObject object;
@@ -147,9 +149,11 @@ class BoxTableReader {
   }
 
   Quat rotation(const Cells& cells) const {
-    const Quat q(number(cells, (*turn_)[0]), number(cells, (*turn_)[1]), number(cells, (*turn_)[2]), number(cells, (*turn_)[3]));
+    const Quat q(number(cells, (*turn_)[0]), number(cells, (*turn_)[1]), number(cells, (*turn_)[2]),
+                 number(cells, (*turn_)[3]));
     const double norm = q.norm();
-    if (!(std::abs(norm - 1) <= kUnitNormSlack)) complain(fmt::format("quaternion norm {}, allowed 1 +- {}", norm, kUnitNormSlack));
+    if (!(std::abs(norm - 1) <= kUnitNormSlack))
+      complain(fmt::format("quaternion norm {}, allowed 1 +- {}", norm, kUnitNormSlack));
     return std::abs(q.squaredNorm() - 1) > kNormalizedSlack ? Quat(q.coeffs() / norm) : q;
   }
 

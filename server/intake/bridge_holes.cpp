@@ -84,7 +84,8 @@ class Bridges {
  private:
   bool join(std::size_t hole_number) {
     Ring& hole = holes_[hole_number];
-    const auto first = std::max_element(hole.begin(), hole.end(), [&](std::uint32_t a, std::uint32_t b) { return plane_(a)[0] < plane_(b)[0]; });
+    const auto first = std::max_element(hole.begin(), hole.end(),
+                                        [&](std::uint32_t a, std::uint32_t b) { return plane_(a)[0] < plane_(b)[0]; });
     std::rotate(hole.begin(), first, hole.end());
     const PlanePoint from = plane_(hole[0]);
     std::vector<std::pair<double, std::size_t>> corners;

@@ -14,8 +14,8 @@ enum class Bridging {
   too_long,   // more than kMaxBridgeTests pairs of edges would have to be compared
 };
 
-/// One ring of corners for a polygon with holes: each hole is entered and left along a bridge, an edge that is run along
-/// both ways, so that cutting the ring into triangles cuts the polygon.
+/// One ring of corners for a polygon with holes: each hole is entered and left along a bridge, an edge that is run
+/// along both ways, so that cutting the ring into triangles cuts the polygon.
 ///
 /// rings     the outer one, then the holes, each of at least 3 corners, in one plane; either way round
 /// ring      the outer one with the bridges; left as it was unless done

@@ -41,15 +41,19 @@ class CityReader {
  private:
   void check_kind() const {
     const std::string type = root_.text_or("type", "");
-    if (type == "CityJSONFeature") refuse(reading_, "a CityJSON sequence, a feature a line, is not read; join its features to one CityJSON");
-    if (type != "CityJSON") refuse(reading_, fmt::format("its \"type\" is {}, only \"CityJSON\" is read", quoted(std::string_view(type))));
+    if (type == "CityJSONFeature")
+      refuse(reading_, "a CityJSON sequence, a feature a line, is not read; join its features to one CityJSON");
+    if (type != "CityJSON")
+      refuse(reading_, fmt::format("its \"type\" is {}, only \"CityJSON\" is read", quoted(std::string_view(type))));
     const std::string version = root_.text_or("version", "");
     if (!version.starts_with("1.") && !version.starts_with("2.")) {
       refuse(reading_, fmt::format("CityJSON version {}, read are 1.x and 2.x", quoted(std::string_view(version))));
     }
   }
 
-  Vec3 vec3(const JsonView& view) const { return {view.at(std::size_t{0}).number(), view.at(1).number(), view.at(2).number()}; }
+  Vec3 vec3(const JsonView& view) const {
+    return {view.at(std::size_t{0}).number(), view.at(1).number(), view.at(2).number()};
+  }
 
   void read_vertices() {
     Vec3 scale = Vec3::Ones();
@@ -63,7 +67,8 @@ class CityReader {
     scene_.mesh.vertices.reserve(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const json& numbers = vertices.json()[i];
-      const bool is_point = numbers.is_array() && numbers.size() == 3 && numbers[0].is_number() && numbers[1].is_number() && numbers[2].is_number();
+      const bool is_point = numbers.is_array() && numbers.size() == 3 && numbers[0].is_number() &&
+                            numbers[1].is_number() && numbers[2].is_number();
       if (!is_point) vertices.at(i).complain("is not three numbers");
       const Vec3 raw(numbers[0].get<double>(), numbers[1].get<double>(), numbers[2].get<double>());
       scene_.mesh.vertices.push_back(raw.cwiseProduct(scale) + origin);
@@ -78,8 +83,10 @@ class CityReader {
     for (std::size_t i = 0; i < count; ++i) finest = std::max(finest, detail_of(object.element("geometry", i)));
     for (std::size_t i = 0; i < count; ++i) {
       const JsonView geometry = object.element("geometry", i);
-      if (detail_of(geometry) < finest) ++coarser_count_;
-      else add_geometry(geometry);
+      if (detail_of(geometry) < finest)
+        ++coarser_count_;
+      else
+        add_geometry(geometry);
     }
     part.triangle_count = static_cast<std::uint32_t>(scene_.mesh.triangles.size()) - part.first_triangle;
     if (part.triangle_count > 0) scene_.parts.push_back(std::move(part));
@@ -109,8 +116,10 @@ class CityReader {
   void add_surfaces(const JsonView& geometry, const json& list, int nesting) {
     if (!list.is_array()) geometry.complain("has boundaries that are no lists");
     for (const json& inner : list) {
-      if (nesting > 1) add_surfaces(geometry, inner, nesting - 1);
-      else add_surface(geometry, inner);
+      if (nesting > 1)
+        add_surfaces(geometry, inner, nesting - 1);
+      else
+        add_surface(geometry, inner);
     }
   }
 
@@ -129,7 +138,9 @@ class CityReader {
     if (corners.empty()) return;
     if (corners.size() > 1) {
       const Bridging bridging = bridge_holes(corners, scene_.mesh.vertices, corners[0]);
-      if (bridging == Bridging::too_long) geometry.complain(fmt::format("has a polygon with {} holes that are too many to cut round", corners.size() - 1));
+      if (bridging == Bridging::too_long)
+        geometry.complain(
+            fmt::format("has a polygon with {} holes that are too many to cut round", corners.size() - 1));
       // A hole that is no hole is covered, which makes an obstacle of it; the other way something would be passed.
       hole_flaw_count_ += bridging == Bridging::no_bridge ? 1 : 0;
     }
@@ -141,7 +152,8 @@ class CityReader {
     std::vector<std::uint32_t> corners;
     corners.reserve(ring.size());
     for (const json& number : ring) {
-      const bool is_whole = number.is_number_unsigned() || (number.is_number_integer() && number.get<std::int64_t>() >= 0);
+      const bool is_whole =
+          number.is_number_unsigned() || (number.is_number_integer() && number.get<std::int64_t>() >= 0);
       if (!is_whole || number.get<std::uint64_t>() >= scene_.mesh.vertices.size()) {
         const std::string told = number.is_number() ? number.dump() : "(no number)";
         geometry.complain(fmt::format("has a corner that is vertex {} of {}", told, scene_.mesh.vertices.size()));
@@ -174,7 +186,8 @@ class CityReader {
     add(report.mended, crossing_count_, "polygons that cross or touch themselves cut into triangles by a guess");
     add(report.mended, hole_flaw_count_, "surfaces closed over holes that cross their border or lie outside of it");
     if (root_.has("metadata") && root_.at("metadata").has("referenceSystem")) {
-      report.placed.push_back("coordinates are those of " + mended_name(root_.at("metadata").at("referenceSystem").text()));
+      report.placed.push_back("coordinates are those of " +
+                              mended_name(root_.at("metadata").at("referenceSystem").text()));
     }
   }
 

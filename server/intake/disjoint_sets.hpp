@@ -8,7 +8,8 @@
 namespace collided {
 
 /// Numbers in sets that only grow; the smallest number of a set stands for it.
-/// source    Galler, Fischer, "An improved equivalence algorithm", 1964; halving paths: van Leeuwen, van der Weide, 1977
+/// source    Galler, Fischer, "An improved equivalence algorithm", 1964; halving paths: van Leeuwen, van der Weide,
+/// 1977
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }

@@ -40,7 +40,9 @@ std::string decode_base64(const JsonView& uri, std::string_view text) {
 
 /// "%20" and the like as they are meant.
 std::string unescaped(std::string_view uri) {
-  const auto hex = [](char c) { return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1; };
+  const auto hex = [](char c) {
+    return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
+  };
   std::string text;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     const bool is_escape = uri[i] == '%' && i + 2 < uri.size() && hex(uri[i + 1]) >= 0 && hex(uri[i + 2]) >= 0;
@@ -54,7 +56,8 @@ std::string unescaped(std::string_view uri) {
 
 GltfText gltf_text(const Reading& reading) {
   const std::span<const char> bytes = reading.bytes;
-  if (bytes.size() < 12 || number_at<std::uint32_t>(bytes.data(), std::endian::little) != kGlbMagic) return {{bytes.data(), bytes.size()}};
+  if (bytes.size() < 12 || number_at<std::uint32_t>(bytes.data(), std::endian::little) != kGlbMagic)
+    return {{bytes.data(), bytes.size()}};
   const auto version = number_at<std::uint32_t>(bytes.data() + 4, std::endian::little);
   if (version != 2) refuse(reading, fmt::format("GLB version {}; only 2 is read", version));
   GltfText text;
@@ -94,7 +97,8 @@ std::span<const char> GltfBuffers::open(const Reading& reading, const JsonView& 
       const std::filesystem::path path = std::filesystem::path(unescaped(text)).lexically_normal();
       const bool leaves = path.is_absolute() || path.empty() || *path.begin() == "..";
       if (leaves || reading.folder.empty()) {
-        uri.complain(fmt::format("is {}; only files in the folder of this one and below it are read", quoted(std::string_view(text))));
+        uri.complain(fmt::format("is {}; only files in the folder of this one and below it are read",
+                                 quoted(std::string_view(text))));
       }
       const auto full = (std::filesystem::path(reading.folder) / path).string();
       files_.push_back(std::make_unique<FileBytes>(full, FileBytes::Access::copied, reading.options));
@@ -114,7 +118,8 @@ GltfBuffers::Elements GltfBuffers::elements(const JsonView& accessor, std::uint6
   const std::uint64_t view_length = view.at("byteLength").index(whole - view_begin + 1);
   const std::uint64_t begin = accessor.index_or("byteOffset", view_length + 1, 0);
   const std::uint64_t stride = view.index_or("byteStride", 253, element_bytes);
-  if (stride < element_bytes) view.complain(fmt::format("has a stride of {} bytes for elements of {}", stride, element_bytes));
+  if (stride < element_bytes)
+    view.complain(fmt::format("has a stride of {} bytes for elements of {}", stride, element_bytes));
   const std::uint64_t room = view_length - begin;
   const bool fits = count == 0 || (room >= element_bytes && (count - 1) <= (room - element_bytes) / stride);
   if (!fits) accessor.complain(fmt::format("has {} elements, its buffer view has no room for them", count));

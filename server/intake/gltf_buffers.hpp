@@ -19,8 +19,8 @@ struct GltfText {
 /// source    glTF 2.0 specification, 4.4 "GLB File Format Specification"
 GltfText gltf_text(const Reading& reading);
 
-/// The bytes that a glTF file speaks of: in itself (GLB), in its text (base64), or in a file beside it, which must be in
-/// the same folder or below.
+/// The bytes that a glTF file speaks of: in itself (GLB), in its text (base64), or in a file beside it, which must be
+/// in the same folder or below.
 class GltfBuffers {
  public:
   GltfBuffers(const Reading& reading, const JsonView& root, std::span<const char> binary);

@@ -125,7 +125,8 @@ class GltfReader {
     }
     const std::size_t accessor_count = root_.size_of("accessors");
     const auto first = static_cast<std::uint32_t>(scene_.mesh.vertices.size());
-    const std::uint64_t count = add_positions(root_.element("accessors", attributes.at("POSITION").index(accessor_count)), placement);
+    const std::uint64_t count =
+        add_positions(root_.element("accessors", attributes.at("POSITION").index(accessor_count)), placement);
     if (!primitive.has("indices")) {
       add_triangles(mode, count, placement, [&](std::uint64_t i) { return first + static_cast<std::uint32_t>(i); });
       return;
@@ -143,9 +144,10 @@ class GltfReader {
     const bool mirrors = placement.linear.determinant() < 0;
     for (std::uint64_t i = 0; i < count; ++i) {
       const bool turned = mode == kStrip && i % 2 == 1;
-      TriangleCorners triangle = mode == kTriangles ? TriangleCorners{corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)}
-                                 : mode == kStrip   ? TriangleCorners{corner(i), corner(i + 1), corner(i + 2)}
-                                                    : TriangleCorners{corner(i + 1), corner(i + 2), corner(0)};
+      TriangleCorners triangle = mode == kTriangles
+                                     ? TriangleCorners{corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)}
+                                 : mode == kStrip ? TriangleCorners{corner(i), corner(i + 1), corner(i + 2)}
+                                                  : TriangleCorners{corner(i + 1), corner(i + 2), corner(0)};
       if (turned != mirrors) std::swap(triangle[1], triangle[2]);
       // A repeated corner only steers the strip; it is no triangle.
       const bool steers = triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
@@ -160,8 +162,8 @@ class GltfReader {
     check_vertex_count(reading_, scene_.mesh.vertices.size() + count);
     const std::uint64_t limit = 3 * std::min<std::uint64_t>(reading_.options.max_triangles, kMaxVertices) + 3;
     if (scene_.mesh.vertices.size() + count > limit) {
-      accessor.complain(fmt::format("brings the vertices to {}, more than {} triangles can use", scene_.mesh.vertices.size() + count,
-                                    reading_.options.max_triangles));
+      accessor.complain(fmt::format("brings the vertices to {}, more than {} triangles can use",
+                                    scene_.mesh.vertices.size() + count, reading_.options.max_triangles));
     }
     for (std::uint64_t i = 0; i < count; ++i) {
       const Vec3 local(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
@@ -184,7 +186,8 @@ class GltfReader {
     const std::size_t bytes = 3 * component_bytes(accessor, type);
     const bool has_view = accessor.has("bufferView");
     // Without a view the elements are zeros, and that many are not given away for nothing.
-    if (!has_view && count > kMaxBareElements) accessor.complain(fmt::format("has {} elements and no buffer view", count));
+    if (!has_view && count > kMaxBareElements)
+      accessor.complain(fmt::format("has {} elements and no buffer view", count));
     std::vector<double> numbers;
     if (!has_view) {
       numbers.assign(3 * count, 0);
@@ -210,15 +213,18 @@ class GltfReader {
     const GltfBuffers::Elements values = buffers_.elements(sparse.at("values"), count, bytes);
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto place = static_cast<std::uint64_t>(component(places.at(i), index_type, false));
-      if (place >= numbers.size() / 3) indices.complain(fmt::format("name element {} of {}", place, numbers.size() / 3));
-      for (std::size_t k = 0; k < 3; ++k) numbers[3 * place + k] = component(values.at(i) + k * bytes / 3, type, is_unit);
+      if (place >= numbers.size() / 3)
+        indices.complain(fmt::format("name element {} of {}", place, numbers.size() / 3));
+      for (std::size_t k = 0; k < 3; ++k)
+        numbers[3 * place + k] = component(values.at(i) + k * bytes / 3, type, is_unit);
     }
   }
 
   std::vector<std::uint32_t> indices_of(const JsonView& accessor, std::uint64_t vertex_count) const {
     if (accessor.at("type").text() != "SCALAR") accessor.complain("is not of type SCALAR");
     const std::uint64_t type = accessor.at("componentType").index(kFloat);
-    if (type != kUnsignedByte && type != kUnsignedShort && type != kUnsignedInt) accessor.complain("holds no unsigned whole numbers");
+    if (type != kUnsignedByte && type != kUnsignedShort && type != kUnsignedInt)
+      accessor.complain("holds no unsigned whole numbers");
     const std::size_t bytes = component_bytes(accessor, type);
     const std::uint64_t count = accessor.at("count").index(kMaxVertices);
     const GltfBuffers::Elements elements = buffers_.elements(accessor, count, bytes);
@@ -226,7 +232,8 @@ class GltfReader {
     for (std::uint64_t i = 0; i < count; ++i) {
       corners[i] = static_cast<std::uint32_t>(component(elements.at(i), type, false));
       if (corners[i] >= vertex_count) {
-        accessor.complain(fmt::format("names vertex {} of {} as corner {} of triangle {}", corners[i], vertex_count, i % 3, i / 3));
+        accessor.complain(
+            fmt::format("names vertex {} of {} as corner {} of triangle {}", corners[i], vertex_count, i % 3, i / 3));
       }
     }
     return corners;

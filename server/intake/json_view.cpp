@@ -12,7 +12,8 @@ namespace collided {
 using nlohmann::json;
 
 json parse_json(const Reading& reading, std::string_view text) {
-  if (text.size() > kMaxJsonBytes) refuse(reading, fmt::format("{} bytes of JSON text, limit {}", text.size(), kMaxJsonBytes));
+  if (text.size() > kMaxJsonBytes)
+    refuse(reading, fmt::format("{} bytes of JSON text, limit {}", text.size(), kMaxJsonBytes));
   try {
     return json::parse(text);
   } catch (const json::parse_error& error) {
@@ -28,7 +29,8 @@ void JsonView::complain(const std::string& what) const {
   // Members are named by the file, so the way may hold anything and be of any length.
   constexpr std::size_t kShown = 120;
   std::string way = way_.substr(0, kShown) + (way_.size() > kShown ? "..." : "");
-  std::replace_if(way.begin(), way.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  std::replace_if(
+      way.begin(), way.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   refuse(*reading_, fmt::format("{} {}", way, what));
 }
 
@@ -59,7 +61,8 @@ double JsonView::number() const {
 }
 
 std::uint64_t JsonView::index(std::uint64_t end) const {
-  const bool is_whole = value_->is_number_integer() && (value_->is_number_unsigned() || value_->get<std::int64_t>() >= 0);
+  const bool is_whole =
+      value_->is_number_integer() && (value_->is_number_unsigned() || value_->get<std::int64_t>() >= 0);
   if (!is_whole) complain("is not a whole number of 0 or more");
   const auto number = value_->get<std::uint64_t>();
   if (number >= end) complain(fmt::format("is {}, allowed are numbers below {}", number, end));

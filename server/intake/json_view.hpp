@@ -33,7 +33,7 @@ class JsonView {
   /// How many elements the member has; 0 where there is none.
   std::size_t size_of(const char* key) const { return has(key) ? at(key).size() : 0; }
 
-  double number() const;  // finite
+  double number() const;                         // finite
   std::uint64_t index(std::uint64_t end) const;  // a whole number below end
   std::string text() const;
   std::string text_or(const char* key, std::string otherwise) const { return has(key) ? at(key).text() : otherwise; }
@@ -47,7 +47,9 @@ class JsonView {
 
  private:
   JsonView(const JsonView& parent, const nlohmann::json& value, const char* key, std::size_t index)
-      : reading_(parent.reading_), value_(&value), way_(parent.way_ + '/' + (key != nullptr ? key : std::to_string(index))) {}
+      : reading_(parent.reading_),
+        value_(&value),
+        way_(parent.way_ + '/' + (key != nullptr ? key : std::to_string(index))) {}
 
   const Reading* reading_;
   const nlohmann::json* value_;

@@ -190,7 +190,11 @@ MendReport mend(Scene& scene, double crack_m) {
   MendedMesh mended = mend(std::move(scene.mesh), crack_m);
   if (mended.mesh.triangles.size() > came_count) arrange(mended, came_count, scene);
   scene.mesh = std::move(mended.mesh);
-  if (mended.report.did_anything()) scene.index = {};
+  if (mended.report.did_anything()) {
+    // Both name triangles and vertices by the numbers that they had.
+    scene.index = {};
+    scene.collapses = {};
+  }
   return mended.report;
 }
 
@@ -199,19 +203,24 @@ std::vector<std::string> sentences(const MendReport& report) {
   if (report.joined_point_count > 0) {
     lines.push_back(fmt::format("{} points joined with the one beside them", report.joined_point_count));
   }
-  if (report.t_vertex_count > 0) lines.push_back(fmt::format("{} T-vertices: the edges cut there", report.t_vertex_count));
+  if (report.t_vertex_count > 0)
+    lines.push_back(fmt::format("{} T-vertices: the edges cut there", report.t_vertex_count));
   if (report.closed_edge_count > 0) {
-    lines.push_back(fmt::format("{} cracks: the edges cut and bent to the points beside them", report.closed_edge_count));
+    lines.push_back(
+        fmt::format("{} cracks: the edges cut and bent to the points beside them", report.closed_edge_count));
   }
   if (report.unseen_point_count > 0) {
-    lines.push_back(fmt::format("{} points of the border not looked at: too many borders lie near each other", report.unseen_point_count));
+    lines.push_back(fmt::format("{} points of the border not looked at: too many borders lie near each other",
+                                report.unseen_point_count));
   }
-  if (!report.did_anything() && lines.empty()) return {fmt::format("nothing: no T-vertex and no crack up to {:.3g} m", report.crack_m)};
+  if (!report.did_anything() && lines.empty())
+    return {fmt::format("nothing: no T-vertex and no crack up to {:.3g} m", report.crack_m)};
   if (!report.did_anything()) return lines;
-  lines.push_back(fmt::format("{} triangles are several now, under the numbers they had; nothing moved by more than {:.3g} m "
-                              "(cracks up to {:.3g} m); edges of one triangle: {}, before {}",
-                              report.cut_triangle_count, report.largest_move_m, report.crack_m,
-                              report.boundary_edges_after, report.boundary_edges_before));
+  lines.push_back(
+      fmt::format("{} triangles are several now, under the numbers they had; nothing moved by more than {:.3g} m "
+                  "(cracks up to {:.3g} m); edges of one triangle: {}, before {}",
+                  report.cut_triangle_count, report.largest_move_m, report.crack_m, report.boundary_edges_after,
+                  report.boundary_edges_before));
   return lines;
 }
 

@@ -23,15 +23,16 @@ struct MendReport {
   bool did_anything() const { return cut_triangle_count + joined_point_count > 0; }
 };
 
-/// A mended mesh: triangle i is (a piece of) triangle origin[i] of the one that came; as many as came keep their places.
+/// A mended mesh: triangle i is (a piece of) triangle origin[i] of the one that came; as many as came keep their
+/// places.
 struct MendedMesh {
   TriangleMesh mesh;
   std::vector<std::uint32_t> origin;
   MendReport report;
 };
 
-/// Makes triangles along each other's borders share their points: points beside each other become one (the first), and a
-/// triangle is cut where another one's point is on its edge or beside it. Nothing is filled, dropped or turned over.
+/// Makes triangles along each other's borders share their points: points beside each other become one (the first), and
+/// a triangle is cut where another one's point is on its edge or beside it. Nothing is filled, dropped or turned over.
 ///
 /// crack_m   the widest crack to close; 0: kCrackReach of the diagonal. What counts as a crack: find_seams
 /// promise   where all that was found are T-vertices, no vertex moves: the area is the same but for their rounding; no

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "server/intake/disjoint_sets.hpp"
-#include "server/intake/orientation.hpp"
+#include "server/intake/winding.hpp"
 #include "server/intake/planar.hpp"
 #include "server/intake/weld.hpp"
 

@@ -23,7 +23,8 @@ class OctomapReader {
     walk();
     if (map_.shape.primitives.empty()) refuse(reading_, "no occupied cells");
     if (at_ != reading_.bytes.size()) {
-      reading_.report.warnings.push_back(fmt::format("{} bytes after the tree are not used", reading_.bytes.size() - at_));
+      reading_.report.warnings.push_back(
+          fmt::format("{} bytes after the tree are not used", reading_.bytes.size() - at_));
     }
     Scene scene;
     scene.objects.push_back(std::move(map_));
@@ -47,7 +48,8 @@ class OctomapReader {
       const std::string_view key = cursor.word();
       if (key == "data") break;
       if (key == "id") {
-        if (const std::string_view id = cursor.word(); id != "OcTree") cursor.complain(fmt::format("a tree of kind {}; only OcTree is read", quoted(id)));
+        if (const std::string_view id = cursor.word(); id != "OcTree")
+          cursor.complain(fmt::format("a tree of kind {}; only OcTree is read", quoted(id)));
       } else if (key == "res") {
         cell_m_ = cursor.finite_number("resolution");
       } else if (key == "size") {

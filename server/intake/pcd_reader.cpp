@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <limits>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "server/intake/byte_order.hpp"
@@ -52,7 +52,8 @@ class PcdHeaderReader {
   void take_line(const std::string& key) {
     if (key == "FIELDS" || key == "COLUMNS") {
       while (!cursor_.at_line_end()) header_.fields.push_back({.name = std::string(cursor_.word())});
-      if (header_.fields.empty() || header_.fields.size() > kMaxFields) cursor_.complain(fmt::format("{} fields, allowed are 1 to {}", header_.fields.size(), kMaxFields));
+      if (header_.fields.empty() || header_.fields.size() > kMaxFields)
+        cursor_.complain(fmt::format("{} fields, allowed are 1 to {}", header_.fields.size(), kMaxFields));
     } else if (key == "SIZE") {
       for (Field& field : header_.fields) field.bytes = whole("size of a field", 1, 8);
     } else if (key == "TYPE") {
@@ -76,13 +77,15 @@ class PcdHeaderReader {
 
   std::uint64_t whole(const char* what, std::int64_t least, std::int64_t most) {
     const std::int64_t value = cursor_.integer(what);
-    if (value < least || value > most) cursor_.complain(fmt::format("{} is {}, allowed are {} to {}", what, value, least, most));
+    if (value < least || value > most)
+      cursor_.complain(fmt::format("{} is {}, allowed are {} to {}", what, value, least, most));
     return static_cast<std::uint64_t>(value);
   }
 
   char type() {
     const std::string_view word = cursor_.word();
-    if (word != "F" && word != "I" && word != "U") cursor_.complain(fmt::format("type {}, allowed are F, I and U", quoted(word)));
+    if (word != "F" && word != "I" && word != "U")
+      cursor_.complain(fmt::format("type {}, allowed are F, I and U", quoted(word)));
     return word[0];
   }
 
@@ -90,7 +93,8 @@ class PcdHeaderReader {
     if (header_.fields.empty()) refuse(reading_, "the PCD header names no FIELDS");
     if (!has_count_) header_.point_count = width_ * height_;
     if (header_.point_count > kMaxCloudPoints) {
-      refuse(reading_, fmt::format("{} points, the most that a cloud may have are {}", header_.point_count, kMaxCloudPoints));
+      refuse(reading_,
+             fmt::format("{} points, the most that a cloud may have are {}", header_.point_count, kMaxCloudPoints));
     }
     std::uint64_t words = 0;
     for (Field& field : header_.fields) {
@@ -114,7 +118,8 @@ class PcdHeaderReader {
   void check_type(const Field& field) const {
     const bool is_float = field.type == 'F' && (field.bytes == 4 || field.bytes == 8);
     const bool is_whole = field.type != 'F' && (field.bytes == 1 || field.bytes == 2 || field.bytes == 4);
-    if (!is_float && !is_whole) refuse(reading_, fmt::format("field {} is of type {}{}", field.name, field.type, 8 * field.bytes));
+    if (!is_float && !is_whole)
+      refuse(reading_, fmt::format("field {} is of type {}{}", field.name, field.type, 8 * field.bytes));
   }
 
   static constexpr std::size_t kMaxFields = 256;
@@ -128,7 +133,8 @@ class PcdHeaderReader {
 
 double value_at(const char* bytes, const Field& field) {
   constexpr std::endian kOrder = std::endian::little;
-  if (field.type == 'F') return field.bytes == 8 ? number_at<double>(bytes, kOrder) : static_cast<double>(number_at<float>(bytes, kOrder));
+  if (field.type == 'F')
+    return field.bytes == 8 ? number_at<double>(bytes, kOrder) : static_cast<double>(number_at<float>(bytes, kOrder));
   const bool is_signed = field.type == 'I';
   switch (field.bytes) {
     case 1:
@@ -180,10 +186,15 @@ class PcdReader {
     header_ = PcdHeaderReader(reading_, cursor_).read();
     cursor_.next_line();
     const std::string& data = header_.data;
-    if (data == "ascii") read_text();
-    else if (data == "binary") read_binary();
-    else if (data == "binary_compressed") read_compressed();
-    else refuse(reading_, fmt::format("DATA {}, allowed are ascii, binary and binary_compressed", quoted(std::string_view(data))));
+    if (data == "ascii")
+      read_text();
+    else if (data == "binary")
+      read_binary();
+    else if (data == "binary_compressed")
+      read_compressed();
+    else
+      refuse(reading_,
+             fmt::format("DATA {}, allowed are ascii, binary and binary_compressed", quoted(std::string_view(data))));
     if (cloud_.shape.primitives.empty()) refuse(reading_, "no points");
     if (missing_count_ > 0) {
       reading_.report.refused.push_back(fmt::format("{} points that are NaN (not measured) left out", missing_count_));
@@ -200,13 +211,15 @@ class PcdReader {
       ++missing_count_;
       return;
     }
-    if (!point.allFinite()) refuse(reading_, fmt::format("point {} is ({}, {}, {})", number, point[0], point[1], point[2]));
+    if (!point.allFinite())
+      refuse(reading_, fmt::format("point {} is ({}, {}, {})", number, point[0], point[1], point[2]));
     cloud_.shape.primitives.push_back(Sphere{point, 0});
   }
 
   void read_text() {
     for (std::uint64_t i = 0; i < header_.point_count; ++i) {
-      if (!cursor_.find_word()) refuse(reading_, fmt::format("the file ends after {} of {} points", i, header_.point_count));
+      if (!cursor_.find_word())
+        refuse(reading_, fmt::format("the file ends after {} of {} points", i, header_.point_count));
       Vec3 point;
       std::uint64_t word = 0;
       std::uint64_t found = 0;

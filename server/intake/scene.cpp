@@ -62,8 +62,8 @@ const Format& format_of(const std::string& file) {
   std::string ending = std::filesystem::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  const auto found =
-      std::find_if(std::begin(kFormats), std::end(kFormats), [&](const Format& format) { return format.ending == ending; });
+  const auto found = std::find_if(std::begin(kFormats), std::end(kFormats),
+                                  [&](const Format& format) { return format.ending == ending; });
   return found == std::end(kFormats) ? kOther : *found;
 }
 
@@ -105,7 +105,8 @@ Vec3 turned_up(const Vec3& v) { return {v[0], -v[2], v[1]}; }
 /// Who says what was taken.
 std::string because(const Format& format, bool is_asked, bool is_said, std::string_view option) {
   if (is_asked) return "as asked";
-  return is_said ? fmt::format("as {} says", format.name) : fmt::format("since {} does not say; {} does", format.name, option);
+  return is_said ? fmt::format("as {} says", format.name)
+                 : fmt::format("since {} does not say; {} does", format.name, option);
 }
 
 /// Unit, up axis and origin as they were taken, and who says so.
@@ -117,7 +118,7 @@ void tell_placement(const Format& format, const Reading& reading) {
                                because(format, options.unit_m != 1, format.says_metres, "--unit")));
   placed.push_back(fmt::format("{}, {}", up == 'y' ? "y is up and turned to z" : "z is up",
                                because(format, options.up != 0, format.up != 0, "--up")));
-  placed.push_back(fmt::format("the origin is that of the file"));
+  placed.emplace_back("the origin is that of the file");
 }
 
 /// From the file's units and axes to metres with z up. A scene that has both already is not touched.
@@ -204,6 +205,11 @@ void finish_mesh(const Reading& reading, Scene& scene) {
   if (reading.options.mend_m && !scene.mesh.triangles.empty()) {
     const std::vector<std::string> lines = sentences(mend(scene, *reading.options.mend_m));
     reading.report.mended.insert(reading.report.mended.end(), lines.begin(), lines.end());
+  }
+  const bool has_own_meshes = std::any_of(scene.objects.begin(), scene.objects.end(),
+                                          [](const SceneObject& object) { return object.shape.mesh != nullptr; });
+  if (reading.options.mend_m && has_own_meshes) {
+    reading.report.warnings.emplace_back("the meshes of objects are not mended, only what stands still is");
   }
   report_oddities(reading, scene.mesh);
 }

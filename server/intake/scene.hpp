@@ -70,7 +70,7 @@ struct LoadReport {
   std::vector<std::string> mended;
   std::vector<std::string> refused;
   std::vector<std::string> warnings;
-  std::vector<std::string> placed;  // unit, up axis and origin: what the file says of them, what was taken where it is silent
+  std::vector<std::string> placed;  // unit, up axis and origin: what the file says, what was taken where it is silent
   double seconds = 0;
 };
 
@@ -82,7 +82,7 @@ struct LoadOptions {
   double radius_m = 0;  // of the balls about a cloud's points
   bool strict = false;  // refuse what would be mended
   std::optional<double> mend_m{};  // close cracks up to this width and T-vertices; 0: what mend.hpp takes by itself
-  std::string srdf{};                      // of a URDF robot: the file that says which links may touch
+  std::string srdf{};              // of a URDF robot: the file that says which links may touch
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
   std::function<void(double)> progress{};  // fraction done in [0, 1]

@@ -57,8 +57,8 @@ class SeamSearch {
       if (uses.size() != 1) continue;
       const TriangleCorners& corners = mesh_.triangles[triangle_of(uses[0])];
       const std::uint32_t k = uses[0] % 3;
-      borders_.push_back({uses[0], point_of_[corners[k]], point_of_[corners[(k + 1) % 3]],
-                          point_of_[corners[(k + 2) % 3]]});
+      borders_.push_back(
+          {uses[0], point_of_[corners[k]], point_of_[corners[(k + 1) % 3]], point_of_[corners[(k + 2) % 3]]});
     }
   }
 
@@ -156,7 +156,7 @@ class SeamSearch {
   const std::vector<std::uint32_t>& point_of_;
   SeamReach reach_;
   std::vector<Border> borders_;
-  std::vector<double> shortest_m_;  // of the edges at each point
+  std::vector<double> shortest_m_;     // of the edges at each point
   std::vector<std::uint32_t> points_;  // of the border, ascending
   std::vector<Nearest> nearest_;       // of each
   std::uint64_t test_count_ = 0;
@@ -174,8 +174,8 @@ SeamReach seam_reach(const TriangleMesh& mesh, const Aabb& bounds, double crack_
           .crack_m = crack_m > 0 ? crack_m : kCrackReach * (bounds.high - bounds.low).norm()};
 }
 
-Seams find_seams(const TriangleMesh& mesh, const EdgeTable& table,
-                 const std::vector<std::uint32_t>& point_of, const SeamReach& reach, const Aabb& bounds) {
+Seams find_seams(const TriangleMesh& mesh, const EdgeTable& table, const std::vector<std::uint32_t>& point_of,
+                 const SeamReach& reach, const Aabb& bounds) {
   return SeamSearch(mesh, table, point_of, reach).run(bounds);
 }
 

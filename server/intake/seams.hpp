@@ -17,9 +17,9 @@ struct Seam {
     beside_point  // a crack: beside another point
   };
   Kind kind = Kind::t_vertex;
-  std::uint32_t point = 0;  // a vertex number
+  std::uint32_t point = 0;        // a vertex number
   std::uint32_t other_point = 0;  // beside_point only
-  HalfEdge edge = 0;        // the triangle's side that the point should be on; of beside_point, one that ends there
+  HalfEdge edge = 0;  // the triangle's side that the point should be on; of beside_point, one that ends there
   double gap_m = 0;
 };
 
@@ -45,7 +45,7 @@ struct Seams {
 /// point_of  as the table was made with
 /// error     gaps are right to some roundings of the largest coordinate
 /// cost      about 2 us an edge of one triangle; nothing where there is none
-Seams find_seams(const TriangleMesh& mesh, const EdgeTable& table,
-                 const std::vector<std::uint32_t>& point_of, const SeamReach& reach, const Aabb& bounds);
+Seams find_seams(const TriangleMesh& mesh, const EdgeTable& table, const std::vector<std::uint32_t>& point_of,
+                 const SeamReach& reach, const Aabb& bounds);
 
 }  // namespace collided

@@ -38,7 +38,8 @@ SegmentGrid::SegmentGrid(std::span<const Segment> segments, const Aabb& bounds, 
     const Vec3 high = segments[i].a.cwiseMax(segments[i].b).array() + reach_m;
     const double size_m = std::max((high - low).maxCoeff(), std::numeric_limits<double>::min());
     const Level level{std::max(std::ilogb(size_m) + 1, least_power)};
-    const auto known = std::find_if(levels_.begin(), levels_.end(), [&](const Level& l) { return l.power == level.power; });
+    const auto known =
+        std::find_if(levels_.begin(), levels_.end(), [&](const Level& l) { return l.power == level.power; });
     if (known == levels_.end()) levels_.push_back(level);
     const Cell first = cell_of(level, low);
     const Cell last = cell_of(level, high);

@@ -12,7 +12,8 @@ namespace collided {
 LinkPairs read_srdf(const std::string& text, const std::string& file) {
   pugi::xml_document document;
   const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
-  if (!parsed) throw LoadError(fmt::format("{}: byte {}: {}. Nothing was loaded.", file, parsed.offset, parsed.description()));
+  if (!parsed)
+    throw LoadError(fmt::format("{}: byte {}: {}. Nothing was loaded.", file, parsed.offset, parsed.description()));
   const pugi::xml_node robot = document.child("robot");
   if (!robot) throw LoadError(fmt::format("{}: no <robot> in it. Nothing was loaded.", file));
   LinkPairs pairs;

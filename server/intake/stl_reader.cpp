@@ -79,8 +79,8 @@ Scene read_binary(const Reading& reading) {
   }
   Scene scene;
   scene.mesh.triangles.resize(count);
-  // STL has no vertex numbers: corners with equal coordinates are what the format calls one vertex. A closed surface has
-  // half as many as triangles.
+  // STL has no vertex numbers: corners with equal coordinates are what the format calls one vertex. A closed surface
+  // has half as many as triangles.
   Welder welder(scene.mesh.vertices, count / 2 + 16);
   constexpr std::size_t kTriangles = Welder::kBatch / 3;
   std::array<Vec3, Welder::kBatch> corners;

@@ -45,7 +45,8 @@ class UrdfReader {
     place_links(robot);
     for (const pugi::xml_node link : robot.children("link")) add_link(link);
     if (!missing_.empty()) {
-      refuse(reading_, fmt::format("{} mesh files are not there, the first is {}", missing_.size(), quoted(std::string_view(missing_[0]))));
+      refuse(reading_, fmt::format("{} mesh files are not there, the first is {}", missing_.size(),
+                                   quoted(std::string_view(missing_[0]))));
     }
     if (scene_.objects.empty()) refuse(reading_, "no link has a collision shape");
     set_filters(robot.attribute("name").value());
@@ -66,7 +67,8 @@ class UrdfReader {
   Vec3 numbers(const pugi::xml_attribute& attribute, const Vec3& otherwise) const {
     if (!attribute) return otherwise;
     const std::string_view text = attribute.value();
-    const Reading inside{fmt::format("{}: attribute {} {}", reading_.file, attribute.name(), quoted(text)), text, reading_.options, reading_.report};
+    const Reading inside{fmt::format("{}: attribute {} {}", reading_.file, attribute.name(), quoted(text)), text,
+                         reading_.options, reading_.report};
     TextCursor cursor(inside, text, TextCursor::LineEnd::newline, false);
     Vec3 result;
     for (double& number : result) number = cursor.finite_number("number");
@@ -75,10 +77,12 @@ class UrdfReader {
 
   double size(const pugi::xml_node& node, const char* name) const {
     const std::string_view text = node.attribute(name).value();
-    const Reading inside{fmt::format("{}: <{}> {}", reading_.file, node.name(), name), text, reading_.options, reading_.report};
+    const Reading inside{fmt::format("{}: <{}> {}", reading_.file, node.name(), name), text, reading_.options,
+                         reading_.report};
     TextCursor cursor(inside, text, TextCursor::LineEnd::newline, false);
     const double value = cursor.finite_number("size");
-    if (!(value > 0)) refuse(reading_, fmt::format("<{}> {} is {} m, allowed are lengths above 0", node.name(), name, value));
+    if (!(value > 0))
+      refuse(reading_, fmt::format("<{}> {} is {} m, allowed are lengths above 0", node.name(), name, value));
     return value;
   }
 
@@ -93,14 +97,16 @@ class UrdfReader {
       if (++link_count > kMaxLinks) refuse(reading_, fmt::format("more than {} links", kMaxLinks));
     }
     for (const pugi::xml_node node : robot.children("joint")) {
-      Joint joint{node.child("parent").attribute("link").value(), node.child("child").attribute("link").value(), origin_of(node),
-                  std::string_view(node.attribute("type").value()) != "fixed"};
+      Joint joint{node.child("parent").attribute("link").value(), node.child("child").attribute("link").value(),
+                  origin_of(node), std::string_view(node.attribute("type").value()) != "fixed"};
       for (const std::string* name : {&joint.parent, &joint.child}) {
         if (!parent_counts.contains(*name)) {
-          refuse(reading_, fmt::format("joint {} names the link {}, which is not there", quoted(node.attribute("name").value()), quoted(std::string_view(*name))));
+          refuse(reading_, fmt::format("joint {} names the link {}, which is not there",
+                                       quoted(node.attribute("name").value()), quoted(std::string_view(*name))));
         }
       }
-      if (++parent_counts[joint.child] > 1) refuse(reading_, fmt::format("link {} is the child of two joints", quoted(std::string_view(joint.child))));
+      if (++parent_counts[joint.child] > 1)
+        refuse(reading_, fmt::format("link {} is the child of two joints", quoted(std::string_view(joint.child))));
       moving_joint_count_ += joint.moves ? 1 : 0;
       joints_below[joint.parent].push_back(std::move(joint));
     }
@@ -136,7 +142,9 @@ class UrdfReader {
     const Mat3 axes = pose.rotation.toRotationMatrix();
     if (const pugi::xml_node box = geometry.child("box")) {
       const Vec3 whole = numbers(box.attribute("size"), Vec3::Constant(-1));
-      if (!(whole.array() > 0).all()) refuse(reading_, fmt::format("<box> size is {} {} {} m, allowed are lengths above 0", whole[0], whole[1], whole[2]));
+      if (!(whole.array() > 0).all())
+        refuse(reading_,
+               fmt::format("<box> size is {} {} {} m, allowed are lengths above 0", whole[0], whole[1], whole[2]));
       shape.primitives.push_back(Box{.center = pose.position, .axes = axes, .half_m = whole / 2});
     } else if (const pugi::xml_node sphere = geometry.child("sphere")) {
       shape.primitives.push_back(Sphere{pose.position, size(sphere, "radius")});
@@ -149,7 +157,8 @@ class UrdfReader {
     } else if (const pugi::xml_node file = geometry.child("mesh")) {
       add_mesh(file, pose, mesh);
     } else {
-      refuse(reading_, fmt::format("a collision geometry {}; read are box, sphere, cylinder, capsule and mesh", quoted(geometry.first_child().name())));
+      refuse(reading_, fmt::format("a collision geometry {}; read are box, sphere, cylinder, capsule and mesh",
+                                   quoted(geometry.first_child().name())));
     }
   }
 
@@ -169,14 +178,17 @@ class UrdfReader {
     LoadReport report;
     const Scene part = load_scene(path.string(), options, report);
     if (!part.objects.empty()) refuse(reading_, fmt::format("{} is no mesh", quoted(std::string_view(name))));
-    for (const std::string& line : report.refused) reading_.report.refused.push_back(path.filename().string() + ": " + line);
-    for (const std::string& line : report.warnings) reading_.report.warnings.push_back(path.filename().string() + ": " + line);
+    for (const std::string& line : report.refused)
+      reading_.report.refused.push_back(path.filename().string() + ": " + line);
+    for (const std::string& line : report.warnings)
+      reading_.report.warnings.push_back(path.filename().string() + ": " + line);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     triangle_count_ += part.mesh.triangles.size();
     check_triangle_count(reading_, triangle_count_);
     for (const Vec3& vertex : part.mesh.vertices) {
       mesh.vertices.push_back(pose.rotation * vertex.cwiseProduct(scale) + pose.position);
-      if (!mesh.vertices.back().allFinite()) refuse(reading_, fmt::format("{} is too large where it is placed", quoted(std::string_view(name))));
+      if (!mesh.vertices.back().allFinite())
+        refuse(reading_, fmt::format("{} is too large where it is placed", quoted(std::string_view(name))));
     }
     const bool mirrors = scale.prod() < 0;
     for (TriangleCorners corners : part.mesh.triangles) {
@@ -217,15 +229,18 @@ class UrdfReader {
       std::uint64_t hash = 0;
       for (const char c : robot) hash = mixed(hash + static_cast<std::uint8_t>(c) + 1);
       for (SceneObject& object : scene_.objects) object.filter.group = static_cast<std::uint32_t>(hash) | 1;
-      report.warnings.emplace_back("the links never meet each other: without an SRDF file (--srdf) nothing says which of them may touch");
+      report.warnings.emplace_back(
+          "the links never meet each other: without an SRDF file (--srdf) nothing says which of them may touch");
       return;
     }
     const FileBytes bytes(reading_.options.srdf, FileBytes::Access::copied, reading_.options);
     const LinkPairs pairs = read_srdf({bytes.bytes().data(), bytes.bytes().size()}, file_name(reading_.options.srdf));
     std::uint64_t unknown_count = 0;
-    if (const std::string reason = allow_pairs(pairs, scene_.objects, unknown_count); !reason.empty()) refuse(reading_, reason);
+    if (const std::string reason = allow_pairs(pairs, scene_.objects, unknown_count); !reason.empty())
+      refuse(reading_, reason);
     if (unknown_count > 0) {
-      report.warnings.push_back(fmt::format("{} of {} pairs in the SRDF file name a link without a collision shape", unknown_count, pairs.size()));
+      report.warnings.push_back(fmt::format("{} of {} pairs in the SRDF file name a link without a collision shape",
+                                            unknown_count, pairs.size()));
     }
   }
 

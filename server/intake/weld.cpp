@@ -108,7 +108,8 @@ void weld_equal_vertices(TriangleMesh& mesh) {
   }
 }
 
-std::vector<std::uint32_t> duplicate_triangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal) {
+std::vector<std::uint32_t> duplicate_triangles(const TriangleMesh& mesh,
+                                               const std::vector<std::uint32_t>& first_equal) {
   const auto sorted = [&](std::uint32_t i) {
     TriangleCorners corners = mesh.triangles[i];
     for (std::uint32_t& corner : corners) {

@@ -38,9 +38,7 @@ Common common_corners(const Corners& a, const Corners& b) {
 }
 
 /// The triangle with its corners from `first` on, the other way round where told.
-Triangle turned(const Corners& c, int first, int second) {
-  return {*c[first], *c[second], *c[3 - first - second]};
-}
+Triangle turned(const Corners& c, int first, int second) { return {*c[first], *c[second], *c[3 - first - second]}; }
 
 bool meet(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
   const Corners p = corners_of(mesh, a);

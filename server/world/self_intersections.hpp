@@ -19,7 +19,8 @@ struct TrianglePair {
 struct SelfIntersections {
   std::vector<TrianglePair> pairs;  // ascending
   std::uint64_t candidate_count = 0;
-  bool is_complete = true;  // false: ended at kMostPairs or kMostCandidates, so that soups cannot take all memory or for ever
+  bool is_complete =
+      true;  // false: ended at kMostPairs or kMostCandidates, so that soups cannot take all memory or for ever
 
   static constexpr std::size_t kMostPairs = 10'000'000;
   static constexpr std::uint64_t kMostCandidates = 1'000'000'000;

@@ -111,7 +111,8 @@ std::string stl(const TriangleMesh& mesh) {
 
 std::string ply(const TriangleMesh& mesh) {
   std::string bytes = fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
+      "z\n"
       "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
       mesh.vertices.size(), mesh.triangles.size());
   for (const Vec3& v : mesh.vertices) {
@@ -131,7 +132,8 @@ void read_row(const std::string& path, Scene (*read)(const Reading&)) {
   LoadReport report;
   {
     const Scene scene = load_scene(path, {}, report);
-    result = static_cast<double>(scene.mesh.vertices.size() * sizeof(Vec3) + scene.mesh.triangles.size() * sizeof(TriangleCorners));
+    result = static_cast<double>(scene.mesh.vertices.size() * sizeof(Vec3) +
+                                 scene.mesh.triangles.size() * sizeof(TriangleCorners));
   }
   const auto peak = static_cast<double>(peak_bytes() - before);
   const double whole_s = seconds([&] {
@@ -144,17 +146,21 @@ void read_row(const std::string& path, Scene (*read)(const Reading&)) {
     const LoadOptions options;
     read({"terrain", bytes.bytes(), options, unread});
   });
-  std::printf("  %-5s %6.1f MB  reader %5.0f MB/s  whole load %5.0f MB/s  peak %5.1f MB beside %5.1f of file and %4.1f of result: %4.2f\n",
-              std::filesystem::path(path).extension().c_str(), file_mb, file_mb / reader_s, file_mb / whole_s, peak / 1e6, file_mb,
-              result / 1e6, peak / (file_mb * 1e6 + result));
+  std::printf(
+      "  %-5s %6.1f MB  reader %5.0f MB/s  whole load %5.0f MB/s  peak %5.1f MB beside %5.1f of file and %4.1f of "
+      "result: %4.2f\n",
+      std::filesystem::path(path).extension().c_str(), file_mb, file_mb / reader_s, file_mb / whole_s, peak / 1e6,
+      file_mb, result / 1e6, peak / (file_mb * 1e6 + result));
 }
 
 void check_rows(const TriangleMesh& mesh) {
   MeshHealth health;
   std::printf("  health report        %6.3f s\n", seconds([&] { health = examine(mesh); }));
-  std::printf("  creases, silhouettes %6.3f s\n", seconds([&] { edge_kinds(mesh, health.edges, {.eye = Vec3(3, 2, 30)}); }));
+  std::printf("  creases, silhouettes %6.3f s\n",
+              seconds([&] { edge_kinds(mesh, health.edges, {.eye = Vec3(3, 2, 30)}); }));
   BspTree tree;
-  std::printf("  index                %6.3f s\n", seconds([&] { tree = BspTree::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}); }));
+  std::printf("  index                %6.3f s\n",
+              seconds([&] { tree = BspTree::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}); }));
   std::printf("  self-intersections   %6.3f s\n", seconds([&] { self_intersections(mesh, tree); }));
   std::printf("  mending a clean mesh %6.3f s\n", seconds([&] { mend(mesh, 0); }));
 }
@@ -165,7 +171,8 @@ void check_rows(const TriangleMesh& mesh) {
 int main() {
   using namespace collided;
   using namespace collided::bench;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("collided_intake_bench_{}", ::getpid());
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / fmt::format("collided_intake_bench_{}", ::getpid());
   std::filesystem::create_directory(folder);
   const auto path = [&](const char* ending) { return (folder / (std::string("terrain") + ending)).string(); };
   alone([&] {

@@ -38,7 +38,8 @@ class Files : public testing::Test {
     std::FILE* pipe = ::popen((std::string(COLLIDED_FILES_BUILT) + " " + words + " 2>&1").c_str(), "r");
     Ran ran;
     std::array<char, 4096> piece{};
-    for (std::size_t got = 0; (got = std::fread(piece.data(), 1, piece.size(), pipe)) > 0;) ran.text.append(piece.data(), got);
+    for (std::size_t got = 0; (got = std::fread(piece.data(), 1, piece.size(), pipe)) > 0;)
+      ran.text.append(piece.data(), got);
     ran.code = WEXITSTATUS(::pclose(pipe));
     return ran;
   }
@@ -54,7 +55,8 @@ class Files : public testing::Test {
 
 /// Two panels; the second one's long edge passes a point of the first one's.
 const std::string kPanels =
-    "o left\nv 0 0 0\nv 1 0 0\nv 1 .5 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 5\nf 3 4 5\no right\nv 2 0 0\nv 2 1 0\nf 2 6 7\nf 2 7 4\n";
+    "o left\nv 0 0 0\nv 1 0 0\nv 1 .5 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 5\nf 3 4 5\no right\nv 2 0 0\nv 2 1 0\nf 2 6 "
+    "7\nf 2 7 4\n";
 
 const std::string kCube =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
@@ -126,14 +128,16 @@ TEST_F(Files, ASizeThatSuggestsAnotherUnitIsDoubted) {
   EXPECT_EQ(found["unit_doubt"], "1210 m across: if the file is in millimetres, it is 1.21 m (--unit mm)");
   EXPECT_TRUE(checked(write("small.obj", "v 0 0 0\nv 0.0005 0 0\nv 0 0.0005 0\nf 1 2 3\n")).contains("unit_doubt"));
   // A survey is large and far away, and that is what it should be.
-  EXPECT_FALSE(checked(write("utm.obj", "v 4649000.1 500000 0\nv 4650200.2 500000 0\nv 4649000 500900 0\nf 1 2 3\n")).contains("unit_doubt"));
+  EXPECT_FALSE(checked(write("utm.obj", "v 4649000.1 500000 0\nv 4650200.2 500000 0\nv 4649000 500900 0\nf 1 2 3\n"))
+                   .contains("unit_doubt"));
 }
 
 TEST_F(Files, SinglePrecisionFarFromTheOriginIsWarnedOf) {
   std::string text;
   for (int i = 0; i < 12; ++i) {
     std::array<char, 128> line{};
-    std::snprintf(line.data(), line.size(), "v %.9g %.9g %d\n", static_cast<double>(4649000.3f + 0.7f * static_cast<float>(i)),
+    std::snprintf(line.data(), line.size(), "v %.9g %.9g %d\n",
+                  static_cast<double>(4649000.3f + 0.7f * static_cast<float>(i)),
                   static_cast<double>(500000.1f * 7 + static_cast<float>(i * i)), i);
     text += line.data();
   }
@@ -142,7 +146,9 @@ TEST_F(Files, SinglePrecisionFarFromTheOriginIsWarnedOf) {
 }
 
 TEST_F(Files, LinksOfARobotAreCheckedEachAndAnSrdfFileIsTaken) {
-  const std::string robot = write("r.urdf", R"(<robot name="r"><link name="a"><collision><geometry><mesh filename="package://p/cube.obj"/></geometry></collision></link>
+  const std::string robot = write(
+      "r.urdf",
+      R"(<robot name="r"><link name="a"><collision><geometry><mesh filename="package://p/cube.obj"/></geometry></collision></link>
     <link name="b"><collision><geometry><sphere radius="1"/></geometry></collision></link>
     <joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>)");
   write("cube.obj", kCube);

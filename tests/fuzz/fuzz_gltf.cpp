@@ -7,7 +7,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 std::vector<std::string> fuzz_seeds() {
   // Four points of single precision and six corners of a byte, in base64 and behind the text of a binary file.
-  const std::string floats{"\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\x80\x3f\0\0\x80\x3f\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f", 48};
+  const std::string floats{
+      "\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\x80\x3f\0\0\x80\x3f\0\0\0\0\0\0\x80"
+      "\x3f\0\0\x80\x3f",
+      48};
   const std::string corners{"\0\1\2\0\2\3\0\0", 8};
   const std::string body =
       R"("nodes":[{"translation":[1,2,3],"children":[1,2]},{"mesh":0,"rotation":[0,0,0,1],"scale":[2,-1,1]},{"mesh":1,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]}],)"
@@ -23,8 +26,8 @@ std::vector<std::string> fuzz_seeds() {
     for (int i = 0; i < 4; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xff);
     return bytes;
   };
-  const std::string glb = "glTF" + number(2) + number(12 + 16 + json.size() + 56) + number(json.size()) + "JSON" + json + number(56) +
-                          std::string("BIN\0", 4) + floats + corners;
+  const std::string glb = "glTF" + number(2) + number(12 + 16 + json.size() + 56) + number(json.size()) + "JSON" +
+                          json + number(56) + std::string("BIN\0", 4) + floats + corners;
   return {
       "{" + body +
           R"(,"buffers":[{"byteLength":54,"uri":"data:;base64,AAAAAAAAAAAAAIA/AACAPwAAAAAAAIA/AACAPwAAgD8AAIA/AAAAAAAAgD8AAIA/AAECAAIDAAA="}]})",

@@ -4,8 +4,8 @@
 #include "server/intake/mesh_health.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
-// A mesh of the bytes: the first says the widest crack, then three bytes a vertex as sixteenths with a little shift, and
-// after a byte 255 three a triangle. Many points are then on others' edges, beside each other or on one line.
+// A mesh of the bytes: the first says the widest crack, then three bytes a vertex as sixteenths with a little shift,
+// and after a byte 255 three a triangle. Many points are then on others' edges, beside each other or on one line.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace collided;
   if (size < 8) return 0;
@@ -26,8 +26,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::require(mended.mesh.vertices.size() == mesh.vertices.size(), "no vertex comes or goes");
   fuzz::require(mended.origin.size() == mended.mesh.triangles.size(), "each triangle tells what it was");
   for (std::size_t i = 0; i < mended.origin.size(); ++i) {
-    fuzz::require(i < mesh.triangles.size() ? mended.origin[i] == i : mended.origin[i] < mesh.triangles.size(), "triangles keep their places");
-    fuzz::require(*std::max_element(mended.mesh.triangles[i].begin(), mended.mesh.triangles[i].end()) < mesh.vertices.size(), "corners are vertices");
+    fuzz::require(i < mesh.triangles.size() ? mended.origin[i] == i : mended.origin[i] < mesh.triangles.size(),
+                  "triangles keep their places");
+    fuzz::require(
+        *std::max_element(mended.mesh.triangles[i].begin(), mended.mesh.triangles[i].end()) < mesh.vertices.size(),
+        "corners are vertices");
   }
   if (mesh.triangles.empty()) return 0;
   const double reach_m = std::max(mended.report.crack_m, examine(mesh).seam_reach.on_edge_m);

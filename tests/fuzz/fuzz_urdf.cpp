@@ -10,7 +10,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::uint64_t unknown_count = 0;
     fuzz::require(allow_pairs(pairs, objects, unknown_count).empty(), "three links are told apart");
     fuzz::require(unknown_count <= pairs.size(), "no more pairs are unknown than there are");
-    for (const SceneObject& object : objects) fuzz::require(may_meet(object.filter, Filter{}), "a link meets what is no link");
+    for (const SceneObject& object : objects)
+      fuzz::require(may_meet(object.filter, Filter{}), "a link meets what is no link");
   } catch (const LoadError&) {
   }
   return 0;

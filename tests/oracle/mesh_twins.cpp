@@ -32,9 +32,7 @@ bool is_flat(const Triangle& t) {
   return n[0] == 0 && n[1] == 0 && n[2] == 0;
 }
 
-bool is_less(const Vec3& a, const Vec3& b) {
-  return std::array{a[0], a[1], a[2]} < std::array{b[0], b[1], b[2]};
-}
+bool is_less(const Vec3& a, const Vec3& b) { return std::array{a[0], a[1], a[2]} < std::array{b[0], b[1], b[2]}; }
 
 /// Each vertex's first equal one, by sorting.
 std::vector<std::uint32_t> points_of(const TriangleMesh& mesh) {
@@ -71,9 +69,10 @@ bool meet(const TriangleMesh& mesh, const std::vector<std::uint32_t>& points, st
   if (common.size() == 1) {
     return touch({rest_a[0], rest_a[1], rest_a[1]}, b) || touch(a, {rest_b[0], rest_b[1], rest_b[1]});
   }
-  if (common.size() == 2) return touch({rest_a[0], rest_a[0], rest_a[0]}, b) || touch(a, {rest_b[0], rest_b[0], rest_b[0]}) ||
-                                 touch({rest_a[0], common[0], common[0]}, {rest_b[0], common[1], common[1]}) ||
-                                 touch({rest_a[0], common[1], common[1]}, {rest_b[0], common[0], common[0]});
+  if (common.size() == 2)
+    return touch({rest_a[0], rest_a[0], rest_a[0]}, b) || touch(a, {rest_b[0], rest_b[0], rest_b[0]}) ||
+           touch({rest_a[0], common[0], common[0]}, {rest_b[0], common[1], common[1]}) ||
+           touch({rest_a[0], common[1], common[1]}, {rest_b[0], common[0], common[0]});
   return false;
 }
 
@@ -152,7 +151,8 @@ std::vector<Seam> seams(const TriangleMesh& mesh, const SeamReach& reach) {
       for (const std::uint32_t end : {from, to}) {
         const double gap = (mesh.vertices[end] - p).norm();
         if (gap > std::min({reach.crack_m, share, kCrackShare * shortest[end]})) continue;
-        const bool nearer = !best_point || gap < best_point->gap_m || (gap == best_point->gap_m && end < best_point->other_point);
+        const bool nearer =
+            !best_point || gap < best_point->gap_m || (gap == best_point->gap_m && end < best_point->other_point);
         if (nearer) best_point = Seam{Seam::Kind::beside_point, point, end, half, gap};
       }
       if (opposite == point) continue;
@@ -161,15 +161,19 @@ std::vector<Seam> seams(const TriangleMesh& mesh, const SeamReach& reach) {
       const double foot = way.dot(along);
       if (!(foot > 0 && foot < along.squaredNorm())) continue;
       const double gap = along.cross(way).norm() / std::sqrt(along.squaredNorm());
-      const double height = along.cross(mesh.vertices[opposite] - mesh.vertices[from]).norm() / std::sqrt(along.squaredNorm());
+      const double height =
+          along.cross(mesh.vertices[opposite] - mesh.vertices[from]).norm() / std::sqrt(along.squaredNorm());
       const bool on = gap <= reach.on_edge_m;
-      if (gap > std::min(std::max(reach.crack_m, reach.on_edge_m), share) || (!on && gap > kCrackShare * height)) continue;
+      if (gap > std::min(std::max(reach.crack_m, reach.on_edge_m), share) || (!on && gap > kCrackShare * height))
+        continue;
       if (!best_edge || gap < best_edge->gap_m) {
         best_edge = Seam{on ? Seam::Kind::t_vertex : Seam::Kind::beside_edge, point, 0, half, gap};
       }
     }
-    if (best_point) nearest[point] = *best_point;
-    else if (best_edge) nearest[point] = *best_edge;
+    if (best_point)
+      nearest[point] = *best_point;
+    else if (best_edge)
+      nearest[point] = *best_edge;
   }
   std::vector<Seam> told;
   for (const auto& [point, seam] : nearest) {

@@ -13,7 +13,11 @@ namespace {
 class Planter {
  public:
   Planter(TriangleMesh mesh, double crack_m, std::mt19937_64& random)
-      : crack_m_(crack_m), random_(random), is_taken_(mesh.vertices.size(), false), table_(edge_table(mesh)), clean_(mesh.triangles) {
+      : crack_m_(crack_m),
+        random_(random),
+        is_taken_(mesh.vertices.size(), false),
+        table_(edge_table(mesh)),
+        clean_(mesh.triangles) {
     planted_.mesh = std::move(mesh);
     around_.resize(is_taken_.size());
     for (std::size_t i = 0; i < table_.size(); ++i) {
@@ -56,7 +60,8 @@ class Planter {
     }
     // On a line of small whole numbers, far from everything.
     const auto at = static_cast<double>(100 + mesh().triangles.size());
-    planted_.without_area.insert(add_triangle({add_vertex({at, 1, 2}), add_vertex({at, 2, 4}), add_vertex({at, 4, 8})}));
+    planted_.without_area.insert(
+        add_triangle({add_vertex({at, 1, 2}), add_vertex({at, 2, 4}), add_vertex({at, 4, 8})}));
   }
 
   /// A fin on an edge.
@@ -64,7 +69,7 @@ class Planter {
     const HalfEdge half = free_place();
     const TriangleCorners corners = mesh().triangles[triangle_of(half)];
     const std::uint32_t from = corners[half % 3];
-    const std::uint32_t to = corners[(half + 1 - 3 * triangle_of(half)) % 3];
+    const std::uint32_t to = corners[(half % 3 + 1) % 3];
     const Vec3 out = (mesh().vertices[from] + mesh().vertices[to]).normalized();
     const std::uint32_t top = add_vertex(mesh().vertices[from] + (0.3 + 0.1 * uniform(0, 1)) * out);
     add_triangle({to, from, top});

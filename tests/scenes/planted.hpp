@@ -12,10 +12,10 @@ namespace collided::scenes {
 /// What was done to a clean mesh, by the numbers that a report should give.
 struct Planted {
   TriangleMesh mesh;
-  std::set<std::uint32_t> t_vertices;                            // points
-  std::set<std::uint32_t> cracks_at_edges;                       // points beside an edge
+  std::set<std::uint32_t> t_vertices;       // points
+  std::set<std::uint32_t> cracks_at_edges;  // points beside an edge
   std::set<std::pair<std::uint32_t, std::uint32_t>> cracks_at_points;
-  std::set<std::uint32_t> flipped;                               // triangles
+  std::set<std::uint32_t> flipped;  // triangles
   std::set<std::uint32_t> duplicates;
   std::set<std::uint32_t> without_area;
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges_of_many;  // points, lower first

@@ -1,5 +1,3 @@
-#include "server/exact_phase/edge_kinds.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "server/exact_phase/edge_kinds.hpp"
 #include "server/intake/sphere_mesh.hpp"
 #include "server/intake/weld.hpp"
 #include "tests/oracle/mesh_twins.hpp"
@@ -18,7 +17,8 @@ namespace {
 
 std::size_t count(const TriangleMesh& mesh, const EdgeView& view, EdgeKind kind) {
   const std::vector<std::uint8_t> kinds = edge_kinds(mesh, edge_table(mesh), view);
-  return static_cast<std::size_t>(std::count_if(kinds.begin(), kinds.end(), [&](std::uint8_t k) { return (k & kind) != 0; }));
+  return static_cast<std::size_t>(
+      std::count_if(kinds.begin(), kinds.end(), [&](std::uint8_t k) { return (k & kind) != 0; }));
 }
 
 double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
@@ -107,7 +107,9 @@ TEST(ExactEdgeKinds, SilhouettesOfClosedMeshesAreLoopsFromEverywhere) {
     const TriangleMesh& mesh = round % 2 == 0 ? sphere : box;
     const Triangle t = mesh.triangle(static_cast<std::uint32_t>(random() % mesh.triangles.size()));
     const Vec3 in_plane = t.a + spread(random) * (t.b - t.a) + spread(random) * (t.c - t.a);
-    const Vec3 eye = round % 3 == 0 ? in_plane : round % 3 == 1 ? t.a : Vec3(spread(random), spread(random), spread(random));
+    const Vec3 eye = round % 3 == 0   ? in_plane
+                     : round % 3 == 1 ? t.a
+                                      : Vec3(spread(random), spread(random), spread(random));
     for (const auto& [point, degree] : silhouette_degrees(mesh, eye)) ASSERT_EQ(degree % 2, 0) << eye.transpose();
   }
 }
@@ -129,12 +131,15 @@ TEST(ExactEdgeKinds, AgreeWithRationalsOnSoupsOfSmallNumbers) {
     const std::vector<std::uint32_t> point_of = first_equal_vertices(mesh.vertices);
     const std::vector<bool> left_out(mesh.triangles.size(), false);
     const double limit = std::array{0.5, 0.0, -0.5, 1.0, 0.7071067811865476, cosine(60)}[round % 6];
-    const Vec3 eye(static_cast<double>(random() % 6), static_cast<double>(random() % 6), static_cast<double>(random() % 6));
+    const Vec3 eye(static_cast<double>(random() % 6), static_cast<double>(random() % 6),
+                   static_cast<double>(random() % 6));
     const EdgeTable table = edge_table(mesh, point_of);
-    const std::vector<std::uint8_t> kinds = edge_kinds(mesh, table, {.crease_cosine = limit, .material = material, .eye = eye});
+    const std::vector<std::uint8_t> kinds =
+        edge_kinds(mesh, table, {.crease_cosine = limit, .material = material, .eye = eye});
     std::size_t i = 0;
     for (const auto& [ends, uses] : oracle::edge_uses(mesh, point_of, left_out)) {
-      ASSERT_EQ(kinds[i++], oracle::edge_kind(mesh, point_of, uses, limit, material, eye)) << ends.first << ' ' << ends.second;
+      ASSERT_EQ(kinds[i++], oracle::edge_kind(mesh, point_of, uses, limit, material, eye))
+          << ends.first << ' ' << ends.second;
     }
   }
 }

@@ -1,7 +1,6 @@
-#include "server/geometry/edge_table.hpp"
-
 #include <gtest/gtest.h>
 
+#include "server/geometry/edge_table.hpp"
 #include "server/intake/sphere_mesh.hpp"
 #include "server/intake/weld.hpp"
 #include "tests/oracle/mesh_twins.hpp"
@@ -49,7 +48,8 @@ TEST(GeometryEdgeTable, AgreesWithAMapOnSoupsWithRepeatedPointsFansAndTrianglesL
     TriangleMesh mesh;
     const auto vertex_count = static_cast<std::uint32_t>(3 + random() % 40);
     for (std::uint32_t i = 0; i < vertex_count; ++i) {
-      mesh.vertices.emplace_back(static_cast<double>(random() % 3), static_cast<double>(random() % 3), static_cast<double>(random() % 4));
+      mesh.vertices.emplace_back(static_cast<double>(random() % 3), static_cast<double>(random() % 3),
+                                 static_cast<double>(random() % 4));
     }
     // A common corner now and then makes a fan of many.
     const bool has_fan = round % 4 == 0;

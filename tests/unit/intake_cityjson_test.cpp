@@ -1,6 +1,5 @@
-#include <gtest/gtest.h>
-
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "server/intake/bridge_holes.hpp"
 #include "server/intake/triangulate.hpp"
@@ -13,14 +12,19 @@ namespace {
 using test::complaint;
 using test::load;
 
-std::string city(std::string_view objects, std::string_view vertices = "[[0,0,0],[4000,0,0],[4000,4000,0],[0,4000,0],[1000,1000,0],[1000,3000,0],[3000,3000,0],[3000,1000,0]]") {
-  return fmt::format(R"({{"type":"CityJSON","version":"2.0","metadata":{{"referenceSystem":"EPSG:7415"}},)"
-                     R"("transform":{{"scale":[0.001,0.001,0.001],"translate":[84610,447420,-1]}},"CityObjects":{{{}}},"vertices":{}}})",
-                     objects, vertices);
+std::string city(
+    std::string_view objects,
+    std::string_view vertices =
+        "[[0,0,0],[4000,0,0],[4000,4000,0],[0,4000,0],[1000,1000,0],[1000,3000,0],[3000,3000,0],[3000,1000,0]]") {
+  return fmt::format(
+      R"({{"type":"CityJSON","version":"2.0","metadata":{{"referenceSystem":"EPSG:7415"}},)"
+      R"("transform":{{"scale":[0.001,0.001,0.001],"translate":[84610,447420,-1]}},"CityObjects":{{{}}},"vertices":{}}})",
+      objects, vertices);
 }
 
 std::string house(std::string_view boundaries, std::string_view type = "MultiSurface", std::string_view lod = "\"1\"") {
-  return fmt::format(R"("house":{{"type":"Building","geometry":[{{"type":"{}","lod":{},"boundaries":{}}}]}})", type, lod, boundaries);
+  return fmt::format(R"("house":{{"type":"Building","geometry":[{{"type":"{}","lod":{},"boundaries":{}}}]}})", type,
+                     lod, boundaries);
 }
 
 double area(const TriangleMesh& mesh) {
@@ -55,8 +59,9 @@ TEST(IntakeCityJson, AHoleOutsideOfItsSurfaceIsCoveredAndTold) {
 }
 
 TEST(IntakeCityJson, TheFinestDetailIsTakenAndTheRestTold) {
-  const std::string two = R"("a":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"1.2","boundaries":[[[0,1,2]]]},)"
-                          R"({"type":"Solid","lod":"2.2","boundaries":[[[[0,1,2]],[[0,2,3]]]]}]})";
+  const std::string two =
+      R"("a":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"1.2","boundaries":[[[0,1,2]]]},)"
+      R"({"type":"Solid","lod":"2.2","boundaries":[[[[0,1,2]],[[0,2,3]]]]}]})";
   const auto loaded = load("a.json", city(two));
   EXPECT_EQ(loaded.scene.mesh.triangles.size(), 2u);
   ASSERT_EQ(loaded.report.refused.size(), 1u);
@@ -64,16 +69,19 @@ TEST(IntakeCityJson, TheFinestDetailIsTakenAndTheRestTold) {
 }
 
 TEST(IntakeCityJson, ComplaintsNameThePlace) {
-  EXPECT_EQ(complaint("a.json", R"({"hello":1})"), "a.json: its \"type\" is '', only \"CityJSON\" is read. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.json", R"({"hello":1})"),
+            "a.json: its \"type\" is '', only \"CityJSON\" is read. Nothing was loaded.");
   EXPECT_EQ(complaint("a.json", city(house("[[[0,1,99]]]"))),
             "a.json: /CityObjects/house/geometry/0 has a corner that is vertex 99 of 8. Nothing was loaded.");
   EXPECT_EQ(complaint("a.json", city(house("[[[0,1,-2]]]"))),
             "a.json: /CityObjects/house/geometry/0 has a corner that is vertex -2 of 8. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.json", city(house("[[[0,1,2]]]"), "[[0,0,0],[1,0]]")), "a.json: /vertices/1 is not three numbers. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.json", city(house("[[[0,1,2]]]"), "[[0,0,0],[1,0]]")),
+            "a.json: /vertices/1 is not three numbers. Nothing was loaded.");
   // The file's own names are made fit for a terminal.
   EXPECT_EQ(complaint("a.json", city(R"("h\u0001\u00e9":{"geometry":[{"type":7}]})")),
             "a.json: /CityObjects/h?\?\?/geometry/0/type is not text. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.json", city(house("[[[0,1,2]]]")), {.max_triangles = 0}), "a.json: 1 triangles, limit 0. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.json", city(house("[[[0,1,2]]]")), {.max_triangles = 0}),
+            "a.json: 1 triangles, limit 0. Nothing was loaded.");
 }
 
 // Stars with up to six star-shaped holes, in a tilted plane: the triangles' area is what the rings leave.
@@ -96,8 +104,10 @@ TEST(IntakeBridgeHoles, TheAreaLeftIsThatOfTheRings) {
         const double radius = least + (most - least) * unit(random);
         const double px = x + radius * std::cos(angle);
         const double py = y + radius * std::sin(angle);
-        if (i > 0) twice += last_x * py - last_y * px;
-        else first_x = px, first_y = py;
+        if (i > 0)
+          twice += last_x * py - last_y * px;
+        else
+          first_x = px, first_y = py;
         last_x = px;
         last_y = py;
         ring.push_back(static_cast<std::uint32_t>(vertices.size()));

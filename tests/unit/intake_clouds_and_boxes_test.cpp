@@ -1,6 +1,5 @@
-#include <gtest/gtest.h>
-
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <set>
 #include <variant>
@@ -17,13 +16,16 @@ using test::load;
 
 std::vector<Vec3> centers(const Scene& scene) {
   std::vector<Vec3> points;
-  for (const Primitive& primitive : scene.objects.at(0).shape.primitives) points.push_back(std::get<Sphere>(primitive).center);
+  for (const Primitive& primitive : scene.objects.at(0).shape.primitives)
+    points.push_back(std::get<Sphere>(primitive).center);
   return points;
 }
 
 std::string pcd_header(std::string_view data, std::string_view types = "F F F") {
-  return fmt::format("# .PCD v0.7\nVERSION 0.7\nFIELDS rgb x y z\nSIZE 4 {0} {0} {0}\nTYPE U {1}\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA {2}\n",
-                     types == "F F F" ? 8 : 4, types, data);
+  return fmt::format(
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS rgb x y z\nSIZE 4 {0} {0} {0}\nTYPE U {1}\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT "
+      "1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA {2}\n",
+      types == "F F F" ? 8 : 4, types, data);
 }
 
 const std::vector<Vec3> kPoints = {{1.25, 2, 3}, {4649000.001, 500000.002, -3}, {-0.5, 1e-9, 7}};
@@ -59,9 +61,11 @@ TEST(IntakePcd, TextAndBothBinaryFormsGiveTheSamePoints) {
   EXPECT_EQ(centers(load("a.pcd", text).scene), kPoints);
   EXPECT_EQ(centers(load("a.pcd", binary).scene), kPoints);
   EXPECT_EQ(centers(load("a.pcd", compressed).scene), kPoints);
-  EXPECT_EQ(std::get<Sphere>(load("a.pcd", text, {.radius_m = 0.1}).scene.objects[0].shape.primitives[1]).radius_m, 0.1);
+  EXPECT_EQ(std::get<Sphere>(load("a.pcd", text, {.radius_m = 0.1}).scene.objects[0].shape.primitives[1]).radius_m,
+            0.1);
   for (const std::string& whole : {text, binary, compressed}) {
-    for (std::size_t end = 0; end + 3 < whole.size(); ++end) EXPECT_NE(complaint("a.pcd", whole.substr(0, end)), "loaded") << end;
+    for (std::size_t end = 0; end + 3 < whole.size(); ++end)
+      EXPECT_NE(complaint("a.pcd", whole.substr(0, end)), "loaded") << end;
   }
 }
 
@@ -72,8 +76,10 @@ TEST(IntakePcd, PointsThatWereNotMeasuredAreLeftOutAndTold) {
 }
 
 TEST(IntakePcd, ComplaintsNameThePlace) {
-  EXPECT_EQ(complaint("a.pcd", "VERSION 0.7\nFIELDS x y\nDATA ascii\n"), "a.pcd: no field z; a cloud needs x, y and z. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.pcd", pcd_header("zip")), "a.pcd: DATA 'zip', allowed are ascii, binary and binary_compressed. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.pcd", "VERSION 0.7\nFIELDS x y\nDATA ascii\n"),
+            "a.pcd: no field z; a cloud needs x, y and z. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.pcd", pcd_header("zip")),
+            "a.pcd: DATA 'zip', allowed are ascii, binary and binary_compressed. Nothing was loaded.");
   EXPECT_EQ(complaint("a.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2000000\nDATA binary\n"),
             "a.pcd: 2000000 points, the most that a cloud may have are 1000000. Nothing was loaded.");
   EXPECT_EQ(complaint("a.pcd", pcd_header("ascii") + "7 1 2 3\n7 inf 2 3\n7 1 2 3\n"),
@@ -81,7 +87,10 @@ TEST(IntakePcd, ComplaintsNameThePlace) {
 }
 
 std::string octomap(std::string_view tree, std::string_view resolution = "0.5") {
-  return fmt::format("# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first line as it is!)\n#\nid OcTree\nsize 3\nres {}\ndata\n{}", resolution, tree);
+  return fmt::format(
+      "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first line as it is!)\n#\nid "
+      "OcTree\nsize 3\nres {}\ndata\n{}",
+      resolution, tree);
 }
 
 // Two bits a child: 1 free, 2 occupied, 3 with children of its own.
@@ -127,16 +136,21 @@ TEST(IntakeOctomap, TheSmallestCellIsAtTheResolutionAndNothingGoesDeeper) {
 }
 
 TEST(IntakeOctomap, ComplaintsNameThePlace) {
-  EXPECT_EQ(complaint("a.bt", "# Octomap binary"), "a.bt: it does not begin with '# Octomap OcTree binary file'. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.bt", octomap("", "-1")), "a.bt: resolution -1 m, allowed are lengths above 0. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.bt", "# Octomap binary"),
+            "a.bt: it does not begin with '# Octomap OcTree binary file'. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.bt", octomap("", "-1")),
+            "a.bt: resolution -1 m, allowed are lengths above 0. Nothing was loaded.");
   std::string other = octomap("");
   other.replace(other.find("id OcTree"), 9, "id ColorO");
-  EXPECT_EQ(complaint("a.bt", other), "a.bt: line 4: a tree of kind 'ColorO'; only OcTree is read. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.bt", other),
+            "a.bt: line 4: a tree of kind 'ColorO'; only OcTree is read. Nothing was loaded.");
   EXPECT_EQ(complaint("a.bt", octomap(std::string(2, '\0'))), "a.bt: no occupied cells. Nothing was loaded.");
 }
 
 TEST(IntakeBoxTable, CentresAndSizesOrCornersByTheirHeading) {
-  const auto loaded = load("env.csv", "name,type,sx,sy,sz,x,y,z,qw,qx,qy,qz\ntable,box,2,4,6,1,2,3,1,0,0,0\n\n# a comment\n\"wall\",box,1,1,1,0,0,0,0.5,0.5,0.5,0.5\n");
+  const auto loaded = load("env.csv",
+                           "name,type,sx,sy,sz,x,y,z,qw,qx,qy,qz\ntable,box,2,4,6,1,2,3,1,0,0,0\n\n# a "
+                           "comment\n\"wall\",box,1,1,1,0,0,0,0.5,0.5,0.5,0.5\n");
   ASSERT_EQ(loaded.scene.objects.size(), 2u);
   EXPECT_EQ(loaded.scene.objects[0].name, "env/table");
   EXPECT_EQ(loaded.scene.objects[0].pose.position, Vec3(1, 2, 3));
@@ -148,13 +162,16 @@ TEST(IntakeBoxTable, CentresAndSizesOrCornersByTheirHeading) {
 
 TEST(IntakeBoxTable, ComplaintsNameTheLineAndTheColumn) {
   EXPECT_EQ(complaint("a.csv", "x,y,z\n1,2,3\n"),
-            "a.csv: line 1: the heading has neither x,y,z,sx,sy,sz nor min_x,min_y,min_z,max_x,max_y,max_z. Nothing was loaded.");
+            "a.csv: line 1: the heading has neither x,y,z,sx,sy,sz nor min_x,min_y,min_z,max_x,max_y,max_z. Nothing "
+            "was loaded.");
   EXPECT_EQ(complaint("a.csv", "x,y,z,sx,sy,sz\n1,2,3,4,5,6\n1,2,3,4,nan,6\n"),
             "a.csv: line 3: 'nan' in column 'sy' is no finite number. Nothing was loaded.");
   EXPECT_EQ(complaint("a.csv", "x,y,z,sx,sy,sz\n1,2,3,4,-5,6\n"),
             "a.csv: line 2: a size of 4 -5 6, allowed are finite sizes of 0 and more. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.csv", "type,x,y,z,sx,sy,sz\ncone,1,2,3,4,5,6\n"), "a.csv: line 2: type 'cone'; only box is read. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.csv", "x,y,z,sx,sy,sz\n1,2,3\n"), "a.csv: line 2: 3 columns, the heading has 6. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.csv", "type,x,y,z,sx,sy,sz\ncone,1,2,3,4,5,6\n"),
+            "a.csv: line 2: type 'cone'; only box is read. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.csv", "x,y,z,sx,sy,sz\n1,2,3\n"),
+            "a.csv: line 2: 3 columns, the heading has 6. Nothing was loaded.");
 }
 
 }  // namespace

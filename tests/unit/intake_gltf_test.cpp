@@ -1,6 +1,5 @@
-#include <gtest/gtest.h>
-
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "tests/unit/intake_loading.hpp"
 
@@ -16,7 +15,8 @@ std::string base64(std::string_view bytes) {
   std::string text;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
     for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? letters[bits >> (18 - 6 * k) & 63] : '=';
   }
   return text;
@@ -74,7 +74,9 @@ TEST(IntakeGltf, AMatrixIsReadByColumns) {
 
 TEST(IntakeGltf, StripsAndFansAreTurnedToTriangles) {
   const auto corners = [](int mode) {
-    return load("a.gltf", gltf(R"({"mesh":0})", fmt::format(R"({{"attributes":{{"POSITION":0}},"mode":{}}})", mode)), {.up = 'z'}).scene.mesh.triangles;
+    return load("a.gltf", gltf(R"({"mesh":0})", fmt::format(R"({{"attributes":{{"POSITION":0}},"mode":{}}})", mode)),
+                {.up = 'z'})
+        .scene.mesh.triangles;
   };
   EXPECT_EQ(corners(5), (std::vector<TriangleCorners>{{0, 1, 2}, {1, 3, 2}}));
   EXPECT_EQ(corners(6), (std::vector<TriangleCorners>{{1, 2, 0}, {2, 3, 0}}));
@@ -86,10 +88,13 @@ TEST(IntakeGltf, SparseValuesReplaceTheirElements) {
   bytes.append(3, '\0');
   for (const float number : {9.f, 8.f, 7.f}) append(bytes, number);
   std::string text = gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0},"indices":1})", "", bytes);
-  const auto put = [&](const std::string& what, const std::string& by) { text.replace(text.find(what), what.size(), by); };
+  const auto put = [&](const std::string& what, const std::string& by) {
+    text.replace(text.find(what), what.size(), by);
+  };
   put(R"("count":4,"type":"VEC3")",
       R"("count":4,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":3}})");
-  put(R"("byteLength":12}])", R"("byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":1},{"buffer":0,"byteOffset":64,"byteLength":12}])");
+  put(R"("byteLength":12}])",
+      R"("byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":1},{"buffer":0,"byteOffset":64,"byteLength":12}])");
   EXPECT_EQ(load("a.gltf", text, {.up = 'z'}).scene.mesh.vertices[2], Vec3(9, 8, 7));
 }
 
@@ -110,33 +115,41 @@ TEST(IntakeGltf, ABinaryFileHoldsItsBytesBehindItsText) {
   append(glb, std::uint32_t{0x004e4942});
   glb += bytes;
   EXPECT_EQ(load("a.glb", glb).scene.mesh.triangles.size(), 2u);
-  for (std::size_t end = 0; end < glb.size(); end += 5) EXPECT_NE(complaint("a.glb", glb.substr(0, end)), "loaded") << end;
+  for (std::size_t end = 0; end < glb.size(); end += 5)
+    EXPECT_NE(complaint("a.glb", glb.substr(0, end)), "loaded") << end;
 }
 
 TEST(IntakeGltf, ComplaintsNameTheWayToWhatIsWrong) {
   EXPECT_EQ(complaint("a.gltf", gltf(R"({"mesh":3})")),
             "a.gltf: /nodes/0/mesh is 3, allowed are numbers below 1. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.gltf", gltf(R"({"children":[0],"mesh":0})")), "a.gltf: no triangles (0 vertices). Nothing was loaded.");
+  EXPECT_EQ(complaint("a.gltf", gltf(R"({"children":[0],"mesh":0})")),
+            "a.gltf: no triangles (0 vertices). Nothing was loaded.");
   EXPECT_EQ(complaint("a.gltf", gltf(R"({"children":[1,1]},{"mesh":0})")),
             "a.gltf: /nodes/1 stands in the scene twice or below itself. Nothing was loaded.");
   EXPECT_EQ(complaint("a.gltf", gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":1}})")),
             "a.gltf: /accessors/1 is not of type VEC3. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.gltf", "{\"asset\":"), "a.gltf: byte 10: the JSON text breaks off or is wrong here. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.gltf", R"({"asset":{"version":"1.0"}})"), "a.gltf: glTF version '1.0'; only 2.x is read. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.gltf", gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0}})", R"("extensionsRequired":["KHR_draco_mesh_compression"],)")),
+  EXPECT_EQ(complaint("a.gltf", "{\"asset\":"),
+            "a.gltf: byte 10: the JSON text breaks off or is wrong here. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.gltf", R"({"asset":{"version":"1.0"}})"),
+            "a.gltf: glTF version '1.0'; only 2.x is read. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.gltf", gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0}})",
+                                     R"("extensionsRequired":["KHR_draco_mesh_compression"],)")),
             "a.gltf: its triangles are packed by KHR_draco_mesh_compression, which is not read. Nothing was loaded.");
   std::string far_file = gltf(R"({"mesh":0})");
   far_file.replace(far_file.find("data:application"), 16, "../../etc/passwd");
-  EXPECT_NE(complaint("a.gltf", far_file).find("only files in the folder of this one and below it are read"), std::string::npos);
+  EXPECT_NE(complaint("a.gltf", far_file).find("only files in the folder of this one and below it are read"),
+            std::string::npos);
   std::string nan = square_bytes();
   for (std::size_t i = 0; i < 4; ++i) nan[i] = '\xff';
-  EXPECT_NE(complaint("a.gltf", gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0}})", "", nan)).find("/accessors/0 has a vertex, number 0, that is ("),
+  EXPECT_NE(complaint("a.gltf", gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0}})", "", nan))
+                .find("/accessors/0 has a vertex, number 0, that is ("),
             std::string::npos);
 }
 
 TEST(IntakeGltf, WhatIsLeftOutIsTold) {
-  const auto loaded = load("a.gltf", gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0}},{"attributes":{"POSITION":0},"mode":1})",
-                                          R"("animations":[{},{}],)"));
+  const auto loaded =
+      load("a.gltf", gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0}},{"attributes":{"POSITION":0},"mode":1})",
+                          R"("animations":[{},{}],)"));
   ASSERT_EQ(loaded.report.refused.size(), 3u);
   EXPECT_EQ(loaded.report.refused[0].substr(0, 40), "1 primitives of points, lines or without");
   EXPECT_EQ(loaded.report.refused[1], "1 corners left over that make no triangle");
@@ -144,7 +157,8 @@ TEST(IntakeGltf, WhatIsLeftOutIsTold) {
 }
 
 TEST(IntakeGltf, LimitsAreKept) {
-  EXPECT_EQ(complaint("a.gltf", gltf(R"({"mesh":0})"), {.max_triangles = 1}), "a.gltf: 2 triangles, limit 1. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.gltf", gltf(R"({"mesh":0})"), {.max_triangles = 1}),
+            "a.gltf: 2 triangles, limit 1. Nothing was loaded.");
   std::string bare = gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0}})");
   const std::string view = R"("bufferView":0,"componentType":5126,"count":4)";
   bare.replace(bare.find(view), view.size(), R"("componentType":5126,"count":4000000)");

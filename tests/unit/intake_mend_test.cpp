@@ -1,13 +1,12 @@
-#include "server/intake/mend.hpp"
-
-#include <gtest/gtest.h>
 #include <gmpxx.h>
+#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <set>
 
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/exact_phase/ray_cast.hpp"
+#include "server/intake/mend.hpp"
 #include "server/intake/mesh_health.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/segment_grid.hpp"
@@ -40,7 +39,8 @@ std::uint64_t point_count(const TriangleMesh& mesh) {
 }
 
 /// Rays from inside a closed body through points of its seams that meet no triangle.
-std::size_t leaks(const TriangleMesh& mesh, const std::vector<Segment>& seams, std::size_t ray_count, std::mt19937_64& random) {
+std::size_t leaks(const TriangleMesh& mesh, const std::vector<Segment>& seams, std::size_t ray_count,
+                  std::mt19937_64& random) {
   const BspTree tree = BspTree::build(mesh);
   std::uniform_real_distribution<double> unit(0, 1);
   std::size_t leaked = 0;
@@ -56,12 +56,15 @@ std::size_t leaks(const TriangleMesh& mesh, const std::vector<Segment>& seams, s
       bool* met;
     } context{&ray, &mesh, &met};
     WalkCost cost;
-    tree.walk_ray(ray, 3, 0, [](void* opaque, std::uint32_t triangle, double limit) {
-      const Context& c = *static_cast<Context*>(opaque);
-      RayHit hit;
-      *c.met = *c.met || cast_ray(*c.ray, c.mesh->triangle(triangle), hit).yes();
-      return *c.met ? -1.0 : limit;
-    }, &context, cost);
+    tree.walk_ray(
+        ray, 3, 0,
+        [](void* opaque, std::uint32_t triangle, double limit) {
+          const Context& c = *static_cast<Context*>(opaque);
+          RayHit hit;
+          *c.met = *c.met || cast_ray(*c.ray, c.mesh->triangle(triangle), hit).yes();
+          return *c.met ? -1.0 : limit;
+        },
+        &context, cost);
     leaked += met ? 0 : 1;
   }
   return leaked;
@@ -96,7 +99,8 @@ HalfBalls half_balls(unsigned upper, unsigned lower) {
   const MeshHealth health = examine(balls.mesh);
   for (const HalfEdge half : health.boundary_edges) {
     const TriangleCorners& t = balls.mesh.triangles[triangle_of(half)];
-    balls.seam.push_back({balls.mesh.vertices[t[half % 3]], balls.mesh.vertices[t[(half + 1 - 3 * triangle_of(half)) % 3]]});
+    balls.seam.push_back(
+        {balls.mesh.vertices[t[half % 3]], balls.mesh.vertices[t[(half % 3 + 1) % 3]]});
   }
   return balls;
 }
@@ -124,7 +128,8 @@ TEST(IntakeMend, StitchingGivesEachInnerEdgeTwoTriangles) {
   TriangleMesh soup;
   for (std::uint32_t i = 0; i < whole.triangles.size(); ++i) {
     const Triangle t = whole.triangle(i);
-    for (const Vec3& corner : {t.a, t.b, t.c}) soup.vertices.push_back(corner + Vec3(off(random), off(random), off(random)));
+    for (const Vec3& corner : {t.a, t.b, t.c})
+      soup.vertices.push_back(corner + Vec3(off(random), off(random), off(random)));
     soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   EXPECT_EQ(examine(soup).boundary_edge_count, 3 * soup.triangles.size());
@@ -139,7 +144,8 @@ TEST(IntakeMend, StitchingGivesEachInnerEdgeTwoTriangles) {
 /// Twice the area vector of a triangle, exact.
 std::array<mpq_class, 3> exact_normal(const Triangle& t) {
   const auto minus = [](const Vec3& a, const Vec3& b) {
-    return std::array<mpq_class, 3>{mpq_class(a[0]) - mpq_class(b[0]), mpq_class(a[1]) - mpq_class(b[1]), mpq_class(a[2]) - mpq_class(b[2])};
+    return std::array<mpq_class, 3>{mpq_class(a[0]) - mpq_class(b[0]), mpq_class(a[1]) - mpq_class(b[1]),
+                                    mpq_class(a[2]) - mpq_class(b[2])};
   };
   const auto p = minus(t.b, t.a);
   const auto q = minus(t.c, t.a);
@@ -152,7 +158,9 @@ TEST(IntakeMend, CuttingATriangleAtPointsOfItsEdgesKeepsItsAreaExactly) {
   for (int round = 0; round < 200; ++round) {
     // A triangle of small numbers with points at eighths of its sides, and around it one triangle for each gap.
     const auto coordinate = [&] { return static_cast<double>(static_cast<int>(random() % 17)) - 8; };
-    Triangle t{{coordinate(), coordinate(), coordinate()}, {coordinate(), coordinate(), coordinate()}, {coordinate(), coordinate(), coordinate()}};
+    Triangle t{{coordinate(), coordinate(), coordinate()},
+               {coordinate(), coordinate(), coordinate()},
+               {coordinate(), coordinate(), coordinate()}};
     if (has_zero_area(t)) continue;
     TriangleMesh mesh{{t.a, t.b, t.c}, {{0, 1, 2}}};
     std::size_t pieces = 0;
@@ -249,7 +257,9 @@ TEST(IntakeMend, PiecesComeLastInTheirPartAndTellTheNumberOfTheFile) {
       const Triangle piece = scene.mesh.triangle(part.first_triangle + i);
       const Vec3 middle = (piece.a + piece.b + piece.c) / 3;
       RayHit hit;
-      EXPECT_TRUE(cast_ray(Ray{middle + Vec3(0, 0, 1), Vec3(0, 0, -1)}, before.mesh.triangle(old.first_triangle + told), hit).yes());
+      EXPECT_TRUE(
+          cast_ray(Ray{middle + Vec3(0, 0, 1), Vec3(0, 0, -1)}, before.mesh.triangle(old.first_triangle + told), hit)
+              .yes());
     }
   }
   // Mended again, there is nothing to do, and the numbers stay.

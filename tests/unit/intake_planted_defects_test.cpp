@@ -1,6 +1,5 @@
-#include <gtest/gtest.h>
-
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "server/intake/mesh_health.hpp"
 #include "tests/oracle/seed.hpp"
@@ -26,7 +25,8 @@ Numbers points(const std::vector<Seam>& seams, Seam::Kind kind) {
 Pairs pairs(const std::vector<Seam>& seams) {
   Pairs pairs;
   for (const Seam& seam : seams) {
-    if (seam.kind == Seam::Kind::beside_point) pairs.insert({std::min(seam.point, seam.other_point), std::max(seam.point, seam.other_point)});
+    if (seam.kind == Seam::Kind::beside_point)
+      pairs.insert({std::min(seam.point, seam.other_point), std::max(seam.point, seam.other_point)});
   }
   return pairs;
 }
@@ -36,7 +36,7 @@ Pairs ends(const TriangleMesh& mesh, const std::vector<HalfEdge>& halves) {
   for (const HalfEdge half : halves) {
     const TriangleCorners& corners = mesh.triangles[triangle_of(half)];
     const std::uint32_t from = corners[half % 3];
-    const std::uint32_t to = corners[(half + 1 - 3 * triangle_of(half)) % 3];
+    const std::uint32_t to = corners[(half % 3 + 1) % 3];
     pairs.insert({std::min(from, to), std::max(from, to)});
   }
   return pairs;

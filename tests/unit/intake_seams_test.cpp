@@ -1,8 +1,7 @@
-#include "server/intake/seams.hpp"
-
 #include <gtest/gtest.h>
 
 #include "server/intake/mesh_health.hpp"
+#include "server/intake/seams.hpp"
 #include "server/intake/weld.hpp"
 #include "tests/oracle/mesh_twins.hpp"
 #include "tests/oracle/seed.hpp"
@@ -109,7 +108,8 @@ TEST(IntakeSeams, AgreeWithAllPointsAgainstAllBorders) {
       const auto number = [&] { return random() % mesh.vertices.size(); };
       const Vec3 target = mesh.vertices[number()];
       const Vec3 end = random() % 2 == 0 ? target : mesh.vertices[number()];
-      mesh.vertices[number()] = target + 0.5 * (spread(random) + 1) * (end - target) + 1e-4 * spread(random) * Vec3::Ones();
+      mesh.vertices[number()] =
+          target + 0.5 * (spread(random) + 1) * (end - target) + 1e-4 * spread(random) * Vec3::Ones();
     }
     const MeshHealth health = examine(mesh, 3e-4);
     expect_equal(health.seams, oracle::seams(mesh, health.seam_reach));

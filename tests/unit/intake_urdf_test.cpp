@@ -1,6 +1,5 @@
-#include <gtest/gtest.h>
-
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
@@ -90,24 +89,39 @@ TEST(IntakeUrdf, MeshesAreFoundFromTheRobotsFolderUpwards) {
 }
 
 TEST(IntakeUrdf, ARobotThatMissesAMeshIsRefusedAsAWhole) {
-  EXPECT_EQ(complaint("r.urdf", R"(<robot name="r"><link name="l"><collision><geometry><mesh filename="package://p/a.stl"/></geometry></collision></link></robot>)"),
-            "r.urdf: 1 mesh files are not there, the first is 'package://p/a.stl'. Nothing was loaded.");
+  EXPECT_EQ(
+      complaint(
+          "r.urdf",
+          R"(<robot name="r"><link name="l"><collision><geometry><mesh filename="package://p/a.stl"/></geometry></collision></link></robot>)"),
+      "r.urdf: 1 mesh files are not there, the first is 'package://p/a.stl'. Nothing was loaded.");
 }
 
 TEST(IntakeUrdf, ComplaintsSayWhat) {
-  EXPECT_EQ(complaint("r.urdf", arm(R"(<joint name="ring" type="fixed"><parent link="hand"/><child link="base"/></joint>)")),
-            "r.urdf: its joints form a ring. Nothing was loaded.");
-  EXPECT_EQ(complaint("r.urdf", arm(R"(<joint name="two" type="fixed"><parent link="base"/><child link="hand"/></joint>)")),
-            "r.urdf: link 'hand' is the child of two joints. Nothing was loaded.");
-  EXPECT_EQ(complaint("r.urdf", arm(R"(<joint name="lost" type="fixed"><parent link="base"/><child link="leg"/></joint>)")),
-            "r.urdf: joint 'lost' names the link 'leg', which is not there. Nothing was loaded.");
-  EXPECT_EQ(complaint("r.urdf", R"(<robot name="r"><link name="l"><collision><geometry><sphere radius="-1"/></geometry></collision></link></robot>)"),
-            "r.urdf: <sphere> radius is -1 m, allowed are lengths above 0. Nothing was loaded.");
-  EXPECT_EQ(complaint("r.urdf", R"(<robot name="r"><link name="l"><collision><geometry><plane/></geometry></collision></link></robot>)"),
-            "r.urdf: a collision geometry 'plane'; read are box, sphere, cylinder, capsule and mesh. Nothing was loaded.");
+  EXPECT_EQ(
+      complaint("r.urdf", arm(R"(<joint name="ring" type="fixed"><parent link="hand"/><child link="base"/></joint>)")),
+      "r.urdf: its joints form a ring. Nothing was loaded.");
+  EXPECT_EQ(
+      complaint("r.urdf", arm(R"(<joint name="two" type="fixed"><parent link="base"/><child link="hand"/></joint>)")),
+      "r.urdf: link 'hand' is the child of two joints. Nothing was loaded.");
+  EXPECT_EQ(
+      complaint("r.urdf", arm(R"(<joint name="lost" type="fixed"><parent link="base"/><child link="leg"/></joint>)")),
+      "r.urdf: joint 'lost' names the link 'leg', which is not there. Nothing was loaded.");
+  EXPECT_EQ(
+      complaint(
+          "r.urdf",
+          R"(<robot name="r"><link name="l"><collision><geometry><sphere radius="-1"/></geometry></collision></link></robot>)"),
+      "r.urdf: <sphere> radius is -1 m, allowed are lengths above 0. Nothing was loaded.");
+  EXPECT_EQ(
+      complaint(
+          "r.urdf",
+          R"(<robot name="r"><link name="l"><collision><geometry><plane/></geometry></collision></link></robot>)"),
+      "r.urdf: a collision geometry 'plane'; read are box, sphere, cylinder, capsule and mesh. Nothing was loaded.");
   EXPECT_NE(complaint("r.urdf", "<robot><link").find("r.urdf: byte "), std::string::npos);
-  EXPECT_EQ(complaint("r.urdf", R"(<robot name="r"><link name="l"><collision><origin xyz="1 2 a"/><geometry><sphere radius="1"/></geometry></collision></link></robot>)"),
-            "r.urdf: attribute xyz '1 2 a': line 1: number 'a' is not a number. Nothing was loaded.");
+  EXPECT_EQ(
+      complaint(
+          "r.urdf",
+          R"(<robot name="r"><link name="l"><collision><origin xyz="1 2 a"/><geometry><sphere radius="1"/></geometry></collision></link></robot>)"),
+      "r.urdf: attribute xyz '1 2 a': line 1: number 'a' is not a number. Nothing was loaded.");
 }
 
 }  // namespace

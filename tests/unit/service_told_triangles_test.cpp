@@ -12,7 +12,8 @@ namespace {
 Scene panels() {
   Scene scene;
   scene.name = "s";
-  scene.mesh = {{{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, 0, 0}, {0, -1, 0}, {2, -1, 0}}, {{0, 1, 2}, {3, 0, 4}, {1, 3, 5}}};
+  scene.mesh = {{{0, 0, 0}, {2, 0, 0}, {1, 2, 0}, {1, 0, 0}, {0, -1, 0}, {2, -1, 0}},
+                {{0, 1, 2}, {3, 0, 4}, {1, 3, 5}}};
   scene.parts = {{.name = "s/panel", .first_triangle = 0, .triangle_count = 1},
                  {.name = "s/teeth", .first_triangle = 1, .triangle_count = 2}};
   return scene;

@@ -1,8 +1,7 @@
-#include "server/world/self_intersections.hpp"
-
 #include <gtest/gtest.h>
 
 #include "server/intake/sphere_mesh.hpp"
+#include "server/world/self_intersections.hpp"
 #include "tests/oracle/mesh_twins.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
@@ -10,7 +9,9 @@
 namespace collided {
 namespace {
 
-std::vector<TrianglePair> found(const TriangleMesh& mesh) { return self_intersections(mesh, BspTree::build(mesh)).pairs; }
+std::vector<TrianglePair> found(const TriangleMesh& mesh) {
+  return self_intersections(mesh, BspTree::build(mesh)).pairs;
+}
 
 TEST(WorldSelfIntersections, ClosedSurfacesWithoutFoldsHaveNone) {
   EXPECT_TRUE(found(box_mesh({0, 0, 0}, {1, 2, 3})).empty());

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "server/exact_phase/edge_kinds.hpp"
@@ -43,7 +42,8 @@ class Findings {
  private:
   double length_m(HalfEdge half) const {
     const TriangleCorners& corners = c_.mesh->triangles[triangle_of(half)];
-    return (c_.mesh->vertices[corners[half % 3]] - c_.mesh->vertices[corners[(half + 1 - 3 * triangle_of(half)) % 3]]).norm();
+    return (c_.mesh->vertices[corners[half % 3]] - c_.mesh->vertices[corners[(half % 3 + 1) % 3]])
+        .norm();
   }
   double longest_m(std::uint32_t triangle) const {
     return std::max({length_m(3 * triangle), length_m(3 * triangle + 1), length_m(3 * triangle + 2)});
@@ -82,19 +82,24 @@ class Findings {
 
   void add_edges() {
     const MeshHealth& h = c_.health;
-    add("boundary_edges", "boundary edges", h.boundary_edge_count, sides(h.boundary_edges), "kept; the surface is open, so nothing is inside");
-    add("nonmanifold_edges", "edges of 3 and more", h.nonmanifold_edge_count, sides(h.nonmanifold_edges), "kept; each triangle answers by itself");
+    add("boundary_edges", "boundary edges", h.boundary_edge_count, sides(h.boundary_edges),
+        "kept; the surface is open, so nothing is inside");
+    add("nonmanifold_edges", "edges of 3 and more", h.nonmanifold_edge_count, sides(h.nonmanifold_edges),
+        "kept; each triangle answers by itself");
     std::vector<Item> twice;
     for (std::size_t i = 0; i < h.edges.size(); ++i) {
       if (!h.edges.is_inconsistent(i)) continue;
       const HalfEdge half = h.edges.uses_of(i)[0];
       twice.push_back({triangle_of(half), length_m(half), fmt::format("side {}", half - 3 * triangle_of(half))});
     }
-    add("inconsistent_edges", "run along twice", h.inconsistent_edge_count, std::move(twice), "kept; triangles are met from both sides");
+    add("inconsistent_edges", "run along twice", h.inconsistent_edge_count, std::move(twice),
+        "kept; triangles are met from both sides");
     add("unorientable", "one-sided pieces", h.unorientable_count, {}, "kept; no side of it is outside");
     std::vector<Item> pinched;
-    for (const std::uint32_t point : h.pinched_points) pinched.push_back({triangle_at(point), 0, fmt::format("vertex {}", point)});
-    add("pinched_points", "pinched points", h.pinched_points.size(), std::move(pinched), "kept; several surfaces touch there");
+    for (const std::uint32_t point : h.pinched_points)
+      pinched.push_back({triangle_at(point), 0, fmt::format("vertex {}", point)});
+    add("pinched_points", "pinched points", h.pinched_points.size(), std::move(pinched),
+        "kept; several surfaces touch there");
   }
 
   std::uint32_t triangle_at(std::uint32_t point) {
@@ -110,14 +115,16 @@ class Findings {
   void add_triangles() {
     const MeshHealth& h = c_.health;
     add("flipped", "turned over", h.flipped.size(), triangles(h.flipped), "kept; their normals point the other way");
-    add("zero_area", "without area", h.zero_area_count, triangles(h.zero_area), "kept as the segments or points they are");
+    add("zero_area", "without area", h.zero_area_count, triangles(h.zero_area),
+        "kept as the segments or points they are");
     add("duplicates", "repeat another", h.duplicate_count, triangles(h.duplicates), "kept; the first of them is named");
     std::vector<Item> crossings;
     for (const TrianglePair& pair : c_.crossings.pairs) {
       if (crossings.size() == worst_count_) break;
       crossings.push_back({pair.a, 0, fmt::format("with {}", place({pair.b}).triangle)});
     }
-    add("self_intersections", "meet each other", c_.crossings.pairs.size(), std::move(crossings), "kept; every triangle counts");
+    add("self_intersections", "meet each other", c_.crossings.pairs.size(), std::move(crossings),
+        "kept; every triangle counts");
   }
 
   void add_seams() {
@@ -125,14 +132,17 @@ class Findings {
     std::vector<Item> cracks;
     for (const Seam& seam : c_.health.seams) {
       const std::uint32_t triangle = triangle_of(seam.edge);
-      const std::string detail = fmt::format("side {} at vertex {}, gap {:.3g} m", seam.edge - 3 * triangle, seam.point, seam.gap_m);
+      const std::string detail =
+          fmt::format("side {} at vertex {}, gap {:.3g} m", seam.edge - 3 * triangle, seam.point, seam.gap_m);
       (seam.kind == Seam::Kind::t_vertex ? t_vertices : cracks).push_back({triangle, seam.gap_m, detail});
     }
     const std::size_t t_count = t_vertices.size();
     const std::size_t crack_count = cracks.size();
-    add("t_vertices", "T-vertices", t_count, std::move(t_vertices), "kept; a ray may pass between their roundings; --mend cuts the edges there");
+    add("t_vertices", "T-vertices", t_count, std::move(t_vertices),
+        "kept; a ray may pass between their roundings; --mend cuts the edges there");
     add("cracks", "cracks", crack_count, std::move(cracks),
-        fmt::format("kept; rays pass; looked for up to {:.3g} m (--crack); --mend closes them", c_.health.seam_reach.crack_m));
+        fmt::format("kept; rays pass; looked for up to {:.3g} m (--crack); --mend closes them",
+                    c_.health.seam_reach.crack_m));
   }
 
   const CheckedMesh& c_;
@@ -143,13 +153,22 @@ class Findings {
 
 }  // namespace
 
-CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts, const Scrutiny& scrutiny) {
-  CheckedMesh checked{.name = std::move(name), .mesh = &mesh, .parts = parts, .health = examine(mesh, scrutiny.crack_m), .crossings = {}};
-  const std::vector<std::uint32_t> numbers = parts != nullptr ? part_numbers(mesh, *parts) : std::vector<std::uint32_t>{};
-  const EdgeView view{.crease_cosine = std::cos(scrutiny.crease_deg * std::numbers::pi / 180), .material = numbers, .eye = scrutiny.eye};
+CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts,
+                       const Scrutiny& scrutiny) {
+  CheckedMesh checked{.name = std::move(name),
+                      .mesh = &mesh,
+                      .parts = parts,
+                      .health = examine(mesh, scrutiny.crack_m),
+                      .crossings = {}};
+  const std::vector<std::uint32_t> numbers =
+      parts != nullptr ? part_numbers(mesh, *parts) : std::vector<std::uint32_t>{};
+  const EdgeView view{.crease_cosine = std::cos(scrutiny.crease_deg * std::numbers::pi / 180),
+                      .material = numbers,
+                      .eye = scrutiny.eye};
   const std::vector<std::uint8_t> kinds = edge_kinds(mesh, checked.health.edges, view);
   const auto count = [&](EdgeKind asked) {
-    return static_cast<std::uint64_t>(std::count_if(kinds.begin(), kinds.end(), [&](std::uint8_t kind) { return (kind & asked) != 0; }));
+    return static_cast<std::uint64_t>(
+        std::count_if(kinds.begin(), kinds.end(), [&](std::uint8_t kind) { return (kind & asked) != 0; }));
   };
   checked.crease_edge_count = count(kCreaseEdge);
   checked.material_edge_count = count(kMaterialEdge);

@@ -18,7 +18,7 @@ struct CheckedMesh {
   MeshHealth health;
   SelfIntersections crossings;
   std::uint64_t crease_edge_count = 0;
-  std::uint64_t material_edge_count = 0;  // between parts
+  std::uint64_t material_edge_count = 0;                 // between parts
   std::optional<std::uint64_t> silhouette_edge_count{};  // seen from the eye
 };
 
@@ -29,7 +29,8 @@ struct Scrutiny {
   std::optional<Vec3> eye{};
 };
 
-CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts, const Scrutiny& scrutiny);
+CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts,
+                       const Scrutiny& scrutiny);
 
 /// A triangle as answers name it, with a side or another triangle where the finding has one, and how bad it is.
 struct Place {

@@ -1,4 +1,4 @@
-#include "server/intake/orientation.hpp"
+#include "server/intake/winding.hpp"
 
 #include <utility>
 
@@ -89,7 +89,7 @@ std::vector<std::uint32_t> pinched_points(const TriangleMesh& mesh, const EdgeTa
   DisjointSets fans(3 * mesh.triangles.size());
   const auto corner_at = [&](HalfEdge half, std::uint32_t point) {
     const std::uint32_t triangle = triangle_of(half);
-    return point_of[mesh.triangles[triangle][half % 3]] == point ? half : 3 * triangle + (half + 1 - 3 * triangle) % 3;
+    return point_of[mesh.triangles[triangle][half % 3]] == point ? half : 3 * triangle + (half % 3 + 1) % 3;
   };
   for (std::size_t i = 0; i < table.size(); ++i) {
     const auto uses = table.uses_of(i);
