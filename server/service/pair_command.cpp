@@ -124,6 +124,7 @@ bool has_parts(const ObjectInfo& info) {
 
 void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
   const auto work = [this](const Arguments& asked) -> json {
+    if (stopping_.load()) throw BadCommand("pair: the server is stopping");
     const SnapshotRing::Lease state = loop_.world().newest();
     const ObjectId a = find_shown(*state, asked.text("a"));
     const ObjectId b = find_shown(*state, asked.text("b"));

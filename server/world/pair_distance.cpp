@@ -2,6 +2,7 @@
 
 #include "server/exact_phase/closest.hpp"
 #include "server/world/pair_report.hpp"
+#include "server/world/scene_touch.hpp"
 
 namespace collided {
 namespace {
@@ -56,29 +57,78 @@ Separation first_bound(const Placed& a, const Placed& b, WalkCost& cost) {
   return best;
 }
 
+/// The nearest pair so far, and what no pair is nearer than.
+struct Nearest {
+  Separation best;
+  double low_m;
+
+  void take(const Separation& here) {
+    low_m = std::min(low_m, here.distance_m - here.error_m);
+    if (here.distance_m < best.distance_m) best = here;
+  }
+  double reach_m() const { return (best.distance_m + best.error_m) * (1 + 0x1p-40); }
+};
+
+/// One triangle of a mesh and those of another one that may be nearer than the nearest so far.
+struct TriangleWalk {
+  const Placed& other;
+  Triangle triangle;
+  bool is_of_a;
+  double radius_m;  // about the point that the walk goes out from
+  Nearest& nearest;
+
+  static double candidate(void* raw, std::uint32_t number, double) {
+    TriangleWalk& self = *static_cast<TriangleWalk*>(raw);
+    const Triangle found = place(*self.other.frame, self.other.info->mesh->mesh->triangle(number));
+    self.nearest.take(self.is_of_a ? separation(self.triangle, found) : separation(found, self.triangle));
+    return self.limit_m2();
+  }
+  double limit_m2() const { return square_up(nearest.reach_m() + radius_m); }
+};
+
+/// Two meshes: from each triangle of the smaller one through the index of the other. A walk over pairs of boxes would
+/// come by most pairs of two shells, one in the other.
+void search_meshes(const Placed& a, const Placed& b, Nearest& nearest, WalkCost& cost) {
+  const bool from_a = a.info->mesh->mesh->triangles.size() <= b.info->mesh->mesh->triangles.size();
+  const Placed& from = from_a ? a : b;
+  const Placed& other = from_a ? b : a;
+  const IndexedMesh& mesh = *other.info->mesh;
+  for (std::uint32_t i = 0; i < from.info->mesh->mesh->triangles.size(); ++i) {
+    const Triangle triangle = place(*from.frame, from.info->mesh->mesh->triangle(i));
+    const Vec3 middle = triangle.a / 3 + triangle.b / 3 + triangle.c / 3;
+    const double radius_m = std::max({(triangle.a - middle).norm(), (triangle.b - middle).norm(), (triangle.c - middle).norm()}) * (1 + 0x1p-40);
+    TriangleWalk walk{other, triangle, from_a, radius_m, nearest};
+    const Vec3 local = other.frame->rotation.transpose() * (middle - other.frame->position);
+    mesh.tree.walk_near(local, walk.limit_m2(), placement_slack(*other.frame, middle.lpNorm<1>(), mesh.radius_m),
+                        &TriangleWalk::candidate, &walk, cost);
+  }
+}
+
+bool is_bare_mesh(const Placed& object) { return object.info->mesh && object.info->primitives.empty(); }
+
 }  // namespace
 
 /// All pairs within the best known distance are asked; where one is much nearer, the walk begins again with less.
 Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost) {
   constexpr double kMuchNearer = 0.75;
-  Separation best = first_bound(a, b, cost);
-  double low_m = best.distance_m - best.error_m;
-  bool again = true;
+  const Separation first = first_bound(a, b, cost);
+  Nearest nearest{first, first.distance_m - first.error_m};
+  const bool are_meshes = is_bare_mesh(a) && is_bare_mesh(b);
+  if (are_meshes) search_meshes(a, b, nearest, cost);
+  bool again = !are_meshes;
   while (again) {
     again = false;
-    const double gap_m = (best.distance_m + best.error_m) * (1 + 0x1p-40);
+    const double gap_m = nearest.reach_m();
     const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
-      const Separation here = separation(of_a.part, of_b.part);
-      low_m = std::min(low_m, here.distance_m - here.error_m);
-      if (here.distance_m < best.distance_m) best = here;
-      again = best.distance_m + best.error_m < kMuchNearer * gap_m;
+      nearest.take(separation(of_a.part, of_b.part));
+      again = nearest.reach_m() < kMuchNearer * gap_m;
       return !again;
     };
     visit_part_pairs(a, b, gap_m, visit, cost);
   }
   // The nearest may be any whose interval begins below the best one's.
-  const double widened_m = best.distance_m - std::max(low_m, 0.0);
-  best.error_m = std::max(best.error_m, widened_m);
+  Separation best = nearest.best;
+  best.error_m = std::max(best.error_m, best.distance_m - std::max(nearest.low_m, 0.0));
   return best;
 }
 
