@@ -34,7 +34,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   bool is_followed() const;
   std::optional<Error> define_all();
   std::optional<Error> write_definition(std::uint32_t number, const client::PublishedObject& object, bool removed);
-  std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, bool teleported, std::int64_t time_ns);
+  std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags, std::int64_t time_ns);
   std::optional<Error> send_waiting(std::int64_t time_ns);
   void note_written();
 

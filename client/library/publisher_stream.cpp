@@ -94,7 +94,7 @@ std::optional<Error> Publisher::State::define_all() {
     }
   }
   objects_.mark_sent(objects_.waiting().size());  // definitions carry the newest poses
-  return write_batch({}, false, 0);               // revives the pose writer, whose lease ran out as well
+  return write_batch({}, wire_contract::kAllSaid, 0);  // revives the pose writer, whose lease ran out as well
 }
 
 std::optional<Error> Publisher::State::write_definition(std::uint32_t number, const PublishedObject& object,
@@ -121,7 +121,7 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   });
 }
 
-std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t> numbers, bool teleported,
+std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags,
                                                    std::int64_t time_ns) {
   poses_.resize(numbers.size() * kPoseNumbers);
   double* pose = poses_.data();
@@ -131,7 +131,7 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
   batch_->sequence_number = sequence_ + 1;
   batch_->definitions_through = definitions_through_;
   batch_->source_time_ns = time_ns;
-  batch_->flags = teleported ? wire_contract::kTeleported : 0;
+  batch_->flags = flags;
   dds::borrow(batch_->object_numbers, numbers);
   dds::borrow(batch_->poses, poses_);
   return guarded([&]() -> std::optional<Error> {
@@ -162,7 +162,8 @@ std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
     const bool teleported = plain_left == 0;
     const std::size_t of_a_kind = teleported ? objects_.waiting().size() : plain_left;
     const std::size_t count = std::min<std::size_t>(of_a_kind, kMaxPosesPerBatch);
-    if (auto error = write_batch(objects_.waiting().first(count), teleported, time_ns)) {
+    const std::uint8_t flags = teleported ? wire_contract::kTeleported : 0;
+    if (auto error = write_batch(objects_.waiting().first(count), flags, time_ns)) {
       return error;
     }
     objects_.mark_sent(count);

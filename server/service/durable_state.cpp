@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <future>
 #include <utility>
 
 namespace collided::service {
@@ -33,8 +34,10 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
       if (std::from_chars(entry.key.data() + kPublisher.size(), end, publisher, 16).ptr == end) publishers_left_.push_back(publisher);
     }
   }
-  // What is carried out again is written again.
-  if (!journal_.entries().empty() || !journal_.damage().empty()) journal_.clear();
+  // What is carried out again is written again. The file is there from now on: noting a publisher is then one write, which
+  // is done before that publisher's first contact is told.
+  journal_.clear();
+  say_problem();
   thread_ = std::thread([this] {
     while (std::optional<Job> job = jobs_.pop()) (*job)();
   });
@@ -101,6 +104,12 @@ void DurableState::set_publishers(const std::set<std::uint64_t>& publishers) {
     if (!publishers_.contains(publisher)) put({.key = key(publisher), .text = {}, .blob = {}}, Journal::Sync::later);
   }
   publishers_ = publishers;
+}
+
+void DurableState::wait(std::chrono::milliseconds longest) {
+  const auto written = std::make_shared<std::promise<void>>();
+  then([written](const std::string&) { written->set_value(); });
+  written->get_future().wait_for(longest);
 }
 
 void DurableState::then(std::function<void(const std::string&)> done) {

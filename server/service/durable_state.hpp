@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -42,6 +43,8 @@ class DurableState {
   void set_publishers(const std::set<std::uint64_t>& publishers);
   /// Called once all of the above is on the disk, or has failed to get there: then not_kept says why.
   void then(std::function<void(const std::string& not_kept)> done);
+  /// Until all of the above is written, or `longest` has passed.
+  void wait(std::chrono::milliseconds longest);
   /// Writes what waits, calls whoever waits for it, and takes nothing more.
   void finish();
 

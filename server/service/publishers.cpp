@@ -73,6 +73,7 @@ void Publishers::retire(Publisher& publisher) {
   publisher.objects.clear();
   parked_count_ -= publisher.parked.size();
   publisher.parked.clear();
+  publisher.said_all = false;
   publisher.watermark = {};
   publisher.clock = {};
   publisher.definitions_seen = 0;
@@ -303,6 +304,7 @@ bool Publishers::find_all(Publisher& publisher, const PoseSample& sample) {
 /// All of a batch lands in one step: a robot's links are not seen half-moved.
 Applied Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, std::int64_t now_ns) {
   if (!find_all(publisher, sample)) return Applied::step_first;
+  if ((sample.flags & wire_contract::kAllSaid) != 0) publisher.said_all = true;
   ++batch_;
   accepted_count_ = 0;
   for (std::size_t i = 0; i < sample.object_numbers.size(); ++i) {
@@ -473,7 +475,7 @@ bool Publishers::is_live(std::uint64_t publisher) const {
 
 bool Publishers::is_complete(std::uint64_t publisher) const {
   const Publisher* found = find(publisher);
-  return found && !found->lost && found->object_writer && found->pose_writer && found->parked.empty();
+  return found && !found->lost && found->said_all;
 }
 
 std::uint64_t Publishers::applied_through(std::uint64_t publisher) const {

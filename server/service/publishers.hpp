@@ -89,7 +89,7 @@ class Publishers {
 
   std::size_t size() const { return publishers_.size(); }
   bool is_live(std::uint64_t publisher) const;
-  /// It lives, and its poses have come as well as the definitions that they were to follow.
+  /// It lives and has said all that it has to this server: what DDS kept of it has the poses of its first definitions.
   bool is_complete(std::uint64_t publisher) const;
   std::uint64_t applied_through(std::uint64_t publisher) const;
   /// Linear then angular, as last sent for this object; nothing where it came without.
@@ -141,6 +141,7 @@ class Publishers {
     std::int64_t lost_ns = 0;
     bool object_writer = false;  // lives
     bool pose_writer = false;
+    bool said_all = false;  // kAllSaid has come, and what it followed
     bool lost = false;
     bool took_leave = false;  // lost, but nothing of it was left
   };

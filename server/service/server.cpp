@@ -86,6 +86,7 @@ struct Server::Parts {
   void let_jobs_end();
   std::unique_ptr<DurableState> keep();
   bool has_all_back() const;
+  void note_publishers();
 
   const Options options;
   const std::shared_ptr<spdlog::logger> log;
@@ -143,6 +144,12 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .admit = [this](AskPointer ask) { answering->admit(std::move(ask)); },
             .tick = [this] { tick(); },
             .notice = [this](const std::string& sentence) { log->warn("{}", sentence); },
+            .has_new_publisher =
+                [this] {
+                  note_publishers();
+                  // Before its first contact is told: who was told of one must not be met by a server that knows of none.
+                  if (durable) durable->wait(std::chrono::milliseconds(100));
+                },
             .has_all_back = [this] { return has_all_back(); }},
            {.step_ns = options.step_ns,
             .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
@@ -159,6 +166,7 @@ std::unique_ptr<DurableState> Server::Parts::keep() {
   const std::filesystem::path beside = std::filesystem::path(epoch.kept_in).replace_extension(".journal");
   auto kept = std::make_unique<DurableState>(disk_in(beside.parent_path().string()), beside.filename().string(), epoch.crashed,
                                              [this](const std::string& sentence) { log->warn("{}", sentence); });
+  if (!kept->publishers_left().empty()) log->warn("waiting for {} publishers from before", kept->publishers_left().size());
   if (!kept->commands_left().empty()) log->warn("adding again {} scenes and objects from before", kept->commands_left().size());
   return kept;
 }
@@ -171,12 +179,15 @@ bool Server::Parts::has_all_back() const {
          });
 }
 
+void Server::Parts::note_publishers() {
+  if (!durable) return;
+  std::set<std::uint64_t> there;
+  loop.publishers().for_each(clock.now_ns(), [&](const PublisherView& view) { there.insert(view.publisher); });
+  durable->set_publishers(there);
+}
+
 void Server::Parts::tick() {
-  if (durable) {
-    std::set<std::uint64_t> there;
-    loop.publishers().for_each(clock.now_ns(), [&](const PublisherView& view) { there.insert(view.publisher); });
-    durable->set_publishers(there);
-  }
+  note_publishers();
   answering->tick(listeners->askers());
   listeners->take_left_definitions();
 }

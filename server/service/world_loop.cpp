@@ -51,7 +51,9 @@ void WorldLoop::run() {
     around_.inbox.drain(next_wake(), arrivals_);
     if (restore_float_environment()) ++around_.questions.float_repairs;
     for (Arrival& arrival : arrivals_) {
+      const std::size_t known = publishers_.size();
       take(arrival);
+      if (publishers_.size() > known && around_.has_new_publisher) around_.has_new_publisher();
       keep_time();
     }
     apply([&] { return publishers_.release_parked(around_.clock.now_ns()); });

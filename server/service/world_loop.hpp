@@ -47,6 +47,7 @@ class WorldLoop {
     std::function<void(AskPointer)> admit;           // asks whose fence has been passed
     std::function<void()> tick;                      // ten times a second
     std::function<void(const std::string&)> notice;  // a sentence for the log
+    std::function<void()> has_new_publisher = {};    // told at once: a crash may be near
     std::function<bool()> has_all_back = {};         // asked after a crash: whatever was there before is there again
   };
 
