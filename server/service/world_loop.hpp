@@ -49,6 +49,7 @@ class WorldLoop {
     std::function<void(const std::string&)> notice;  // a sentence for the log
     std::function<void()> has_new_publisher = {};    // told at once: a crash may be near
     std::function<bool()> has_all_back = {};         // asked after a crash: whatever was there before is there again
+    std::function<bool()> leaves_out_details = {};   // overloaded: contacts that go on are not told anew
   };
 
   WorldLoop(const Around& around, const LoopOptions& options)
