@@ -171,8 +171,7 @@ void Commands::on_world_thread(CommandAsk ask, Change change) {
     is_change ? answer_once_kept(*shared, work) : answer(*shared, work);
   });
   if (!taken) {
-    send(*shared, ReplyStatus::refused,
-                          refusal_text("too many commands wait already", "ask again"));
+    send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again"));
   }
 }
 

@@ -77,14 +77,15 @@ void WorldLoop::keep_time() {
   say_notices();
 }
 
-/// All that an earlier process knew is back, and who came in its last moments has had the time to find this one; or the
-/// wait is over.
+/// What commands had added is there again, and so are the publishers that were there, with the time for one that came in
+/// the last moments to find this server; or the wait for them is over.
 bool WorldLoop::has_recovered() const {
+  if (around_.is_adding_again && around_.is_adding_again()) return false;
   const std::int64_t waited_ns = steady_ns() - started_ns_;
   const bool is_early = waited_ns < wire_contract::kPublisherLeaseNs;
   if (!is_early && around_.has_all_back && around_.has_all_back()) return true;
   if (waited_ns < options_.recovery_ns) return false;
-  around_.notice("not all that was here before the crash has come back; ready without it");
+  around_.notice("not every publisher from before the crash has come back; ready without them");
   return true;
 }
 

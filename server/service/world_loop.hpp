@@ -48,7 +48,9 @@ class WorldLoop {
     std::function<void()> tick;                      // ten times a second
     std::function<void(const std::string&)> notice;  // a sentence for the log
     std::function<void()> has_new_publisher = {};    // told at once: a crash may be near
-    std::function<bool()> has_all_back = {};         // asked after a crash: whatever was there before is there again
+    // Asked after a crash.
+    std::function<bool()> is_adding_again = {};      // scenes and objects that commands had added; however long it takes
+    std::function<bool()> has_all_back = {};         // every publisher that was there
   };
 
   WorldLoop(const Around& around, const LoopOptions& options)
