@@ -60,4 +60,20 @@ inline constexpr const char* kPair = "pair";
 /// "inf"), p50_ns, p99_ns}], seed, version. Takes a second or more.
 inline constexpr const char* kMenu = "menu";
 
+/// What viewers ask for. The answers are no JSON but FlatBuffers of idl/geometry.fbs; all but that of kPoses come as a
+/// Page, the first of as many as the answer needs: kMore asks for the next ones. What is of more than 512 MiB is refused.
+
+/// only, skip (globs, "" = all, none), mask (layers), moving (true / false / absent: both) -> Page of ShownObjects
+inline constexpr const char* kShapes = "shapes";
+
+/// surface (number, as a Run has it), epoch (of that Run), edges (true: with its edges), crease_cosine (of the angle between two normals beyond
+/// which their edge is a crease; 0.5) -> Page of a Surface
+inline constexpr const char* kSurface = "surface";
+
+/// transfer, first (byte) -> Page. What nobody went on asking for is kept for half a minute.
+inline constexpr const char* kMore = "more";
+
+/// -> Poses of everything that moves, up to 400,000 objects
+inline constexpr const char* kPoses = "poses";
+
 }  // namespace collided::wire_contract::command
