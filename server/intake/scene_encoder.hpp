@@ -94,6 +94,9 @@ class SceneEncoder {
 
   void finish(flatbuffers::Offset<format::Shape> root) { builder_.Finish(root); }
 
+  /// For tables of other schemas that hold those of this one.
+  flatbuffers::FlatBufferBuilder& builder() { return builder_; }
+
   std::span<const std::byte> bytes() const {
     return std::as_bytes(std::span(builder_.GetBufferPointer(), builder_.GetSize()));
   }
