@@ -19,7 +19,7 @@ namespace collided::service {
 struct Share {
   std::uint64_t client = 0;
   double cost = 1;       // in any unit, the same for all
-  bool is_kept = false;  // taken as long as there is room at all
+  bool is_kept = false;  // taken although others have less: as long as a quarter of the room is not this client's
 };
 
 /// Work of many clients for several threads. Those who wait share the threads evenly by cost, however much each of them
@@ -51,7 +51,8 @@ class FairQueue {
       const std::size_t waiting = waiting_.load(std::memory_order_relaxed);
       const std::size_t free = limit_ - std::min(limit_, waiting);
       Flow& flow = flow_of(share.client);
-      if (free == 0 || (!share.is_kept && flow.entries.size() >= free)) {
+      const std::size_t most = share.is_kept ? limit_ - limit_ / 4 : free;
+      if (free == 0 || flow.entries.size() >= most) {
         ++refused_;
         return false;
       }
