@@ -26,16 +26,16 @@ struct RayMark {
 };
 
 struct DrawOptions {
-  View view;
+  View view{};
   Style style = Style::hidden_line;
   int tones = 3;                       // of the toon style
   std::optional<Vec3> toward_light{};  // in the world, any length; none: from above, left of the eye
   double crease_cosine = 0.866;        // as the shapes were asked for
   double halo_px = 5;
   std::optional<ClearanceRamp> clearance{};
-  std::vector<ContactMark> contacts;
-  std::vector<RayMark> ray_marks;
-  SightOptions sight;
+  std::vector<ContactMark> contacts{};
+  std::vector<RayMark> ray_marks{};
+  SightOptions sight{};
 };
 
 /// The lines of a drawing, by what became of them.

@@ -26,7 +26,7 @@ struct Stroke {
 struct Ring {
   Spot center{};
   double radius_px = 0;
-  Ink ink;
+  Ink ink{};
 };
 
 /// A colour a pixel, by number; kPaperPixel: none.
@@ -42,11 +42,11 @@ struct Pixels {
 struct Picture {
   double width_px = 0;
   double height_px = 0;
-  std::string title;
+  std::string title{};
   bool is_black_and_white = false;  // for print: white paper, and no grey along the strokes
   std::optional<Pixels> pixels{};
-  std::vector<Stroke> strokes;
-  std::vector<Ring> rings;
+  std::vector<Stroke> strokes{};
+  std::vector<Ring> rings{};
 };
 
 /// One path an ink, pixels as rectangles without gaps. Same picture, same bytes.
