@@ -55,6 +55,7 @@ std::unique_ptr<Command> make_status();
 std::unique_ptr<Command> make_ls();
 std::unique_ptr<Command> make_get();
 std::unique_ptr<Command> make_plan();
+std::unique_ptr<Command> make_draw();
 std::unique_ptr<Command> make_menu();
 std::unique_ptr<Command> make_audit();
 std::unique_ptr<Command> make_check();
