@@ -10,6 +10,7 @@
 #include <future>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "server/service/answering.hpp"
 #include "server/service/commands.hpp"
@@ -99,6 +100,8 @@ struct Server::Parts {
   LeaseBook leases;
   QuestionCounts questions;
   BackgroundAudit audit;
+  Overload overload;
+  std::uint64_t superseded = 0;  // poses, as of the last tick
   Inbox inbox;
   WireOutlet outlet;
   WorldLoop loop;
@@ -133,6 +136,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       world({.epoch = identity.epoch, .max_objects = options.max_objects, .max_contacts = options.max_contacts}),
       leases(world),
       audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
+      overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
       outlet(participant, identity),
       loop({.world = world,
             .clock = clock,
@@ -151,7 +155,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   if (durable) durable->wait(std::chrono::milliseconds(100));
                 },
             .is_adding_again = [this] { return !commands.replayed(); },
-            .has_all_back = [this] { return has_all_back(); }},
+            .has_all_back = [this] { return has_all_back(); },
+            .leaves_out_details = [this] { return overload.leaves_out_details(); }},
            {.step_ns = options.step_ns,
             .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
@@ -190,6 +195,8 @@ void Server::Parts::note_publishers() {
 void Server::Parts::tick() {
   note_publishers();
   answering->tick(listeners->askers());
+  const std::uint64_t superseded_now = inbox.counts().poses_superseded;
+  overload.note(superseded_now != std::exchange(superseded, superseded_now), answering->was_pressed());
   listeners->take_left_definitions();
 }
 
@@ -214,7 +221,8 @@ std::string Server::start() {
   p.answering =
       std::make_unique<Answering>(p.world, p.clock, p.fences, p.leases, p.questions, p.audit, p.reply_topic,
                                   AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options),
-                                                   p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); }},
+                                                   p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); },
+                                                   &p.overload},
                                   [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering);

@@ -81,6 +81,8 @@ void WorldLoop::keep_time() {
   publishers_.settle(around_.clock.now_ns());
   if (recovering() && has_recovered()) recovering_.store(false);
   write_status(recovering() ? ServerState::recovering : ServerState::ready);
+  // What a lost publisher's objects may have reached grows with time, and with it what is undecided.
+  if (!around_.world.newest()->stale_objects.empty()) note_change();
   around_.tick();
   say_notices();
 }
@@ -156,7 +158,9 @@ void WorldLoop::step_if_due() {
 void WorldLoop::step_now() {
   const std::int64_t started_ns = steady_ns();
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
-  const StepWishes wishes{.contacts = around_.outlet.contacts_wanted(), .persisted = around_.outlet.persisted_wanted()};
+  const bool leaves_out = around_.leaves_out_details && around_.leaves_out_details();
+  const StepWishes wishes{.contacts = around_.outlet.contacts_wanted(),
+                          .persisted = around_.outlet.persisted_wanted() && !leaves_out};
   while (!around_.world.step(around_.clock.now_ns(), std::max<std::uint64_t>(1, pending_changes_), wishes)) {
     // Readers hold every free state. Workers let theirs go within an answer's time, requests in chunks within 2 s.
     ++counts_.stalled_steps;

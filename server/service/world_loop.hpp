@@ -52,6 +52,8 @@ class WorldLoop {
     // Asked after a crash.
     std::function<bool()> is_adding_again = {};      // scenes and objects that commands had added; however long it takes
     std::function<bool()> has_all_back = {};         // every publisher that was there
+    // Asked while overloaded.
+    std::function<bool()> leaves_out_details = {};   // contacts that go on are not told anew
   };
 
   WorldLoop(const Around& around, const LoopOptions& options)
