@@ -15,6 +15,7 @@
 #include "server/service/clock.hpp"
 #include "server/service/counters.hpp"
 #include "server/service/fences.hpp"
+#include "server/service/flight_recorder.hpp"
 #include "server/service/lease_book.hpp"
 #include "server/service/short_questions.hpp"
 #include "server/service/work_queue.hpp"
@@ -29,6 +30,7 @@ struct AnsweringOptions {
   std::int64_t deadline_ns = 0;      // of questions that bring none; 0: none
   double error_m = 0;                // the same
   std::function<bool()> recovering;  // the world may lack what publishers have yet to say again
+  FlightRecorder* flight = nullptr;  // hears every question and reply
 };
 
 /// A command as it came; see idl/commands.hpp.
