@@ -52,7 +52,12 @@ class Sorting {
     std::stable_sort(run_.items.begin(), run_.items.end(), [](const RecordedItem& a, const RecordedItem& b) {
       return a.opening != b.opening ? a.opening : a.log_time < b.log_time;
     });
-    for (std::size_t i = 0; i < run_.items.size(); ++i) look_at(i);
+    // A reply may have come before its question did: they are on topics of their own.
+    for (const bool replies : {false, true}) {
+      for (std::size_t i = 0; i < run_.items.size(); ++i) {
+        if ((run_.items[i].topic == Recorded::reply) == replies) look_at(i);
+      }
+    }
     settle_requests();
     if (broken_ > 0) run_.warnings.push_back(std::to_string(broken_) + " messages hold no sample of their topic; left out");
   }

@@ -69,6 +69,7 @@ FlightOpening::Publisher* FlightOpening::meet(std::uint64_t id, std::uint64_t in
 void FlightOpening::forget(Publisher& publisher) {
   for (const auto& [number, defined] : publisher.objects) bytes_ -= defined.bytes.size();
   objects_ -= publisher.objects.size();
+  poses_ -= publisher.poses.size();
 }
 
 bool FlightOpening::has_room(std::size_t bytes) {
@@ -89,8 +90,11 @@ void FlightOpening::fold(const wire::Definition& definition) {
     --objects_;
     publisher->objects.erase(found);
   }
-  // A removed one stays in mind by its number alone: the slot may be used again.
-  publisher->poses.erase(definition.object_number);
+  const auto posed = publisher->poses.find(definition.object_number);
+  if (posed != publisher->poses.end() && posed->second.sequence < definition.sequence_number) {
+    publisher->poses.erase(posed);
+    --poses_;
+  }
   if (definition.removed) return;
   std::vector<std::byte> bytes = bytes_of(definition);
   if (objects_ >= kMostObjects || !has_room(bytes.size())) return;
@@ -107,9 +111,16 @@ void FlightOpening::fold(const wire::PoseBatch& batch) {
   publisher->last_sequence = std::max<std::uint64_t>(publisher->last_sequence, batch.sequence_number);
   publisher->source_time_ns = std::max<std::int64_t>(publisher->source_time_ns, batch.source_time_ns);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
+    // Poses may come before what they are of: definitions are on a topic of their own.
     const auto defined = publisher->objects.find(numbers[i]);
-    if (defined == publisher->objects.end() || defined->second.sequence > batch.sequence_number) continue;
-    Posed& posed = publisher->poses[numbers[i]];
+    if (defined != publisher->objects.end() && defined->second.sequence > batch.sequence_number) continue;
+    if (poses_ >= 2 * kMostObjects && publisher->poses.count(numbers[i]) == 0) {
+      ++left_out_;
+      continue;
+    }
+    const auto [place, is_new] = publisher->poses.try_emplace(numbers[i]);
+    Posed& posed = place->second;
+    poses_ += is_new ? 1 : 0;
     if (posed.sequence > batch.sequence_number) continue;
     posed.sequence = batch.sequence_number;
     std::copy_n(poses.begin() + static_cast<std::ptrdiff_t>(i * kPoseNumbers), kPoseNumbers, posed.pose.begin());
@@ -162,7 +173,7 @@ void FlightOpening::fold(const wire::Status& status) {
       if (gone) {
         bytes_ -= object.second.bytes.size();
         --objects_;
-        found->second.poses.erase(object.first);
+        poses_ -= found->second.poses.erase(object.first);
       }
       return gone;
     });
@@ -195,6 +206,7 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
       poses.clear();
     };
     for (const auto& [number, posed] : publisher.poses) {
+      if (publisher.objects.count(number) == 0) continue;
       numbers.push_back(number);
       poses.insert(poses.end(), posed.pose.begin(), posed.pose.end());
       if (numbers.size() == wire_contract::kMaxPosesPerBatch) send();

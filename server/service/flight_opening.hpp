@@ -69,6 +69,7 @@ class FlightOpening {
   std::vector<Command> commands_;
   std::size_t bytes_ = 0;
   std::size_t objects_ = 0;
+  std::size_t poses_ = 0;
   std::uint64_t left_out_ = 0;
 };
 
