@@ -171,7 +171,17 @@ TEST_F(DrawingLines, HaloedLinesHaveAGapAtEachCrossing) {
     EXPECT_EQ(haloed.crossings.size(), crossing_count);
     EXPECT_EQ(haloed.picture.strokes.size(), 12 + crossing_count);
     for (const draw::Crossing& crossing : haloed.crossings) {
-      EXPECT_LT(haloed.segments[crossing.nearer].image_a.depth_m, 1e9);
+      const draw::ImagePoint behind = haloed.camera.project(haloed.segments[crossing.farther].at(haloed.camera, crossing.at));
+      double before_m = 0;
+      double off_px = 1e9;
+      for (double t = 0; t <= 1; t += 1e-4) {
+        const draw::ImagePoint p = haloed.camera.project(haloed.segments[crossing.nearer].at(haloed.camera, t));
+        if (std::hypot(p.x - behind.x, p.y - behind.y) > off_px) continue;
+        off_px = std::hypot(p.x - behind.x, p.y - behind.y);
+        before_m = p.depth_m;
+      }
+      EXPECT_LT(off_px, 0.1);
+      EXPECT_LT(before_m, behind.depth_m - 0.1) << "the line before is the one without a gap";
       double gap_px = 1e9;
       for (const draw::Piece& piece : haloed.pieces) {
         if (piece.segment != crossing.farther) continue;
@@ -196,6 +206,12 @@ TEST_F(DrawingLines, ThePictureHoldsEverythingAndRaysGoWhereItWasDrawn) {
     }
     EXPECT_LT(left, 60);
     EXPECT_GT(right, 640);
+    for (const draw::Segment& s : d.segments) {
+      for (const double t : {0.0, 0.3, 1.0}) {
+        const draw::ImagePoint p = d.camera.project(s.at(d.camera, t));
+        EXPECT_LT(std::hypot(p.x - s.image_a.x - t * (s.image_b.x - s.image_a.x), p.y - s.image_a.y - t * (s.image_b.y - s.image_a.y)), 1e-5);
+      }
+    }
     for (const Vec3& p : {Vec3(4e6 + 2, -5e5, 10), Vec3(4e6, -5e5 + 2.5, 10.25)}) {
       const draw::ImagePoint image = d.camera.project(p);
       const RayQuestion ray = d.camera.through(image.x, image.y);

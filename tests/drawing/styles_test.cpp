@@ -57,6 +57,17 @@ TEST_F(DrawingStyles, ToonTonesAreAsManyAsAskedForAndEndAtTheAnalyticCircles) {
   }
 }
 
+// Coarse rays pass beside a rod of two pixels; its lines have every pixel of it looked through.
+TEST_F(DrawingStyles, WhatIsThinnerThanTheCoarseRaysIsNotLost) {
+  serve({{.name = "rod", .shape = {BoxShape{{0.01, 0.01, 1}}}}, {.name = "foot", .shape = {BoxShape{{1, 0.1, 0.1}}}, .pose = {.position = {0, 0, -1.1}}}});
+  const draw::Drawing d = drawing({.view = {.from = Vec3(0.003, -20, 0), .at = Vec3(0.003, 0, 0), .is_orthographic = true, .width_px = 220}, .style = Style::toon});
+  const Pixels& pixels = *d.picture.pixels;
+  const int column = static_cast<int>(d.camera.project(Vec3::Zero()).x);
+  for (int y = static_cast<int>(d.camera.project({0, 0, 0.98}).y); y < static_cast<int>(d.camera.project({0, 0, -0.98}).y); ++y) {
+    EXPECT_NE(pixels.numbers[static_cast<std::size_t>(y) * pixels.width + column], Pixels::kPaperPixel) << y;
+  }
+}
+
 // A58: what is drawn is those tones, paper and ink, to the last byte of the SVG.
 TEST_F(DrawingStyles, AToonPictureHasItsTonesPaperAndInkAlone) {
   serve(Shape{torus(2, 0.6, 48, 24)});
@@ -96,6 +107,7 @@ TEST(DrawingHatching, DensityGrowsWithDarknessAndLighterLinesStay) {
   constexpr int kSide = 240;
   double before = -1;
   std::set<std::array<double, 2>> begun_before;
+  std::set<long> densities;
   for (double light = 1; light >= 0; light -= 0.0625) {
     draw::ToneMap map{kSide, kSide, std::vector<float>(kSide * kSide, static_cast<float>(light)), std::vector<std::uint8_t>(kSide * kSide, 0)};
     double length_px = 0;
@@ -105,10 +117,12 @@ TEST(DrawingHatching, DensityGrowsWithDarknessAndLighterLinesStay) {
       begun.insert(stroke[0]);
     }
     EXPECT_GE(length_px, before) << "at " << light;
+    densities.insert(std::lround(length_px));
     EXPECT_TRUE(std::includes(begun.begin(), begun.end(), begun_before.begin(), begun_before.end())) << "a line of a lighter tone went";
     before = length_px;
     begun_before = begun;
   }
+  EXPECT_GE(densities.size(), 12U) << "tones that can be told apart";
   EXPECT_GT(before, 1.8 * kSide * kSide / 3) << "both families at black";
   draw::ToneMap lit{kSide, kSide, std::vector<float>(kSide * kSide, 1), {}};
   EXPECT_TRUE(draw::hatching(lit, 3).empty());
