@@ -38,6 +38,13 @@ inline constexpr const char* kPlan = "plan";
 /// float_repairs (times that a thread's floating-point settings had to be set back)
 inline constexpr const char* kAudit = "audit";
 
+/// What the server has done since its start, for rates and quantiles by the difference of two answers
+/// -> up_ns, version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
+///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, swept, kept_apart},
+///    poses {applied, late, unknown, refused, superseded, dropped}, refused (requests), undecided (answers),
+///    questions [{kind, answered, durations [[ns at most, count]]}] (of the samples that they come in), not_built [structure]
+inline constexpr const char* kFigures = "figures";
+
 /// name, object, origin, direction (in the object's frame), reach_m (absent: endless), back_m (absent: 0); one of that
 /// name is replaced.
 /// With remove true: only the name, a glob -> probes [names], version

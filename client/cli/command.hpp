@@ -44,6 +44,7 @@ std::unique_ptr<Command> make_sweep();
 std::unique_ptr<Command> make_pair_verb();
 std::unique_ptr<Command> make_watch();
 std::unique_ptr<Command> make_probe();
+std::unique_ptr<Command> make_top();
 std::unique_ptr<Command> make_add();
 std::unique_ptr<Command> make_move();
 std::unique_ptr<Command> make_rm();

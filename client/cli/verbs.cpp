@@ -49,6 +49,7 @@ const std::vector<Verb>& verbs() {
       {"probe", "Follow", "rays fixed to an object, a wheel each: signed clearance",
        "probe\nprobe NAME --on OBJECT  X Y Z  DX DY DZ\nprobe --rm GLOB",
        "probe front_left --on car  1.2 0.7 0  0 0 -1\nprobe --watch --only 'front_*' -n 10\nprobe --rm 'front_*'", make_probe},
+      {"top", "Follow", "rates, latencies, stages and ages as they change", "top", "top\ntop --once --json\ntop --every 200ms -n 10", make_top},
       {"status", "Look", "how the server is", "status", "status\nstatus --json", make_status},
       {"ls", "Look", "what is in the world", "ls [GLOB]", "ls --moving 'drone_*' --json", make_ls},
       {"get", "Look", "everything about one object", "get NAME", "get crate", make_get},

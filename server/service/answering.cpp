@@ -204,6 +204,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
     reply_->compute_ns = steady_ns() - ask.taken_ns;
     send(client);
   }
+  owner_.counts_.durations[query.kind].add(reply_->compute_ns);
   owner_.counts_.answered += answers_.answers.size();
   owner_.counts_.undecided += filler.undecided();
 }

@@ -160,6 +160,7 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
+  if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
   if (command == names::kPair) return pair_later(std::move(ask), *arguments);
@@ -173,7 +174,7 @@ void Commands::run(CommandAsk ask) {
   answer(ask, [&]() -> json {
     const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
                                          names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
-                                         names::kPair, names::kProbe, names::kProbes, names::kShapes,
+                                         names::kPair, names::kProbe, names::kProbes, names::kFigures, names::kShapes,
                                          names::kSurface, names::kMore, names::kPoses};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
@@ -187,8 +188,7 @@ void Commands::on_world_thread(CommandAsk ask, Change change) {
     is_change ? answer_once_kept(*shared, work) : answer(*shared, work);
   });
   if (!taken) {
-    send(*shared, ReplyStatus::refused,
-                          refusal_text("too many commands wait already", "ask again"));
+    send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again"));
   }
 }
 

@@ -61,6 +61,7 @@ class Commands {
   nlohmann::json list(const Arguments& arguments) const;
   nlohmann::json plan(const Arguments& arguments) const;
   nlohmann::json audit(const Arguments& arguments) const;
+  nlohmann::json figures(const Arguments& arguments) const;
   // On the world's thread.
   nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
@@ -92,6 +93,7 @@ class Commands {
   Answering* answering_ = nullptr;
   const QuestionCounts& counts_;
   const BackgroundAudit& audit_;
+  const std::int64_t started_ns_ = steady_ns();
   DurableState* durable_;
   std::atomic<bool> replaying_{false};
   WorkQueue<SlowJob> slow_jobs_;

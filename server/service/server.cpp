@@ -150,6 +150,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   // Before its first contact is told: who was told of one must not be met by a server that knows of none.
                   if (durable) durable->wait(std::chrono::milliseconds(100));
                 },
+            .is_adding_again = [this] { return !commands.replayed(); },
             .has_all_back = [this] { return has_all_back(); }},
            {.step_ns = options.step_ns,
             .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
@@ -174,15 +175,15 @@ std::unique_ptr<DurableState> Server::Parts::keep() {
 bool Server::Parts::has_all_back() const {
   if (!durable) return false;
   const auto& left = durable->publishers_left();
-  return commands.replayed() && std::all_of(left.begin(), left.end(), [&](std::uint64_t publisher) {
-           return loop.publishers().is_complete(publisher);
-         });
+  return std::all_of(left.begin(), left.end(), [&](std::uint64_t publisher) { return loop.publishers().is_complete(publisher); });
 }
 
 void Server::Parts::note_publishers() {
   if (!durable) return;
   std::set<std::uint64_t> there;
   loop.publishers().for_each(clock.now_ns(), [&](const PublisherView& view) { there.insert(view.publisher); });
+  // Whoever has not come back yet is not forgotten: this server may crash too.
+  if (loop.recovering()) there.insert(durable->publishers_left().begin(), durable->publishers_left().end());
   durable->set_publishers(there);
 }
 
