@@ -44,13 +44,22 @@ TEST_F(ServerShapes, EveryKindComesBackAsItWasGiven) {
                    CapsuleShape{{0, 0, 0}, {0, 0, 1}, 0.5}, CylinderShape{{1, 0, 0}, {0, 1, 0}, 0.125},
                    ConeShape{{0, 0, 2}, {0, 0, 1}, 0.3},    EllipsoidShape{{1, 2, 3}, {4, 5, 6}, turn}};
   const Pose pose{{kOdd, -3, 1e-3}, turn};
-  ASSERT_TRUE(publisher.add({.name = "compound", .shape = many, .pose = pose, .layers = 6, .mask = 5, .group = 4}));
+  ASSERT_TRUE(publisher.add({.name = "compound",
+                             .shape = many,
+                             .pose = pose,
+                             .layers = 6,
+                             .mask = 5,
+                             .group = 4,
+                             .when_lost = WhenLost::hold}));
   ASSERT_TRUE(publisher.add({.name = "hull",
                              .shape = {HullShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.1, 0.1, 0.1}}}},
                              .scale = {2, 2, 2},
-                             .moving = false}));
-  ASSERT_TRUE(publisher.add({.name = "field", .shape = {HeightFieldShape{2, 1, 1, {0, 0, 0, 0.5}}}}));
-  ASSERT_TRUE(publisher.add({.name = "cloud", .shape = {CloudShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 0.1}}}));
+                             .moving = false,
+                             .when_lost = WhenLost::hold}));
+  ASSERT_TRUE(publisher.add(
+      {.name = "field", .shape = {HeightFieldShape{2, 1, 1, {0, 0, 0, 0.5}}}, .when_lost = WhenLost::hold}));
+  ASSERT_TRUE(publisher.add(
+      {.name = "cloud", .shape = {CloudShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 0.1}}, .when_lost = WhenLost::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
 
@@ -130,7 +139,8 @@ TEST_F(ServerShapes, ASharedMeshComesOnceAndIsNotFetchedAgain) {
   Publisher publisher = publish(client, "twins");
   const MeshShape tetrahedron{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, kOdd}},
                               {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}}};
-  for (const char* name : {"one", "two"}) ASSERT_TRUE(publisher.add({.name = name, .shape = {tetrahedron}}));
+  for (const char* name : {"one", "two"})
+    ASSERT_TRUE(publisher.add({.name = name, .shape = {tetrahedron}, .when_lost = WhenLost::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
   const ShownObjects first = shapes(client, {.moving = true});
@@ -138,7 +148,7 @@ TEST_F(ServerShapes, ASharedMeshComesOnceAndIsNotFetchedAgain) {
   EXPECT_EQ(first.objects[0].runs.at(0).surface, first.objects[1].runs.at(0).surface);
   EXPECT_EQ(first.objects[0].runs[0].surface->vertices, tetrahedron.vertices);
   EXPECT_EQ(first.objects[0].runs[0].surface->triangles, tetrahedron.triangles);
-  ASSERT_TRUE(publisher.add({.name = "three", .shape = {SphereShape{0.1}}}));
+  ASSERT_TRUE(publisher.add({.name = "three", .shape = {SphereShape{0.1}}, .when_lost = WhenLost::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
   const ShownObjects second = shapes(client, {.moving = true, .edges = false}, &first);
@@ -152,7 +162,8 @@ TEST_F(ServerShapes, PosesAreThoseThatWerePublishedAndTellOfChanges) {
   Publisher publisher = publish(client, "movers");
   std::map<std::string, Pose> expected;
   std::vector<Publisher::Object> objects;
-  for (int i = 0; i < 2'000; ++i) objects.push_back(add_ball(publisher, "ball_" + std::to_string(i), at(i, 0, 50)));
+  for (int i = 0; i < 2'000; ++i)
+    objects.push_back(add_ball(publisher, "ball_" + std::to_string(i), at(i, 0, 50), WhenLost::hold));
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const Pose pose = at(static_cast<double>(i), kOdd, 60);
     expected["ball_" + std::to_string(i)] = pose;
