@@ -238,6 +238,7 @@ void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyS
 }
 
 void Answering::Worker::send(Client& client) {
+  if (owner_.options_.flight) owner_.options_.flight->note(recording::Recorded::reply, *reply_);
   try {
     if (!client.write(*reply_)) ++owner_.counts_.unanswerable;
   } catch (const dds::DdsError&) {
@@ -311,6 +312,9 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
     for (std::size_t i = 0; i < count; ++i) {
       if (!next_[i]->query.info().valid_data) continue;
       next_[i]->taken_ns = now_ns;
+      if (options_.flight) {
+        options_.flight->note(recording::Recorded::query, *next_[i]->query, next_[i]->query.info().source_timestamp);
+      }
       route(std::move(next_[i]), single);
     }
     if (count < room.size()) return;

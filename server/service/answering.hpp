@@ -16,6 +16,7 @@
 #include "server/service/counters.hpp"
 #include "server/service/fair_queue.hpp"
 #include "server/service/fences.hpp"
+#include "server/service/flight_recorder.hpp"
 #include "server/service/lease_book.hpp"
 #include "server/service/overload.hpp"
 #include "server/service/short_questions.hpp"
@@ -31,6 +32,7 @@ struct AnsweringOptions {
   double error_m = 0;                // the same
   std::function<bool()> recovering;  // the world may lack what publishers have yet to say again
   const Overload* overload = nullptr;  // null: never
+  FlightRecorder* flight = nullptr;  // hears every question and reply
 };
 
 /// A command as it came; see idl/commands.hpp.

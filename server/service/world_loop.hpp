@@ -112,7 +112,9 @@ class WorldLoop {
   void publish_probes(const Stamp& stamp);
   void let_fences_pass();
   void write_status(wire_contract::ServerState state);
-  void list_publishers();
+  void write_step();
+  void list_publishers(bool with_names);
+  void list_publisher_names();
   void end_contacts();
   void say_notices();
   void say_skipped_sweeps();
