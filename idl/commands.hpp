@@ -38,6 +38,13 @@ inline constexpr const char* kPlan = "plan";
 /// float_repairs (times that a thread's floating-point settings had to be set back)
 inline constexpr const char* kAudit = "audit";
 
+/// What the server has done since its start, for rates and quantiles by the difference of two answers
+/// -> up_ns, version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
+///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, swept, kept_apart},
+///    poses {applied, late, unknown, refused, superseded, dropped}, refused (requests), undecided (answers),
+///    questions [{kind, answered, durations [[ns at most, count]]}] (of the samples that they come in), not_built [structure]
+inline constexpr const char* kFigures = "figures";
+
 /// name, object, origin, direction (in the object's frame), reach_m (absent: endless), back_m (absent: 0); one of that
 /// name is replaced.
 /// With remove true: only the name, a glob -> probes [names], version
@@ -64,5 +71,21 @@ inline constexpr const char* kRecording = "recording";
 /// questions (of each kind), seed -> rows [{kind, method, asked, undecided, wrong, worst_error, worst_bound (m, or
 /// "inf"), p50_ns, p99_ns}], seed, version. Takes a second or more.
 inline constexpr const char* kMenu = "menu";
+
+/// What viewers ask for. The answers are no JSON but FlatBuffers of idl/geometry.fbs; all but that of kPoses come as a
+/// Page, the first of as many as the answer needs: kMore asks for the next ones. What is of more than 512 MiB is refused.
+
+/// only, skip (globs, "" = all, none), mask (layers), moving (true / false / absent: both) -> Page of ShownObjects
+inline constexpr const char* kShapes = "shapes";
+
+/// surface (number, as a Run has it), epoch (of that Run), edges (true: with its edges), crease_cosine (of the angle between two normals beyond
+/// which their edge is a crease; 0.5) -> Page of a Surface
+inline constexpr const char* kSurface = "surface";
+
+/// transfer, first (byte) -> Page. What nobody went on asking for is kept for half a minute.
+inline constexpr const char* kMore = "more";
+
+/// -> Poses of everything that moves, up to 400,000 objects
+inline constexpr const char* kPoses = "poses";
 
 }  // namespace collided::wire_contract::command

@@ -130,6 +130,8 @@ void Entity::reset() {
 
 std::string domain_config(const ParticipantOptions& options) {
   const std::string index = options.role == Role::server ? "auto" : "none";
+  // Whatever a client must have delivered it waits for itself. DDS would wait for a dead server's reader too.
+  const std::string linger = options.role == Role::server ? "1s" : "0s";
   return R"(<Domain id="any"><General>)" + network_config(options) + "</General><Discovery>" +
          "<ExternalDomainId>" + std::to_string(options.domain) + "</ExternalDomainId>" +
          "<ParticipantIndex>" + index + "</ParticipantIndex><MaxAutoParticipantIndex>" +
@@ -143,6 +145,7 @@ std::string domain_config(const ParticipantOptions& options) {
          "<NackDelay>10ms</NackDelay><PreEmptiveAckDelay>5ms</PreEmptiveAckDelay>"
          "<AutoReschedNackDelay>50ms</AutoReschedNackDelay>"
          R"(<HeartbeatInterval min="2ms" minsched="5ms" max="500ms">10ms</HeartbeatInterval>)"
+         "<WriterLingerDuration>" + linger + "</WriterLingerDuration>"
          "<Watermarks><WhcHigh>16MB</WhcHigh><WhcHighInit>4MB</WhcHighInit><WhcLow>1MB</WhcLow></Watermarks>"
          "</Internal></Domain>";
 }

@@ -1,6 +1,7 @@
 #include "client/library/ask.hpp"
 #include "client/library/command.hpp"
 #include "client/library/errors.hpp"
+#include "client/library/geometry.hpp"
 #include "client/library/pair.hpp"
 #include "client/library/probes.hpp"
 #include "client/library/publisher.hpp"
@@ -140,6 +141,12 @@ Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {
   }
   return ProbeWatch(std::move(*state));
 }
+
+Result<ShownObjects> Client::shapes(const ShapesOptions& options, const ShownObjects* earlier) {
+  return client::shapes(*state_->connection, options, earlier);
+}
+
+Result<Poses> Client::poses(std::chrono::nanoseconds timeout) { return client::poses(*state_->connection, timeout); }
 
 Result<Publisher> Client::publish(const std::string& publisher_name) {
   Result<std::unique_ptr<Publisher::State>> state = Publisher::State::start(state_->connection, publisher_name);

@@ -20,6 +20,8 @@ namespace {
 constexpr nanoseconds kLease(wire_contract::kPublisherLeaseNs);
 // A call that comes this soon after the last word needs not say again that the publisher lives.
 constexpr nanoseconds kWordPeriod = kLease / 5;
+constexpr std::int64_t kGoodbyeSliceNs = 10'000'000;
+
 std::int64_t since_1970_ns() {
   return std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
@@ -100,10 +102,18 @@ Publisher::State::~State() {
         break;
       }
     }
-    object_writer_.wait_for_acknowledgements(wire_contract::kPublisherLeaseNs);
+    // A dead server's reader acknowledges nothing for as long as DDS keeps it; the living server's status will do.
+    const Clock::time_point until = Clock::now() + std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs);
+    while (!object_writer_.wait_for_acknowledgements(kGoodbyeSliceNs) && !is_applied() && Clock::now() < until) {
+    }
   } catch (const dds::DdsError&) {
     // The lease runs out instead.
   }
+}
+
+bool Publisher::State::is_applied() const {
+  const auto view = connection_->pulse().publisher(publisher_);
+  return view && view->applied_sequence >= sequence_;
 }
 
 std::optional<Error> Publisher::State::object_fault(const ObjectOptions& options) const {

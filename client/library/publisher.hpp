@@ -32,9 +32,10 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   bool is_forgotten() const;
   bool is_behind() const;
   bool is_followed() const;
+  bool is_applied() const;
   std::optional<Error> define_all();
   std::optional<Error> write_definition(std::uint32_t number, const client::PublishedObject& object, bool removed);
-  std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags, std::int64_t time_ns);
+  std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, bool teleported, std::int64_t time_ns);
   std::optional<Error> send_waiting(std::int64_t time_ns);
   void note_written();
 
@@ -50,6 +51,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::uint32_t batches_unacknowledged_ = 0;
   client::Clock::time_point last_word_;
   client::Clock::time_point last_sample_;
+  client::Clock::time_point defined_all_;
   dds::Sample<wire::Definition> definition_;
   dds::Sample<wire::PoseBatch> batch_;
   std::vector<double> poses_;

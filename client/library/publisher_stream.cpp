@@ -17,6 +17,8 @@ namespace {
 // pose of some object.
 constexpr std::uint32_t kMostUnacknowledged = wire_contract::kPoseTopic.keep_last - 8;
 constexpr std::int64_t kAcknowledgementNs = 1'000'000'000;
+// So long after everything was sent anew each batch says so: the first ones may come before the new server's reader is there.
+constexpr std::chrono::milliseconds kSaysSo{2'000};
 // Several statuses after the last sample; one of them must have counted it.
 constexpr std::chrono::milliseconds kBehind{500};
 
@@ -94,7 +96,8 @@ std::optional<Error> Publisher::State::define_all() {
     }
   }
   objects_.mark_sent(objects_.waiting().size());  // definitions carry the newest poses
-  return write_batch({}, wire_contract::kAllSaid, 0);  // revives the pose writer, whose lease ran out as well
+  defined_all_ = Clock::now();
+  return write_batch({}, false, 0);  // revives the pose writer, whose lease ran out as well
 }
 
 std::optional<Error> Publisher::State::write_definition(std::uint32_t number, const PublishedObject& object,
@@ -121,7 +124,7 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   });
 }
 
-std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags,
+std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t> numbers, bool teleported,
                                                    std::int64_t time_ns) {
   poses_.resize(numbers.size() * kPoseNumbers);
   double* pose = poses_.data();
@@ -131,7 +134,8 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
   batch_->sequence_number = sequence_ + 1;
   batch_->definitions_through = definitions_through_;
   batch_->source_time_ns = time_ns;
-  batch_->flags = flags;
+  batch_->flags = teleported ? wire_contract::kTeleported : 0;
+  if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kAllSaid;
   dds::borrow(batch_->object_numbers, numbers);
   dds::borrow(batch_->poses, poses_);
   return guarded([&]() -> std::optional<Error> {
@@ -162,8 +166,7 @@ std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
     const bool teleported = plain_left == 0;
     const std::size_t of_a_kind = teleported ? objects_.waiting().size() : plain_left;
     const std::size_t count = std::min<std::size_t>(of_a_kind, kMaxPosesPerBatch);
-    const std::uint8_t flags = teleported ? wire_contract::kTeleported : 0;
-    if (auto error = write_batch(objects_.waiting().first(count), flags, time_ns)) {
+    if (auto error = write_batch(objects_.waiting().first(count), teleported, time_ns)) {
       return error;
     }
     objects_.mark_sent(count);

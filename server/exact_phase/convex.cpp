@@ -5,6 +5,7 @@
 
 #include "server/exact_phase/value.hpp"
 #include "server/geometry/mesh.hpp"
+#include "server/geometry/stable_length.hpp"
 
 namespace collided::kernel {
 namespace {
@@ -111,9 +112,7 @@ Vec3 Convex::support(const Vec3& n) const {
     for (int i = 0; i < 3; ++i) best += std::copysign(half_m[i], n.dot(axes.col(i))) * axes.col(i);
   } else if (plus == Plus::ellipsoid) {
     const Vec3 own = half_m.cwiseProduct(axes.transpose() * n);
-    // Squares in range need no care, which costs as much as all the rest.
-    const double length2 = own.squaredNorm();
-    const double length = length2 > 0x1p-900 && length2 < 0x1p900 ? std::sqrt(length2) : own.stableNorm();
+    const double length = stable_length(own);
     if (length > 0) best += axes * half_m.cwiseProduct(own / length);
   }
   return best;

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <optional>
 
-#include "server/intake/bridge_holes.hpp"
 #include "server/intake/json_view.hpp"
 #include "server/intake/limits.hpp"
 #include "server/intake/names.hpp"
@@ -136,14 +135,9 @@ class CityReader {
       }
     }
     if (corners.empty()) return;
-    if (corners.size() > 1) {
-      const Bridging bridging = bridge_holes(corners, scene_.mesh.vertices, corners[0]);
-      if (bridging == Bridging::too_long)
-        geometry.complain(
-            fmt::format("has a polygon with {} holes that are too many to cut round", corners.size() - 1));
-      // A hole that is no hole is covered, which makes an obstacle of it; the other way something would be passed.
-      hole_flaw_count_ += bridging == Bridging::no_bridge ? 1 : 0;
-    }
+    if (corners.size() > 1 && cut_with_holes(corners)) return;
+    // A hole that is no hole is covered, which makes an obstacle of it; the other way something would be passed.
+    hole_flaw_count_ += corners.size() > 1 ? 1 : 0;
     cut(geometry, corners[0]);
   }
 
@@ -161,6 +155,17 @@ class CityReader {
       corners.push_back(number.get<std::uint32_t>());
     }
     return corners;
+  }
+
+  bool cut_with_holes(const std::vector<std::vector<std::uint32_t>>& rings) {
+    std::vector<std::uint32_t> corners;
+    std::vector<std::uint32_t> ring_ends;
+    for (const std::vector<std::uint32_t>& ring : rings) {
+      corners.insert(corners.end(), ring.begin(), ring.end());
+      ring_ends.push_back(static_cast<std::uint32_t>(corners.size()));
+    }
+    check_triangle_count(reading_, scene_.mesh.triangles.size() + corners.size() + 2 * rings.size());
+    return triangulate_with_holes(corners, ring_ends, scene_.mesh.vertices, scene_.mesh.triangles) != PolygonKind::crossing;
   }
 
   void cut(const JsonView& geometry, const std::vector<std::uint32_t>& corners) {

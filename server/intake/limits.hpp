@@ -31,9 +31,6 @@ inline constexpr std::uint64_t kMaxCloudPoints = 1'000'000;
 /// Bytes of a file's JSON text: its values take up to ten times as much while they are read.
 inline constexpr std::uint64_t kMaxJsonBytes = std::uint64_t{1} << 29;
 
-/// Pairs of edges that are compared to find the bridges of one polygon's holes: a second or two.
-inline constexpr std::uint64_t kMaxBridgeTests = 100'000'000;
-
 /// Borders that are weighed in one search for T-vertices and cracks: about five seconds. Soups of long triangles, where
 /// every border is near every point, reach it, and are told that not all was looked at.
 inline constexpr std::uint64_t kMaxSeamTests = 300'000'000;

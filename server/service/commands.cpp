@@ -43,7 +43,11 @@ Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const
       audit_(audit),
       durable_(durable),
       flight_(flight),
-      slow_jobs_(kMostSlowJobs), pair_jobs_(kMostPairJobs) {
+      slow_jobs_(kMostSlowJobs),
+      pair_jobs_(kMostPairJobs),
+      geometry_(loop.world(), [this](const CommandAsk& ask, ReplyStatus status, std::string text) {
+        send(ask, status, std::move(text));
+      }) {
   const auto work = [](WorkQueue<SlowJob>& jobs) {
     return std::thread([&jobs] {
       while (std::optional<SlowJob> job = jobs.pop()) (*job)();
@@ -59,6 +63,7 @@ Commands::~Commands() {
 
 void Commands::stop() {
   stopping_.store(true);
+  geometry_.stop();
   for (auto* jobs : {&slow_jobs_, &pair_jobs_}) jobs->close();
   for (auto* thread : {&slow_thread_, &pair_thread_}) {
     if (thread->joinable()) thread->join();
@@ -68,11 +73,15 @@ void Commands::stop() {
 
 /// The answer of some work, or the refusal that it threw.
 void Commands::answer(const CommandAsk& ask, const std::function<json()>& work) {
+  answer_text(ask, [&] { return dump(work()); });
+}
+
+void Commands::answer_text(const CommandAsk& ask, const std::function<std::string()>& work) {
   const auto refuse = [&](const std::string& error, const std::string& hint) {
     send(ask, ReplyStatus::refused, refusal_text(error, hint));
   };
   try {
-    send(ask, ReplyStatus::ok, dump(work()));
+    send(ask, ReplyStatus::ok, work());
   } catch (const BadCommand& bad) {
     refuse(bad.what(), bad.hint);
   } catch (const std::bad_alloc&) {
@@ -149,8 +158,8 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
 }
 
 /// What is carried out once more was asked by nobody that waits; the log hears what could not be done.
-void Commands::send(const CommandAsk& ask, ReplyStatus status, const std::string& text) {
-  if (ask.client != 0) return answering_->send_text(ask.client, ask.request, status, text);
+void Commands::send(const CommandAsk& ask, ReplyStatus status, std::string text) {
+  if (ask.client != 0) return answering_->send_text(ask.client, ask.request, status, std::move(text));
   if (status == ReplyStatus::refused) loop_.say("what was added before the crash cannot be added again: " + text);
 }
 
@@ -174,14 +183,23 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
+  if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
   if (command == names::kPair) return pair_later(std::move(ask), *arguments);
   if (command == names::kRecording) return recording_later(std::move(ask), *arguments);
+  if (command == names::kPoses) {
+    return answer_text(ask, [&] {
+      arguments->allow_only({});
+      return encode_poses(*loop_.world().newest());
+    });
+  }
+  if (command == names::kShapes || command == names::kSurface || command == names::kMore) return geometry_.take(std::move(ask));
   answer(ask, [&]() -> json {
     const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
                                          names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
-                                         names::kPair, names::kProbe, names::kProbes, names::kRecording};
+                                         names::kPair, names::kProbe, names::kProbes, names::kFigures, names::kShapes,
+                                         names::kSurface, names::kMore, names::kPoses, names::kRecording};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }
@@ -194,8 +212,7 @@ void Commands::on_world_thread(CommandAsk ask, Change change) {
     is_change ? answer_once_kept(*shared, work) : answer(*shared, work);
   });
   if (!taken) {
-    send(*shared, ReplyStatus::refused,
-                          refusal_text("too many commands wait already", "ask again"));
+    send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again"));
   }
 }
 

@@ -14,6 +14,7 @@
 #include "server/service/background_audit.hpp"
 #include "server/service/command_arguments.hpp"
 #include "server/service/durable_state.hpp"
+#include "server/service/geometry_desk.hpp"
 #include "server/service/inbox.hpp"
 #include "server/service/scene_loading.hpp"
 #include "server/service/work_queue.hpp"
@@ -53,7 +54,8 @@ class Commands {
     bool replace = false;
   };
 
-  void send(const CommandAsk& ask, wire_contract::ReplyStatus status, const std::string& text);
+  void send(const CommandAsk& ask, wire_contract::ReplyStatus status, std::string text);
+  void answer_text(const CommandAsk& ask, const std::function<std::string()>& work);
   void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
   void answer_once_kept(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
   void on_world_thread(CommandAsk ask, Change change);
@@ -63,6 +65,7 @@ class Commands {
   nlohmann::json list(const Arguments& arguments) const;
   nlohmann::json plan(const Arguments& arguments) const;
   nlohmann::json audit(const Arguments& arguments) const;
+  nlohmann::json figures(const Arguments& arguments) const;
   // On the world's thread.
   nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
@@ -99,6 +102,7 @@ class Commands {
   Answering* answering_ = nullptr;
   const QuestionCounts& counts_;
   const BackgroundAudit& audit_;
+  const std::int64_t started_ns_ = steady_ns();
   DurableState* durable_;
   FlightRecorder* flight_;
   std::mutex recordings_mutex_;
@@ -107,6 +111,7 @@ class Commands {
   std::atomic<bool> replaying_{false};
   WorkQueue<SlowJob> slow_jobs_;
   WorkQueue<SlowJob> pair_jobs_;
+  GeometryDesk geometry_;
   std::atomic<bool> stopping_{false};
   std::thread slow_thread_;
   std::thread pair_thread_;

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstdint>
 
+#include "server/service/duration_counts.hpp"
+
 namespace collided::service {
 
 /// What the answering side did; added to by any thread, read for the status.
@@ -13,6 +15,7 @@ struct QuestionCounts {
   std::atomic<std::uint64_t> undecided{0};     // answers
   // By wire_contract::QueryKind and the highest rung of the ladder that one of the question's tests needed.
   std::array<std::array<std::atomic<std::uint64_t>, 3>, 7> levels{};
+  std::array<DurationCounts, 7> durations{};  // by kind, from taking a chunk of questions to writing its answers
   std::atomic<std::uint64_t> float_repairs{0};  // threads whose floating-point settings had to be set back
   std::atomic<std::uint64_t> unanswerable{0};  // no room for another client, or nobody listened for the reply
 };

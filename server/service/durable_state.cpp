@@ -34,9 +34,9 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
       if (std::from_chars(entry.key.data() + kPublisher.size(), end, publisher, 16).ptr == end) publishers_left_.push_back(publisher);
     }
   }
-  // What is carried out again is written again. The file is there from now on: noting a publisher is then one write, which
-  // is done before that publisher's first contact is told.
-  journal_.clear();
+  // What is left stays until it is forgotten: the next crash may come before it has been carried out again.
+  if (!crashed) journal_.clear();
+  publishers_.insert(publishers_left_.begin(), publishers_left_.end());
   say_problem();
   thread_ = std::thread([this] {
     while (std::optional<Job> job = jobs_.pop()) (*job)();

@@ -40,6 +40,7 @@ class DurableState {
   /// Forgets the scenes and objects of which this is false.
   void keep_only(const std::function<bool(std::string_view scene)>& has_scene,
                  const std::function<bool(std::string_view object)>& has_object);
+  /// These and no others from now on; those left count until then.
   void set_publishers(const std::set<std::uint64_t>& publishers);
   /// Called once all of the above is on the disk, or has failed to get there: then not_kept says why.
   void then(std::function<void(const std::string& not_kept)> done);

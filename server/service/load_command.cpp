@@ -79,8 +79,7 @@ void Commands::load_one(Load load) {
     const std::int64_t now_ns = steady_ns();
     // Reported from any of the threads that build; one of them wins.
     if (now_ns - last_ns < kProgressPeriodNs || !told_ns.compare_exchange_strong(last_ns, now_ns)) return;
-    send(ask, ReplyStatus::progress,
-                          fmt::format("{{\"fraction\": {:.4f}}}", fraction));
+    send(ask, ReplyStatus::progress, fmt::format("{{\"fraction\": {:.4f}}}", fraction));
   };
   const auto loaded = std::make_shared<LoadedScene>();
   try {
@@ -89,8 +88,10 @@ void Commands::load_one(Load load) {
     send(ask, ReplyStatus::refused, refusal_text(failed.what()));
     return;
   } catch (const std::bad_alloc&) {
-    send(ask, ReplyStatus::refused,
-                          refusal_text(load.path + ": not enough memory. Nothing was loaded."));
+    send(ask, ReplyStatus::refused, refusal_text(load.path + ": not enough memory. Nothing was loaded."));
+    return;
+  } catch (const std::exception& failed) {
+    send(ask, ReplyStatus::refused, refusal_text(fmt::format("{}: {}. Nothing was loaded.", load.path, failed.what())));
     return;
   }
   load.options = {};  // its functions point at what ends here
@@ -98,8 +99,7 @@ void Commands::load_one(Load load) {
   const bool taken =
       inbox_.push_job([this, shared, loaded] { answer_once_kept(shared->ask, [&] { return add_scene(*shared, *loaded); }); });
   if (!taken) {
-    send(shared->ask, ReplyStatus::refused,
-                          refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
+    send(shared->ask, ReplyStatus::refused, refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
   }
 }
 

@@ -11,6 +11,7 @@
 #include <future>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "server/service/answering.hpp"
 #include "server/service/commands.hpp"
@@ -102,6 +103,8 @@ struct Server::Parts {
   LeaseBook leases;
   QuestionCounts questions;
   BackgroundAudit audit;
+  Overload overload;
+  std::uint64_t superseded = 0;  // poses, as of the last tick
   Inbox inbox;
   std::unique_ptr<FlightRecorder> flight;  // null where it is off
   WireOutlet outlet;
@@ -137,6 +140,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       world({.epoch = identity.epoch, .max_objects = options.max_objects, .max_contacts = options.max_contacts}),
       leases(world),
       audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
+      overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
       flight(record()),
       outlet(participant, identity, flight.get()),
       loop({.world = world,
@@ -155,7 +159,9 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   // Before its first contact is told: who was told of one must not be met by a server that knows of none.
                   if (durable) durable->wait(std::chrono::milliseconds(100));
                 },
-            .has_all_back = [this] { return has_all_back(); }},
+            .is_adding_again = [this] { return !commands.replayed(); },
+            .has_all_back = [this] { return has_all_back(); },
+            .leaves_out_details = [this] { return overload.leaves_out_details(); }},
            {.step_ns = options.step_ns,
             .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
@@ -187,21 +193,23 @@ std::unique_ptr<FlightRecorder> Server::Parts::record() {
 bool Server::Parts::has_all_back() const {
   if (!durable) return false;
   const auto& left = durable->publishers_left();
-  return commands.replayed() && std::all_of(left.begin(), left.end(), [&](std::uint64_t publisher) {
-           return loop.publishers().is_complete(publisher);
-         });
+  return std::all_of(left.begin(), left.end(), [&](std::uint64_t publisher) { return loop.publishers().is_complete(publisher); });
 }
 
 void Server::Parts::note_publishers() {
   if (!durable) return;
   std::set<std::uint64_t> there;
   loop.publishers().for_each(clock.now_ns(), [&](const PublisherView& view) { there.insert(view.publisher); });
+  // Whoever has not come back yet is not forgotten: this server may crash too.
+  if (loop.recovering()) there.insert(durable->publishers_left().begin(), durable->publishers_left().end());
   durable->set_publishers(there);
 }
 
 void Server::Parts::tick() {
   note_publishers();
   answering->tick(listeners->askers());
+  const std::uint64_t superseded_now = inbox.counts().poses_superseded;
+  overload.note(superseded_now != std::exchange(superseded, superseded_now), answering->was_pressed());
   listeners->take_left_definitions();
 }
 
@@ -227,7 +235,7 @@ std::string Server::start() {
       std::make_unique<Answering>(p.world, p.clock, p.fences, p.leases, p.questions, p.audit, p.reply_topic,
                                   AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options),
                                                    p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); },
-                                                   p.flight.get()},
+                                                   &p.overload, p.flight.get()},
                                   [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   p.commands.connect(*p.answering);
   p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering, p.flight.get());

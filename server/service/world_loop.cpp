@@ -50,13 +50,7 @@ void WorldLoop::run() {
   while (!stopping_.load()) {
     around_.inbox.drain(next_wake(), arrivals_);
     if (restore_float_environment()) ++around_.questions.float_repairs;
-    for (Arrival& arrival : arrivals_) {
-      const std::size_t known = publishers_.size();
-      take(arrival);
-      if (publishers_.size() > known && around_.has_new_publisher) around_.has_new_publisher();
-      keep_time();
-    }
-    apply([&] { return publishers_.release_parked(around_.clock.now_ns()); });
+    take_arrivals();
     step_if_due();
     // Samples that changed nothing need no step, but somebody may wait for them.
     if (pending_changes_ == 0) let_fences_pass();
@@ -66,6 +60,20 @@ void WorldLoop::run() {
   write_status(ServerState::stopping);
 }
 
+void WorldLoop::take_arrivals() {
+  const std::int64_t started_ns = steady_ns();
+  const std::int64_t stepping_before_ns = stepping_ns_;
+  for (Arrival& arrival : arrivals_) {
+    const std::size_t known = publishers_.size();
+    take(arrival);
+    if (publishers_.size() > known && around_.has_new_publisher) around_.has_new_publisher();
+    keep_time();
+  }
+  apply([&] { return publishers_.release_parked(around_.clock.now_ns()); });
+  const std::int64_t stepped_ns = stepping_ns_ - stepping_before_ns;
+  sums_.take_ns.add(static_cast<std::uint64_t>(std::max<std::int64_t>(0, steady_ns() - started_ns - stepped_ns)));
+}
+
 /// Ten times a second, however much has come: who hears no status for 0.3 s takes the server for dead.
 void WorldLoop::keep_time() {
   if (steady_ns() < next_status_ns_) return;
@@ -73,18 +81,21 @@ void WorldLoop::keep_time() {
   publishers_.settle(around_.clock.now_ns());
   if (recovering() && has_recovered()) recovering_.store(false);
   write_status(recovering() ? ServerState::recovering : ServerState::ready);
+  // What a lost publisher's objects may have reached grows with time, and with it what is undecided.
+  if (!around_.world.newest()->stale_objects.empty()) note_change();
   around_.tick();
   say_notices();
 }
 
-/// All that an earlier process knew is back, and who came in its last moments has had the time to find this one; or the
-/// wait is over.
+/// What commands had added is there again, and so are the publishers that were there, with the time for one that came in
+/// the last moments to find this server; or the wait for them is over.
 bool WorldLoop::has_recovered() const {
+  if (around_.is_adding_again && around_.is_adding_again()) return false;
   const std::int64_t waited_ns = steady_ns() - started_ns_;
   const bool is_early = waited_ns < wire_contract::kPublisherLeaseNs;
   if (!is_early && around_.has_all_back && around_.has_all_back()) return true;
   if (waited_ns < options_.recovery_ns) return false;
-  around_.notice("not all that was here before the crash has come back; ready without it");
+  around_.notice("not every publisher from before the crash has come back; ready without them");
   return true;
 }
 
@@ -145,11 +156,15 @@ void WorldLoop::step_if_due() {
 }
 
 void WorldLoop::step_now() {
+  const std::int64_t started_ns = steady_ns();
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
-  const StepWishes wishes{.contacts = around_.outlet.contacts_wanted(), .persisted = around_.outlet.persisted_wanted()};
+  const bool leaves_out = around_.leaves_out_details && around_.leaves_out_details();
+  const StepWishes wishes{.contacts = around_.outlet.contacts_wanted(),
+                          .persisted = around_.outlet.persisted_wanted() && !leaves_out};
   while (!around_.world.step(around_.clock.now_ns(), std::max<std::uint64_t>(1, pending_changes_), wishes)) {
     // Readers hold every free state. Workers let theirs go within an answer's time, requests in chunks within 2 s.
     ++counts_.stalled_steps;
+    sums_.stalled_steps.add(1);
     around_.leases.expire(steady_ns());
     std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
@@ -157,7 +172,39 @@ void WorldLoop::step_now() {
   ++counts_.steps;
   say_skipped_sweeps();
   publishers_.stepped();
+  const std::int64_t stepped_ns = steady_ns();
   publish();
+  sum_up(started_ns, stepped_ns);
+}
+
+void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
+  const std::int64_t ended_ns = steady_ns();
+  const StepCost& cost = around_.world.cost();
+  sums_.steps.add(1);
+  sums_.update_ns.add(static_cast<std::uint64_t>(cost.update_ns));
+  sums_.index_ns.add(static_cast<std::uint64_t>(cost.broad_ns));
+  sums_.test_ns.add(static_cast<std::uint64_t>(cost.exact_ns));
+  sums_.publish_ns.add(static_cast<std::uint64_t>(ended_ns - stepped_ns));
+  sums_.poses_applied.set(publishers_.counts().poses_applied);
+  sums_.moved.add(cost.moved);
+  sums_.candidates.add(cost.candidate_pairs);
+  sums_.filtered.add(cost.filtered);
+  sums_.exact_tests.add(cost.exact_tests);
+  sums_.undecided.add(cost.undecided);
+  sums_.swept.add(cost.swept);
+  sums_.kept_apart.add(cost.kept_apart);
+  sums_.durations.add(ended_ns - started_ns);
+  stepping_ns_ += ended_ns - started_ns;
+}
+
+void WorldLoop::sum_up_poses() {
+  const InboxCounts inbox = around_.inbox.counts();
+  const PublisherCounts& counts = publishers_.counts();
+  sums_.poses_late.set(counts.poses_late);
+  sums_.poses_unknown.set(counts.poses_unknown);
+  sums_.poses_refused.set(counts.poses_refused);
+  sums_.poses_superseded.set(inbox.poses_superseded);
+  sums_.poses_dropped.set(inbox.poses_dropped);
 }
 
 void WorldLoop::publish() {
@@ -218,6 +265,7 @@ void WorldLoop::write_status(ServerState state) {
   status_.undecided_answers = around_.questions.undecided.load();
   count_objects(*newest, status_);
   list_publishers(true);
+  sum_up_poses();
   around_.outlet.write_status(status_);
 }
 

@@ -16,6 +16,7 @@
 #include "server/service/lease_book.hpp"
 #include "server/service/outlet.hpp"
 #include "server/service/publishers.hpp"
+#include "server/service/step_sums.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::service {
@@ -48,7 +49,11 @@ class WorldLoop {
     std::function<void()> tick;                      // ten times a second
     std::function<void(const std::string&)> notice;  // a sentence for the log
     std::function<void()> has_new_publisher = {};    // told at once: a crash may be near
-    std::function<bool()> has_all_back = {};         // asked after a crash: whatever was there before is there again
+    // Asked after a crash.
+    std::function<bool()> is_adding_again = {};      // scenes and objects that commands had added; however long it takes
+    std::function<bool()> has_all_back = {};         // every publisher that was there
+    // Asked while overloaded.
+    std::function<bool()> leaves_out_details = {};   // contacts that go on are not told anew
   };
 
   WorldLoop(const Around& around, const LoopOptions& options)
@@ -77,6 +82,10 @@ class WorldLoop {
   /// A change that a job made itself.
   void note_change() { ++own_changes_; }
   const LoopCounts& counts() const { return counts_; }
+  /// Any thread.
+  const StepSums& sums() const { return sums_; }
+  /// 0: a step as soon as something has changed. Any thread.
+  std::int64_t step_period_ns() const { return options_.step_ns; }
   /// Any thread; as of the last status.
   std::string publisher_name(std::uint64_t publisher) const;
   /// Not everything that was there before a crash may be back yet. Any thread.
@@ -95,7 +104,10 @@ class WorldLoop {
   void apply(Apply&& once);
   void keep_time();
   bool has_recovered() const;
+  void take_arrivals();
   void step_if_due();
+  void sum_up(std::int64_t started_ns, std::int64_t stepped_ns);
+  void sum_up_poses();
   void publish();
   void publish_probes(const Stamp& stamp);
   void let_fences_pass();
@@ -121,6 +133,8 @@ class WorldLoop {
   std::int64_t next_step_ns_ = 0;
   std::int64_t next_status_ns_ = 0;
   LoopCounts counts_;
+  StepSums sums_;
+  std::int64_t stepping_ns_ = 0;  // in steps, since the start
 
   Probes probes_;
   std::atomic<std::size_t> probe_count_{0};

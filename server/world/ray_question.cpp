@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "server/exact_phase/ray_cast.hpp"
+#include "server/geometry/stable_length.hpp"
 #include "server/world/part_index.hpp"
 #include "server/world/question.hpp"
 #include "server/world/question_shapes.hpp"
@@ -17,7 +18,7 @@ using wire_contract::RayMode;
 struct RayWalk {
   Question& question;
   Ray ray;
-  double direction_m = 0;  // |direction|, rounded to nearest
+  double direction_m = 0;  // |direction|, stable_length's
   double limit = 0;        // in s, never below the best hit less the error asked for; below 0: nothing is sought
   Triangle best_triangle = {};
   bool best_is_triangle = false;
@@ -242,7 +243,7 @@ void finish_all(Question& question) {
 RayWalk started(Question& question, const double* n) {
   question.found.clear();
   RayWalk walk{.question = question, .ray = ray_of(n)};
-  walk.direction_m = walk.ray.direction.stableNorm();
+  walk.direction_m = stable_length(walk.ray.direction);
   walk.limit = walk.rounded_up(n[6]);
   // A length over a denormal direction may overflow: then there is no limit.
   if (!std::isfinite(walk.limit)) {

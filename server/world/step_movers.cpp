@@ -106,7 +106,11 @@ bool Step::consider(std::uint32_t first, std::uint32_t second) {
   }
   const ObjectInfo& a = *(*s.objects)[first];
   const ObjectInfo& b = *(*s.objects)[second];
-  if (!(a.moving || b.moving) || !may_meet(a.filter, b.filter)) return true;
+  if (!(a.moving || b.moving)) return true;
+  if (!may_meet(a.filter, b.filter)) {
+    ++s.cost.filtered;
+    return true;
+  }
   s.cost.truncated = s.cost.truncated || !has_room();
   if (!s.cost.truncated) test_pair(first, second);
   return !s.cost.truncated;

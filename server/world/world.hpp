@@ -49,6 +49,7 @@ struct StepCost {
   std::uint32_t exact_tests = 0;
   std::uint32_t undecided = 0;
   std::uint32_t swept = 0;
+  std::uint32_t filtered = 0;  // pairs of movers near each other that layers, masks or groups keep from meeting
   std::uint32_t kept_apart = 0;  // pairs of meshes not tested, since they were too far apart for how far they have gone
   /// Pairs with a fast mover whose way could not be searched to its end: a contact between two poses may be missing.
   std::uint32_t sweeps_skipped = 0;

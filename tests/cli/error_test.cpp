@@ -104,7 +104,7 @@ TEST_F(Errors, TheHelpIsTwelveLinesAndListsWhatWorks) {
   const Ran ran = collide("");
   EXPECT_EQ(ran.code, 0);
   EXPECT_LE(std::count(ran.out.begin(), ran.out.end(), '\n'), 12);
-  EXPECT_NE(ran.out.find("Ask      ray  sphere  box  near  sweep  pair\nFollow   watch  probe\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("Ask      ray  sphere  box  near  sweep  pair\nFollow   watch  probe  top\n"), std::string::npos) << ran.out;
   EXPECT_EQ(collide("--help").out, ran.out);
   EXPECT_EQ(collide("help").out, ran.out);
   EXPECT_EQ(ran.out.find("inside"), std::string::npos) << "not built, so not listed";

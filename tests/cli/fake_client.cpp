@@ -133,6 +133,11 @@ Result<PairAnswer> Client::pair(const std::string& a, const std::string& b, cons
   return fake::server().pair(a, b, options);
 }
 
+Result<ShownObjects> Client::shapes(const ShapesOptions& options, const ShownObjects*) {
+  if (!fake::server().shapes) return Error{ErrorCode::refused, "no shapes", ""};
+  return fake::server().shapes(options);
+}
+
 Result<Done> Client::add_probe(const Probe& probe) {
   fake::server().probes.push_back(probe);
   return Done{};

@@ -7,11 +7,14 @@
 
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/broad_phase/grid.hpp"
+#include "tests/oracle/box_pairs.hpp"
 
 namespace collided::extreme {
 
 using Numbers = std::vector<std::uint32_t>;
-using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+using oracle::pairs_by_force;
+using oracle::pairs_of;
+using Pairs = oracle::BoxPairs;
 
 inline Aabb cube(const Vec3& low, double size_m) { return {low, low + Vec3::Constant(size_m)}; }
 
@@ -19,29 +22,6 @@ inline Grid grid_of(const std::vector<Aabb>& boxes) {
   Grid grid;
   grid.rebuild(boxes);
   return grid;
-}
-
-/// In ascending order, so that a pair found twice shows.
-inline Pairs pairs_of(const Grid& grid) {
-  Pairs all;
-  WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t a, std::uint32_t b) {
-    static_cast<Pairs*>(context)->emplace_back(a, b);
-    return true;
-  };
-  grid.pairs(collect, &all, cost);
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
-inline Pairs pairs_by_force(const std::vector<Aabb>& boxes) {
-  Pairs all;
-  for (std::uint32_t a = 0; a < boxes.size(); ++a) {
-    for (std::uint32_t b = a + 1; b < boxes.size(); ++b) {
-      if (overlaps(boxes[a], boxes[b])) all.emplace_back(a, b);
-    }
-  }
-  return all;
 }
 
 inline std::uint64_t count_pairs(const Grid& grid) {

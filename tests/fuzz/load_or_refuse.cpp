@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <string>
 #include <unordered_set>
 
 #include "server/intake/names.hpp"

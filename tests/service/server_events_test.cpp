@@ -252,6 +252,10 @@ TEST_F(ServerEvents, ADeadServersReaderHoldsNobodyUp) {
   }
   EXPECT_EQ(held_up, 0);
   EXPECT_TRUE(publisher.wait_applied(5s));
+  const auto leaving = std::chrono::steady_clock::now();
+  { const Publisher gone = std::move(publisher); }
+  { const Client gone = std::move(client); }
+  EXPECT_LT(std::chrono::steady_clock::now() - leaving, 1s) << "nor whoever leaves";
 }
 
 // Objects and scenes that commands added are there again after a crash, those that were removed are not; after an orderly

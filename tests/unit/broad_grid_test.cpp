@@ -6,13 +6,15 @@
 #include <set>
 
 #include "server/broad_phase/grid.hpp"
+#include "tests/oracle/box_pairs.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+using oracle::pairs_by_force;
+using oracle::pairs_of;
 using Numbers = std::vector<std::uint32_t>;
 
 Aabb make_box(const Vec3& low, const Vec3& size) { return {low, low + size}; }
@@ -22,28 +24,6 @@ Vec3 in_cube(std::mt19937_64& random) {
   const double x = coordinate(random);
   const double y = coordinate(random);
   return {x, y, coordinate(random)};
-}
-
-Pairs pairs_of(const Grid& grid) {
-  Pairs all;
-  WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t first, std::uint32_t second) {
-    static_cast<Pairs*>(context)->emplace_back(first, second);
-    return true;
-  };
-  grid.pairs(collect, &all, cost);
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
-Pairs pairs_by_force(const std::vector<Aabb>& boxes) {
-  Pairs all;
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    for (std::uint32_t j = i + 1; j < boxes.size(); ++j) {
-      if (!boxes[i].empty() && !boxes[j].empty() && overlaps(boxes[i], boxes[j])) all.emplace_back(i, j);
-    }
-  }
-  return all;
 }
 
 Numbers in_box(const Grid& grid, const Aabb& asked) {

@@ -6,35 +6,16 @@
 #include <random>
 
 #include "server/broad_phase/sweep_and_prune.hpp"
+#include "tests/oracle/box_pairs.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-
-Pairs pairs_of(const SweepAndPrune& sweep) {
-  Pairs all;
-  WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t first, std::uint32_t second) {
-    static_cast<Pairs*>(context)->emplace_back(first, second);
-    return true;
-  };
-  sweep.pairs(collect, &all, cost);
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
-Pairs pairs_by_force(const std::vector<Aabb>& boxes) {
-  Pairs all;
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    for (std::uint32_t j = i + 1; j < boxes.size(); ++j) {
-      if (!boxes[i].empty() && !boxes[j].empty() && overlaps(boxes[i], boxes[j])) all.emplace_back(i, j);
-    }
-  }
-  return all;
-}
+using oracle::pairs_by_force;
+using oracle::pairs_of;
+using Pairs = oracle::BoxPairs;
 
 Vec3 in_cube(std::mt19937_64& random) {
   std::uniform_real_distribution<double> coordinate(-1, 1);

@@ -8,6 +8,7 @@
 #include <map>
 #include <random>
 
+#include "server/service/durable_state.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided::service {
@@ -52,6 +53,13 @@ class MemoryDisk final : public Disk {
     const std::size_t part = failed ? bytes.size() / 2 : bytes.size();
     content.insert(content.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part));
     return !failed;
+  }
+  bool cut(const std::string& name, std::uint64_t bytes) override {
+    if (fails()) return false;
+    Platter::File& file = platter_.files[name];
+    file.content.resize(std::min<std::size_t>(bytes, file.content.size()));
+    file.synced = std::min(file.synced, file.content.size());
+    return true;
   }
   bool sync(const std::string& name) override {
     if (fails()) return false;
@@ -165,7 +173,7 @@ TEST(ServiceJournal, CutsAndFlippedBitsAreDetected) {
   Journal journal = open(good);
   const std::vector<Entries> states = work(journal, 40, random);
   const Bytes& whole = good.files["it"].content;
-  int detected = 0;
+  int said = 0;
   constexpr int kCases = 10'000;
   for (int i = 0; i < kCases; ++i) {
     Platter damaged = good;
@@ -179,12 +187,13 @@ TEST(ServiceJournal, CutsAndFlippedBitsAreDetected) {
     const Journal next = open(damaged);
     ASSERT_NE(std::ranges::find(states, next.entries()), states.end()) << "a state that never was";
     // A cut between two records cannot be told from a shorter life.
-    detected += !next.damage().empty() || (is_cut && next.entries() != states.back()) || is_cut ? 1 : 0;
+    said += next.damage().empty() ? 0 : 1;
     if (!is_cut) {
       ASSERT_NE(next.damage(), "");
     }
   }
-  EXPECT_EQ(detected, kCases);
+  std::printf("%d of %d damaged files said so\n", said, kCases);
+  EXPECT_GT(said, kCases * 9 / 10) << "few cuts fall between two records";
 }
 
 TEST(ServiceJournal, StaleRecordsDoNotPileUp) {
@@ -202,6 +211,34 @@ TEST(ServiceJournal, AFileOfSomethingElseIsLeftAlone) {
   const Journal journal = open(platter);
   EXPECT_TRUE(journal.entries().empty());
   EXPECT_NE(journal.damage().find("not a journal"), std::string::npos);
+}
+
+// A server that crashes again before it has carried out what an earlier one left must leave it too.
+TEST(ServiceDurableState, WhatIsLeftOutlivesCrashesInARow) {
+  std::mt19937_64 random = oracle::seeded(95);
+  const auto folder = std::filesystem::temp_directory_path() / ("durable_" + std::to_string(random()));
+  std::filesystem::create_directories(folder);
+  const auto live = [&](bool crashed) {
+    return std::make_unique<DurableState>(disk_in(folder.string()), "it.journal", crashed, [](const std::string&) {});
+  };
+  {
+    const auto first = live(false);
+    first->object_added("crate", {.text = "add crate", .blob = {std::byte{1}}});
+    first->scene_loaded("hall", {.text = "load hall", .blob = {}});
+    first->set_publishers({7, 9});
+  }
+  for (int crash = 0; crash < 3; ++crash) {
+    const auto next = live(true);
+    ASSERT_EQ(next->commands_left().size(), 2u);
+    EXPECT_EQ(next->commands_left()[0].text, "load hall");
+    EXPECT_EQ(next->commands_left()[1].text, "add crate");
+    EXPECT_EQ(next->publishers_left(), (std::vector<std::uint64_t>{7, 9}));
+  }
+  live(true)->set_publishers({9});
+  EXPECT_EQ(live(true)->publishers_left(), std::vector<std::uint64_t>{9}) << "who has not come back is waited for once";
+  EXPECT_TRUE(live(false)->commands_left().empty());
+  EXPECT_TRUE(live(true)->commands_left().empty()) << "a stop in order forgets";
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

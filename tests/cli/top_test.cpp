@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include "client/view/figures.hpp"
+#include "tests/cli/fake_client.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+using nlohmann::json;
+
+/// The sums of a server that is up for so long and has done everything `times` times.
+json figures(std::int64_t up_ns, std::uint64_t times) {
+  const auto ns = [&](const char* stage, std::uint64_t each) { return json{{"stage", stage}, {"ns", each * times}}; };
+  return {{"up_ns", up_ns},
+          {"version", 18204},
+          {"step_period_ns", 10'000'000},
+          {"steps", 100 * times},
+          {"stalled_steps", 0},
+          {"step_durations", {{409'599, 99 * times}, {1'179'647, times}}},
+          {"stages", {ns("take", 1'000'000), ns("update", 0), ns("index", 9'000'000), ns("test", 30'000'000), ns("publish", 10'000'000)}},
+          {"pairs", {{"moved", 0}, {"candidates", 31'200 * times}, {"filtered", 104'400 * times}, {"exact_tests", 0}, {"undecided", 0}, {"swept", 0}, {"kept_apart", 0}}},
+          {"poses", {{"applied", 960 * times}, {"late", 0}, {"unknown", 0}, {"refused", 0}, {"superseded", 2 * times}, {"dropped", 0}}},
+          {"questions",
+           {{{"kind", "ray"}, {"answered", 12'400 * times}, {"durations", {{17'407, 80 * times}, {61'439, 20 * times}}}},
+            {{"kind", "box"}, {"answered", 0}, {"durations", json::array()}}}},
+          {"refused", 0},
+          {"undecided", 31 * times},
+          {"not_built", {"FCL", "octree"}}};
+}
+
+class Top : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake::reset();
+    ServerStatus& status = fake::server().status;
+    status.version_text = "0.3";
+    status.state = "ready";
+    status.scenes = {"warehouse"};
+    status.epoch = 6;
+    status.pid = 4711;
+    status.version = 18204;
+    status.objects = 60;
+    status.moving = 48;
+    status.contacts = 7;
+    status.publishers = {{.name = "walker", .applied_sequence = 9, .silent = std::chrono::milliseconds(12), .lost = false},
+                         {.name = "lift_plc", .applied_sequence = 9, .silent = std::chrono::seconds(4), .lost = false}};
+    fake::server().command = [this](const std::string& name, const json&, const Shape&) -> Result<std::string> {
+      EXPECT_EQ(name, "figures");
+      const std::size_t look = std::min(looks++, readings.size() - 1);
+      if (readings[look].is_null()) return Error{ErrorCode::disconnected, "silent", ""};
+      return readings[look].dump();
+    };
+  }
+
+  std::vector<json> readings{figures(5'000'000'000, 3), figures(6'000'000'000, 4)};
+  std::size_t looks = 0;
+};
+
+// What was done before the first look does not count: rates and quantiles are of the second between.
+TEST_F(Top, ShowsTheTimeBetweenTwoLooks) {
+  const Ran ran = at_terminal("top --once --every 10ms");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(ran.out,
+            "collided 0.3 · scene warehouse · up 6 s · world 18 204 · ready\n"
+            "ASK    ray      12.4 k/s  p50 17.4 us  p99 61.4 us  |█|\n"
+            "       undecided 0.25 %   refused 0\n"
+            "POSES  60 objects, 48 moving   960/s   late 0   lost 2\n"
+            "FROM   lift_plc silent, 4 s   walker 12 ms\n"
+            "STAGE  take 2 %  update 0 %  index 18 %  test 60 %  publish 20 %   busy 5 %\n"
+            "STEP   100/s   p50 410 us of 10 ms   p99 410 us\n"
+            "PAIRS  candidates 312 a step   contacts 7   saved by filters 1 044\n"
+            "NOT BUILT  FCL, octree\n");
+}
+
+TEST_F(Top, MachinesGetOneSetOfRecords) {
+  const Ran ran = collide("top --every 10ms --json");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  for (const char* line : {R"({"figure":"ask.ray.rate","value":12400,"unit":"1/s"})", R"({"figure":"ask.ray.p99","value":6.1439e-05,"unit":"s"})",
+                           R"({"figure":"ask.box.rate","value":0,"unit":"1/s"})", R"({"figure":"ask.box.p50","unit":"s"})",
+                           R"({"figure":"pairs.filtered","value":1044,"unit":"a step"})", R"({"figure":"silent.lift_plc","value":4,"unit":"s"})"}) {
+    EXPECT_NE(ran.out.find(std::string(line) + "\n"), std::string::npos) << line << "\n" << ran.out;
+  }
+  EXPECT_EQ(looks, 2U);
+}
+
+TEST_F(Top, RefreshesItsOwnScreenAndGivesTheOldOneBack) {
+  const Ran ran = at_terminal("top -n 2 --every 10ms");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(ran.out.rfind("\x1b[?1049h", 0), 0U);
+  EXPECT_TRUE(ran.out.ends_with("\x1b[?25h\x1b[?1049l"));
+  std::size_t shown = 0;
+  for (std::size_t at = ran.out.find("\x1b[H"); at != std::string::npos; at = ran.out.find("\x1b[H", at + 1)) ++shown;
+  EXPECT_EQ(shown, 2U);
+}
+
+// A line that wraps would push the page out of place.
+TEST_F(Top, NoLineIsWiderThanTheTerminal) {
+  fake::server().status.scenes = {std::string(200, 'x')};
+  const Ran ran = at_terminal("top -n 1 --every 10ms");
+  const std::size_t begin = ran.out.find("\x1b[H") + 3;
+  const std::string first = ran.out.substr(begin, ran.out.find("\x1b[K", begin) - begin);
+  std::size_t columns = 0;
+  for (const char c : first) columns += (static_cast<unsigned char>(c) & 0xc0) != 0x80 ? 1 : 0;
+  EXPECT_EQ(columns, 80U) << first;
+}
+
+TEST_F(Top, AServerThatFallsSilentIsSaidSo) {
+  readings[1] = nullptr;
+  const Ran live = at_terminal("top -n 1 --every 10ms");
+  EXPECT_EQ(live.code, 0);
+  EXPECT_NE(live.out.find("no server answers, since "), std::string::npos) << live.out;
+  looks = 0;
+  EXPECT_EQ(collide("top --once --every 10ms").code, 4);
+}
+
+TEST_F(Top, AServerStartedAnewIsSaidSoAndItsSumsBeginAtNothing) {
+  readings[1] = figures(1'000'000'000, 1);
+  fake::server().command = [this](const std::string&, const json&, const Shape&) -> Result<std::string> {
+    if (looks == 1) fake::server().status.epoch = 7;
+    return readings[looks++].dump();
+  };
+  const Ran ran = at_terminal("top -n 1 --every 10ms");
+  EXPECT_NE(ran.out.find("the server was started anew: epoch 7 after 6, pid 4711"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("12.4 k/s"), std::string::npos) << ran.out;
+}
+
+TEST_F(Top, AnAnswerFromElsewhereIsRefused) {
+  for (const json& reading : {json::object(), json::array(), json{{"up_ns", "a"}}, json{{"up_ns", 1}, {"step_durations", {{1}}}}}) {
+    looks = 0;
+    readings[0] = reading;
+    EXPECT_EQ(collide("top --once --every 10ms").code, 5) << reading;
+  }
+}
+
+// The median of 1..1000 us and the like: at most an eighth too long is what the steps allow; here they are given exactly.
+TEST(TopQuantiles, AreTheLeastThatThePartDoesNotExceed) {
+  const std::vector<view::DurationStep> durations{{10, 50}, {20, 49}, {30, 1}};
+  EXPECT_EQ(view::quantile_ns(durations, 0.5), 10);
+  EXPECT_EQ(view::quantile_ns(durations, 0.51), 20);
+  EXPECT_EQ(view::quantile_ns(durations, 0.99), 20);
+  EXPECT_EQ(view::quantile_ns(durations, 1), 30);
+  EXPECT_EQ(view::quantile_ns({}, 0.5), std::nullopt);
+}
+
+}  // namespace
+}  // namespace collided

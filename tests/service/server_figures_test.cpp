@@ -1,0 +1,76 @@
+#include <nlohmann/json.hpp>
+
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using nlohmann::json;
+
+class ServerFigures : public testing_support::ServerTest {
+ protected:
+  static json figures(Client& client) {
+    const Result<std::string> answer = client.command("figures", "{}");
+    EXPECT_TRUE(answer) << answer.error().message;
+    return answer ? json::parse(*answer) : json::object();
+  }
+  static json asked(const json& figures, const std::string& kind) {
+    for (const json& row : figures["questions"]) {
+      if (row["kind"] == kind) return row;
+    }
+    return {};
+  }
+  static std::uint64_t count(const json& durations) {
+    std::uint64_t all = 0;
+    for (const json& step : durations) all += step[1].get<std::uint64_t>();
+    return all;
+  }
+};
+
+TEST_F(ServerFigures, CountEveryQuestionAndHowLongItTook) {
+  start();
+  Client client = connect();
+  constexpr std::uint64_t kAlone = 20;
+  for (std::uint64_t i = 0; i < kAlone; ++i) ASSERT_TRUE(client.ask(RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}}));
+  const std::vector<RayQuestion> batch(2'500, {.origin = {0, 0, 5}, .direction = {0, 0, -1}});
+  ASSERT_TRUE(client.ask(std::span<const RayQuestion>(batch)));
+  const json now = figures(client);
+  EXPECT_EQ(asked(now, "ray")["answered"], kAlone + batch.size());
+  // A batch comes in samples of 1,000.
+  EXPECT_EQ(count(asked(now, "ray")["durations"]), kAlone + 3);
+  EXPECT_EQ(asked(now, "box")["answered"], 0);
+}
+
+// Two balls that meet, two that their layers keep apart.
+TEST_F(ServerFigures, CountPairsAndWhatFiltersSave) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "balls");
+  const json before = figures(client);
+  const auto add = [&](const std::string& name, double x, std::uint32_t layer) {
+    return *publisher.add({.name = name, .shape = {SphereShape{.radius_m = 0.5}}, .pose = at(x, 0, 50), .layers = layer, .mask = layer});
+  };
+  add("a", 0, 1);
+  add("b", 0.1, 2);
+  const auto c = add("c", 20, 1);
+  add("d", 20.1, 1);
+  constexpr std::uint64_t kMoves = 5;
+  for (std::uint64_t i = 0; i < kMoves; ++i) {
+    move(publisher, c, at(20 + 0.01 * static_cast<double>(i), 0, 50));
+    ASSERT_TRUE(publisher.wait_applied(std::chrono::seconds(5)));
+  }
+  const json after = figures(client);
+  EXPECT_GE(after["pairs"]["filtered"].get<std::uint64_t>(), 1U);
+  EXPECT_GE(after["pairs"]["candidates"].get<std::uint64_t>(), kMoves);
+  EXPECT_EQ(after["poses"]["applied"].get<std::uint64_t>() - before["poses"]["applied"].get<std::uint64_t>(), kMoves);
+  const std::uint64_t steps = after["steps"].get<std::uint64_t>() - before["steps"].get<std::uint64_t>();
+  EXPECT_GE(steps, kMoves);
+  EXPECT_EQ(count(after["step_durations"]), after["steps"].get<std::uint64_t>());
+  std::uint64_t staged_ns = 0;
+  for (const json& stage : after["stages"]) staged_ns += stage["ns"].get<std::uint64_t>();
+  EXPECT_GT(staged_ns, 0U);
+  EXPECT_LT(staged_ns, after["up_ns"].get<std::uint64_t>()) << "the stages of one thread take no longer than it lives";
+}
+
+}  // namespace
+}  // namespace collided
