@@ -54,6 +54,8 @@ const std::vector<Verb>& verbs() {
       {"ls", "Look", "what is in the world", "ls [GLOB]", "ls --moving 'drone_*' --json", make_ls},
       {"get", "Look", "everything about one object", "get NAME", "get crate", make_get},
       {"plan", "Look", "what this scene built and left out, and why", "plan", "plan\nplan --pairs", make_plan},
+      {"view", "Look", "the running world as a page in the browser", "view\nview --save FILE", "view\nview --port 0 --for 10min\nview --save run.html --last 30s",
+       make_view},
       {"add", "Change", "put an object into the world", "add NAME SHAPE NUMBERS [--at X Y Z]",
        "add crate box 0.4 0.4 0.4 --at 1 2 0.2 --rpy 0 0 30deg\nadd ball sphere 5cm --at 0 0 1", make_add},
       {"move", "Change", "move an object that no publisher owns", "move NAME X Y Z", "move crate 1.2 2 0.2\nmove crate 0 0 1cm --by", make_move},
