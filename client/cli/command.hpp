@@ -56,10 +56,14 @@ std::unique_ptr<Command> make_status();
 std::unique_ptr<Command> make_ls();
 std::unique_ptr<Command> make_get();
 std::unique_ptr<Command> make_plan();
+std::unique_ptr<Command> make_draw();
 std::unique_ptr<Command> make_menu();
 std::unique_ptr<Command> make_audit();
 std::unique_ptr<Command> make_check();
 std::unique_ptr<Command> make_convert();
+std::unique_ptr<Command> make_doctor();
+std::unique_ptr<Command> make_record();
+std::unique_ptr<Command> make_replay();
 std::unique_ptr<Command> make_help();
 std::unique_ptr<Command> make_version();
 

@@ -22,7 +22,8 @@ struct VectorOption {
 };
 constexpr std::array kVectorOptions{VectorOption{"--to", 3},   VectorOption{"--at", 3},     VectorOption{"--rpy", 3}, VectorOption{"--to-rpy", 3},
                                     VectorOption{"--dir", 3},  VectorOption{"--center", 3}, VectorOption{"--size", 3},
-                                    VectorOption{"--from", 3}, VectorOption{"--quat", 4},   VectorOption{"--origin", 3}};
+                                    VectorOption{"--from", 3}, VectorOption{"--quat", 4},   VectorOption{"--origin", 3},
+                                    VectorOption{"--up", 3},   VectorOption{"--light", 3},  VectorOption{"--ray", 6}};
 
 std::size_t numbers_after(std::string_view option) {
   for (const VectorOption& entry : kVectorOptions) {

@@ -143,6 +143,14 @@ class Allocation : public ::testing::Test {
     for (int i = 0; i < times; ++i) EXPECT_TRUE(ask(kind, numbers));
     return test::stop_counting();
   }
+  /// The same, again where something was allocated: on a busy machine a worker's first answers may still be among those
+  /// that were counted. What each question, or each hundredth, allocates is there every time.
+  Counts count_settled(QueryKind kind, const std::vector<double>& numbers, int times) {
+    constexpr int kRounds = 3;
+    Counts counts = count(kind, numbers, times);
+    for (int round = 1; round < kRounds && counts.allocations > 0; ++round) counts = count(kind, numbers, times);
+    return counts;
+  }
   static void say(const char* what, const Counts& counts) {
     std::printf("%-24s takes %llu, replies %llu by listener + %llu by workers, allocations %llu, locks %llu\n", what,
                 static_cast<unsigned long long>(counts.takes), static_cast<unsigned long long>(counts.listener_writes),
@@ -173,7 +181,7 @@ class Allocation : public ::testing::Test {
 
 TEST_F(Allocation, NoneForASingleQuestionOfAnyKind) {
   for (const QueryKind kind : {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near}) {
-    const Counts counts = count(kind, questions(kind, 1, 1), 200);
+    const Counts counts = count_settled(kind, questions(kind, 1, 1), 200);
     say(wire_contract::name_of(kind), counts);
     EXPECT_EQ(counts.allocations, 0U) << wire_contract::name_of(kind);
     EXPECT_EQ(counts.takes, 200U);
@@ -193,7 +201,7 @@ TEST_F(Allocation, NoneForABatchOfAThousandRays) {
 // The count above would be zero as well if nothing was counted.
 TEST_F(Allocation, APlantedOneIsCounted) {
   serving_.planted.store(true);
-  EXPECT_EQ(count(QueryKind::ray, questions(QueryKind::ray, 1, 1), 200).allocations, 200U);
+  EXPECT_EQ(count_settled(QueryKind::ray, questions(QueryKind::ray, 1, 1), 200).allocations, 200U);
   EXPECT_EQ(count(QueryKind::ray, questions(QueryKind::ray, 1'000, 1), 20).allocations, 20U);
 }
 

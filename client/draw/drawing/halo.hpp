@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "client/draw/drawing/sight.hpp"
+
+namespace collided::draw {
+
+/// Where two segments cross in the picture, one behind the other.
+struct Crossing {
+  std::uint32_t nearer = 0;
+  std::uint32_t farther = 0;
+  double at = 0;  // fraction of the farther one's image
+};
+
+/// All of them; those that meet in space, share an end or belong to one line are none.
+/// cost  a sweep along x: n log n, and the pairs whose extents overlap
+std::vector<Crossing> crossings(std::span<const Segment> segments, bool is_orthographic);
+
+/// Every segment, without what is behind another one and nearer than halo_px to its image.
+/// source  Appel, Rohlf, Stein, "The Haloed Line Effect for Hidden Line Elimination", 1979
+std::vector<Piece> haloed_pieces(std::span<const Segment> segments, std::span<const Crossing> crossings, double halo_px);
+
+}  // namespace collided::draw

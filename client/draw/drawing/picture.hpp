@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace collided::draw {
+
+using Spot = std::array<double, 2>;  // pixels, y downward
+
+/// How a stroke is drawn. Strokes of one ink are one mark: where they overlap it is not darker.
+struct Ink {
+  std::string name;   // what it stands for: the class in SVG
+  std::string color;  // #rrggbb
+  double width_px = 1;
+  bool operator==(const Ink&) const = default;
+};
+
+struct Stroke {
+  std::vector<Spot> points;
+  Ink ink;
+};
+
+struct Ring {
+  Spot center{};
+  double radius_px = 0;
+  Ink ink{};
+};
+
+/// A colour a pixel, by number; kPaperPixel: none.
+struct Pixels {
+  static constexpr std::uint8_t kPaperPixel = 255;
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> numbers;  // row by row
+  std::vector<std::string> colors;    // #rrggbb
+};
+
+/// A drawing ready for paper: pixels below, then strokes and rings in their order.
+struct Picture {
+  double width_px = 0;
+  double height_px = 0;
+  std::string title{};
+  bool is_black_and_white = false;  // for print: white paper, and no grey along the strokes
+  std::optional<Pixels> pixels{};
+  std::vector<Stroke> strokes{};
+  std::vector<Ring> rings{};
+};
+
+/// One path an ink, pixels as rectangles without gaps. Same picture, same bytes.
+std::string as_svg(const Picture& picture);
+
+/// Anti-aliased by each pixel's distance from the middle of the stroke. Empty where libpng fails.
+std::string as_png(const Picture& picture);
+
+/// Strokes alone, in braille: two dots a column, four a row; lines end with "\n".
+std::string as_braille(const Picture& picture);
+
+}  // namespace collided::draw
