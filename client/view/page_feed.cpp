@@ -40,7 +40,6 @@ void PageFeed::poses(const Poses& poses) {
   {
     const std::lock_guard lock(mutex_);
     poses_ = bytes;
-    newest_poses_ = poses;
   }
   tell_({.bytes = bytes, .is_text = false, .lane = kPoses});
 }
@@ -101,19 +100,6 @@ std::optional<WebPage> PageFeed::page(std::string_view target) const {
 std::shared_ptr<const ShownObjects> PageFeed::shown() const {
   const std::lock_guard lock(mutex_);
   return shown_;
-}
-
-std::shared_ptr<const ShownObjects> PageFeed::shown_now() const {
-  const std::lock_guard lock(mutex_);
-  if (!shown_) return nullptr;
-  auto now = std::make_shared<ShownObjects>(*shown_);
-  std::map<std::uint64_t, const Pose*> poses;
-  for (std::size_t i = 0; i < newest_poses_.ids.size(); ++i) poses.emplace(newest_poses_.ids[i], &newest_poses_.poses[i]);
-  for (ShownObject& object : now->objects) {
-    const auto found = poses.find(object.id);
-    if (found != poses.end()) object.pose = *found->second;
-  }
-  return now;
 }
 
 std::vector<std::uint64_t> PageFeed::surfaces() const {

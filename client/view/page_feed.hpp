@@ -35,8 +35,6 @@ class PageFeed : public Observer {
   std::optional<WebPage> page(std::string_view target) const;
   /// The newest table; null before the first.
   std::shared_ptr<const ShownObjects> shown() const;
-  /// The newest table with the newest poses; null before the first.
-  std::shared_ptr<const ShownObjects> shown_now() const;
   /// Numbers of all surfaces in the newest table.
   std::vector<std::uint64_t> surfaces() const;
 
@@ -57,7 +55,6 @@ class PageFeed : public Observer {
   Bytes objects_;
   std::map<std::uint64_t, KnownSurface> surfaces_;
   Bytes poses_;
-  Poses newest_poses_;
   Bytes status_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, Event> contacts_;
 };

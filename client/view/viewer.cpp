@@ -6,7 +6,6 @@
 
 #include "client/view/assets.hpp"
 #include "client/view/page_messages.hpp"
-#include "client/view/plan_drawing.hpp"
 
 namespace collided::view {
 namespace {
@@ -28,16 +27,17 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Client& client, const ViewerOption
   Result<std::unique_ptr<Follower>> follower = Follower::start(client, viewer->both_, follow);
   if (!follower) return follower.error();
   viewer->follower_ = std::move(*follower);
+  viewer->web_->start();
   return viewer;
 }
 
 Viewer::Viewer(Client& client, const ViewerOptions& options)
-    : y_is_up_(options.y_is_up),
-      hello_(hello_text(options)),
+    : hello_(hello_text(options)),
       feed_([this](const WebMessage& message) { tell_pages(message); }),
       foxglove_([this](Connection to, const WebMessage& message) { web_->send(to, message); }) {
   for (const Asset& asset : assets()) assets_[std::string(asset.path)] = {asset.type, make_bytes(std::string(asset.text))};
   asker_ = std::make_unique<Asker>(client);
+  drawer_ = std::make_unique<Drawer>(client, options.y_is_up);
   web_ = std::make_unique<WebServer>(options.address, options.rules, options.limits, handlers());
 }
 
@@ -63,8 +63,8 @@ std::optional<WebPage> Viewer::page(std::string_view target) const {
   const auto found = assets_.find(target);
   if (found != assets_.end()) return found->second;
   if (!target.starts_with(kDrawing)) return feed_.page(target);
-  const std::shared_ptr<const ShownObjects> shown = feed_.shown_now();
-  return shown ? std::optional(WebPage{"image/svg+xml", make_bytes(plan_svg(*shown, y_is_up_))}) : std::nullopt;
+  Bytes drawing = drawer_->newest();
+  return drawing ? std::optional(WebPage{"image/svg+xml", std::move(drawing)}) : std::nullopt;
 }
 
 /// The protocol that pages speak has no name.

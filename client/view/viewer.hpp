@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/view/asker.hpp"
+#include "client/view/drawer.hpp"
 #include "client/view/foxglove.hpp"
 #include "client/view/page_feed.hpp"
 #include "client/view/web_server.hpp"
@@ -63,7 +64,6 @@ class Viewer {
   void pass_on(Connection page, std::string_view text);
   void tell_pages(const WebMessage& message);
 
-  const bool y_is_up_;
   const std::string hello_;
   std::map<std::string, WebPage, std::less<>> assets_;
   mutable std::mutex mutex_;
@@ -73,6 +73,7 @@ class Viewer {
   PageFeed feed_;
   Foxglove foxglove_;
   Both both_{feed_, foxglove_};
+  std::unique_ptr<Drawer> drawer_;
   std::unique_ptr<WebServer> web_;
   std::unique_ptr<Asker> asker_;
   std::unique_ptr<Follower> follower_;

@@ -51,6 +51,9 @@ class WebServer::Running {
   Running(const WebAddress& address, const RequestRules& rules, const WebLimits& limits, Handlers handlers);
   ~Running();
 
+  void start() {
+    thread_ = std::thread([this] { run(); });
+  }
   std::uint16_t port() const { return port_; }
   const WebCounts& counts() const { return counts_; }
   asio::io_context& context() { return context_; }
@@ -338,12 +341,11 @@ WebServer::Running::Running(const WebAddress& address, const RequestRules& rules
   port_ = acceptor_.local_endpoint().port();
   accept();
   look_for_stalled();
-  thread_ = std::thread([this] { run(); });
 }
 
 WebServer::Running::~Running() {
-  asio::post(context_, [this] { context_.stop(); });
-  thread_.join();
+  context_.stop();
+  if (thread_.joinable()) thread_.join();
 }
 
 void WebServer::Running::run() {
@@ -404,6 +406,10 @@ void WebServer::Running::send(Connection to, WebMessage message) {
 WebServer::WebServer(const WebAddress& address, const RequestRules& rules, const WebLimits& limits, Handlers handlers)
     : running_(std::make_unique<Running>(address, rules, limits, std::move(handlers))) {}
 WebServer::~WebServer() = default;
+
+void WebServer::start() {
+  running_->start();
+}
 
 std::uint16_t WebServer::port() const {
   return running_->port();

@@ -79,12 +79,14 @@ class WebServer {
     std::function<void(Connection)> closed;
   };
 
-  /// Throws std::runtime_error with a sentence where the address cannot be had.
+  /// Listens; answers once start() was called. Throws std::runtime_error with a sentence where the address cannot be had.
   WebServer(const WebAddress& address, const RequestRules& rules, const WebLimits& limits, Handlers handlers);
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
+  /// Once: the handlers may be called from now on.
+  void start();
   std::uint16_t port() const;
   const WebCounts& counts() const;
   /// Any thread; one that is gone takes nothing.

@@ -5,7 +5,7 @@
 import { spawn, spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
+import { cpus, loadavg, tmpdir } from "node:os";
 import { join } from "node:path";
 
 const words = Object.fromEntries(process.argv.slice(2).map((word, at, all) => [word.replace(/^--/, ""), all[at + 1] ?? true]));
@@ -113,7 +113,10 @@ async function flashesInTime(page) {
   const late = (await page.evaluate(() => collidedPage.flashes.filter(({ shown }) => shown).map(({ time, shown }) => (shown - time) * 1000))).sort((a, b) => a - b);
   const median = late[Math.floor(late.length / 2)];
   console.log(`flashes: ${late.length}, shown after ${median.toFixed(0)} ms (median), ${late.at(-1).toFixed(0)} ms at most`);
-  check(median >= 0 && median <= 200, `a contact flashes after ${median} ms; allowed 200`);
+  check(median >= 0, "a contact flashes before it begins");
+  // A picture drawn without a graphics card on a machine that others keep busy says nothing about the page.
+  if (!isLong && loadavg()[0] > cpus().length) return console.log(`  not judged: ${loadavg()[0].toFixed(1)} programs want ${cpus().length} processors`);
+  check(median <= 200, `a contact flashes after ${median} ms; allowed 200`);
 }
 
 /// A click on something that stands still; the same ray asked by the command line gives the same numbers.

@@ -34,6 +34,7 @@ class WebServerTest : public testing::Test {
     handlers.said = [this](WebServer::Connection connection, std::string_view message, bool) { note([&] { open[connection] += message; }); };
     handlers.closed = [this](WebServer::Connection connection) { note([&] { open.erase(connection); ++closed; }); };
     server.emplace(WebAddress{}, rules, limits, std::move(handlers));
+    server->start();
     host = "127.0.0.1:" + std::to_string(server->port());
   }
   LoudClient client() const { return LoudClient(server->port()); }
