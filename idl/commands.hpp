@@ -63,6 +63,11 @@ inline constexpr const char* kProbes = "probes";
 ///    with certificate: certificate, as client/library/certificate_reading.cpp reads it, or no_certificate (why)
 inline constexpr const char* kPair = "pair";
 
+/// The flight recorder. last_s (0: only what publishers and commands have brought into the world, up to now)
+/// -> number, bytes, messages, dropped, path (on the server's machine), from_ns, to_ns; the file is an MCAP recording.
+/// number, offset -> up to 1 MiB of that file, as it is and not as JSON. The newest four can be fetched.
+inline constexpr const char* kRecording = "recording";
+
 /// questions (of each kind), seed -> rows [{kind, method, asked, undecided, wrong, worst_error, worst_bound (m, or
 /// "inf"), p50_ns, p99_ns}], seed, version. Takes a second or more.
 inline constexpr const char* kMenu = "menu";

@@ -60,6 +60,9 @@ std::unique_ptr<Command> make_menu();
 std::unique_ptr<Command> make_audit();
 std::unique_ptr<Command> make_check();
 std::unique_ptr<Command> make_convert();
+std::unique_ptr<Command> make_doctor();
+std::unique_ptr<Command> make_record();
+std::unique_ptr<Command> make_replay();
 std::unique_ptr<Command> make_help();
 std::unique_ptr<Command> make_version();
 

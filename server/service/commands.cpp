@@ -35,8 +35,16 @@ std::string dump(const json& value) {
 }  // namespace
 
 Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-                   const BackgroundAudit& audit, DurableState* durable)
-    : loop_(loop), inbox_(inbox), clock_(clock), counts_(counts), audit_(audit), durable_(durable), slow_jobs_(kMostSlowJobs), pair_jobs_(kMostPairJobs),
+                   const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight)
+    : loop_(loop),
+      inbox_(inbox),
+      clock_(clock),
+      counts_(counts),
+      audit_(audit),
+      durable_(durable),
+      flight_(flight),
+      slow_jobs_(kMostSlowJobs),
+      pair_jobs_(kMostPairJobs),
       geometry_(loop.world(), [this](const CommandAsk& ask, ReplyStatus status, std::string text) {
         send(ask, status, std::move(text));
       }) {
@@ -60,6 +68,7 @@ void Commands::stop() {
   for (auto* thread : {&slow_thread_, &pair_thread_}) {
     if (thread->joinable()) thread->join();
   }
+  forget_recordings();
 }
 
 /// The answer of some work, or the refusal that it threw.
@@ -108,6 +117,19 @@ void Commands::forget_what_is_gone() {
   durable_->keep_only(has_scene, [&](std::string_view name) { return world.find(name).has_value(); });
 }
 
+/// What is carried out once more did not come over the wire.
+void Commands::tell_flight_recorder(const CommandAsk& ask) {
+  if (flight_ == nullptr) return;
+  dds::Sample<wire::Query> query;
+  query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
+  query->chunk_count = 1;
+  static_cast<void>(dds::set_text(query->text, ask.text));  // it came in such a field
+  const std::vector<std::uint8_t> blob(reinterpret_cast<const std::uint8_t*>(ask.blob.data()),
+                                       reinterpret_cast<const std::uint8_t*>(ask.blob.data()) + ask.blob.size());
+  dds::borrow(query->blob, blob);
+  flight_->note(recording::Recorded::query, *query);
+}
+
 /// Scenes on the thread for slow work; objects behind them on the world's.
 void Commands::replay(const std::vector<CommandAsk>& asks) {
   if (asks.empty()) return;
@@ -115,6 +137,7 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
   slow_jobs_.push([this, asks] {
     std::vector<CommandAsk> objects;
     for (const CommandAsk& ask : asks) {
+      tell_flight_recorder(ask);
       try {
         const Arguments arguments(ask.text);
         if (arguments.command() == names::kLoad) {
@@ -164,6 +187,7 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
   if (command == names::kPair) return pair_later(std::move(ask), *arguments);
+  if (command == names::kRecording) return recording_later(std::move(ask), *arguments);
   if (command == names::kPoses) {
     return answer_text(ask, [&] {
       arguments->allow_only({});
@@ -175,7 +199,7 @@ void Commands::run(CommandAsk ask) {
     const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
                                          names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
                                          names::kPair, names::kProbe, names::kProbes, names::kFigures, names::kShapes,
-                                         names::kSurface, names::kMore, names::kPoses};
+                                         names::kSurface, names::kMore, names::kPoses, names::kRecording};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

@@ -3,8 +3,10 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -25,8 +27,9 @@ namespace collided::service {
 class Commands {
  public:
   /// durable  what commands add, kept over a crash; null: nothing is
+  /// flight   what `recording` hands out; null: nothing
   Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-           const BackgroundAudit& audit, DurableState* durable);
+           const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight);
   ~Commands();
 
   /// Where the answers go; before the first run().
@@ -42,6 +45,7 @@ class Commands {
  private:
   static constexpr std::size_t kMostSlowJobs = 4;  // that wait
   static constexpr std::size_t kMostPairJobs = 64;
+  static constexpr std::size_t kMostRecordings = 4;  // files that can be fetched
   using Change = nlohmann::json (Commands::*)(const CommandAsk&, const Arguments&);
   struct Load {
     CommandAsk ask;
@@ -86,6 +90,11 @@ class Commands {
   void menu_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json menu(std::uint32_t questions, std::uint64_t seed) const;
   void pair_later(CommandAsk ask, const Arguments& arguments);
+  void tell_flight_recorder(const CommandAsk& ask);
+  void recording_later(CommandAsk ask, const Arguments& arguments);
+  nlohmann::json write_recording(std::int64_t last_ns);
+  std::string recording_path(std::uint64_t number);
+  void forget_recordings();
 
   WorldLoop& loop_;
   Inbox& inbox_;
@@ -95,6 +104,10 @@ class Commands {
   const BackgroundAudit& audit_;
   const std::int64_t started_ns_ = steady_ns();
   DurableState* durable_;
+  FlightRecorder* flight_;
+  std::mutex recordings_mutex_;
+  std::deque<std::pair<std::uint64_t, std::string>> recordings_;  // number, path
+  std::atomic<std::uint64_t> recordings_made_{0};
   std::atomic<bool> replaying_{false};
   WorkQueue<SlowJob> slow_jobs_;
   WorkQueue<SlowJob> pair_jobs_;

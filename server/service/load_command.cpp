@@ -90,6 +90,9 @@ void Commands::load_one(Load load) {
   } catch (const std::bad_alloc&) {
     send(ask, ReplyStatus::refused, refusal_text(load.path + ": not enough memory. Nothing was loaded."));
     return;
+  } catch (const std::exception& failed) {
+    send(ask, ReplyStatus::refused, refusal_text(fmt::format("{}: {}. Nothing was loaded.", load.path, failed.what())));
+    return;
   }
   load.options = {};  // its functions point at what ends here
   const auto shared = std::make_shared<Load>(std::move(load));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include "server/exact_phase/ray_cast.hpp"
 #include "server/world/pair_report.hpp"
@@ -80,11 +81,40 @@ bool is_within(const Placed& outer, const Vec3& point) {
   return false;
 }
 
-/// A point of each primitive and of the mesh; a mesh of several pieces is judged by its first.
+/// A corner of each piece of a mesh; triangles hang together by the corners that they share by number. Where a mesh repeats
+/// its corners for each triangle, each is a piece: more points than needed, and none missing.
+/// source  Galler, Fischer, "An improved equivalence algorithm", Communications of the ACM 7, 1964
+std::vector<std::uint32_t> corner_of_each_piece(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root_of = [&](std::uint32_t vertex) {
+    while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
+    return vertex;
+  };
+  for (const TriangleCorners& corners : mesh.triangles) {
+    parent[root_of(corners[1])] = root_of(corners[0]);
+    parent[root_of(corners[2])] = root_of(corners[0]);
+  }
+  std::vector<std::uint32_t> found;
+  std::vector<bool> is_known(mesh.vertices.size());
+  for (const TriangleCorners& corners : mesh.triangles) {
+    const std::uint32_t root = root_of(corners[0]);
+    if (!is_known[root]) found.push_back(root);
+    is_known[root] = true;
+  }
+  return found;
+}
+
+/// A point of each primitive and of each piece of the mesh.
 std::vector<Vec3> points_of(const Placed& object) {
   std::vector<Vec3> points;
   for (const Primitive& own : object.info->primitives) points.push_back(numbers_of(place(*object.frame, own)).points.front());
-  if (object.info->mesh) points.push_back(place(*object.frame, object.info->mesh->mesh->triangle(0)).a);
+  if (!object.info->mesh) return points;
+  const TriangleMesh& mesh = *object.info->mesh->mesh;
+  for (const std::uint32_t corner : corner_of_each_piece(mesh)) {
+    const Vec3& own = mesh.vertices[corner];
+    points.push_back(place(*object.frame, Triangle{own, own, own}).a);
+  }
   return points;
 }
 

@@ -53,6 +53,28 @@ TEST_F(WatchVerb, MachinesGetEveryField) {
             "{\"what\":\"ended\",\"a\":\"drone_2\",\"b\":\"pallet_07\",\"after\":0.254,\"why\":\"separated\",\"sequence\":884}\n");
 }
 
+// A late joiner's open contacts and endings bear on nothing.
+TEST_F(WatchVerb, WhereTheyBearIsAskedForAsTheyBegin) {
+  const auto events = fake::server().events;
+  std::string asked;
+  fake::server().pair = [&](const std::string& a, const std::string& b, const PairOptions&) {
+    asked += a + " " + b + ";";
+    PairAnswer answer;
+    answer.verdict = Verdict::hit;
+    answer.manifold = {{.point = {1, 2, 0.5}, .depth_m = 0.003, .error_m = 1e-15}, {.point = {1, 3, 0.5}, .depth_m = 0.002, .error_m = 1e-15}};
+    return answer;
+  };
+  const Ran ran = at_terminal("watch -n 3 --manifold");
+  EXPECT_EQ(asked, "drone_2 pallet_07;");
+  EXPECT_NE(ran.out.find("seq 881\n  bears at 1 2 0.5  3 mm deep ±1e-15\n  bears at 1 3 0.5  2 mm deep ±1e-15\n12.455 ended"), std::string::npos) << ran.out;
+  fake::server().events = events;
+  const std::string records = collide("watch -n 3 --manifold --json --fields what,a,depth,point").out;
+  EXPECT_NE(records.find("{\"what\":\"persisted\",\"a\":\"drone_2\",\"depth\":0.002,\"point\":[1,3,0.5]}"), std::string::npos) << records;
+  fake::server().events = events;
+  fake::server().pair = nullptr;
+  EXPECT_EQ(collide("watch -n 3 --manifold").code, 0) << "they may have parted, or be gone";
+}
+
 TEST_F(WatchVerb, HowFastTheyMetIsToldOfBeginnings) {
   EXPECT_EQ(collide("watch -n 3 --json --fields what,velocity").out,
             "{\"what\":\"open\"}\n{\"what\":\"began\",\"velocity\":[-1.5,0,0.25]}\n{\"what\":\"ended\"}\n");

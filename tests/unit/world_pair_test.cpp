@@ -153,6 +153,19 @@ TEST(PairReports, OneMeshWithinAnother) {
   EXPECT_EQ(report(stage.world, outer, ball).contained, Contained::b_in_a);
   EXPECT_EQ(report(stage.world, outer, beside).contained, Contained::none);
   EXPECT_EQ(report(stage.world, inner, ball).contained, Contained::none);
+  const auto two_balls = [&](const std::string& name, double apart_m) {
+    TriangleMesh both = latitude_longitude_sphere(0.3, 8, 6);
+    const auto first = static_cast<std::uint32_t>(both.vertices.size());
+    const TriangleMesh one = both;
+    for (const Vec3& v : one.vertices) both.vertices.push_back(v + Vec3{apart_m, 0, 0});
+    for (const TriangleCorners& t : one.triangles) both.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    return stage.add(name, extreme::mesh_shape(both), extreme::at({1, 2, 3}));
+  };
+  const ObjectId near = two_balls("near", 1);
+  const ObjectId far = two_balls("far", 5);
+  stage.step();
+  EXPECT_EQ(report(stage.world, outer, near).contained, Contained::b_in_a);
+  EXPECT_EQ(report(stage.world, outer, far).contained, Contained::none) << "one piece of two is";
   TriangleMesh open = latitude_longitude_sphere(2, 12, 8);
   open.triangles.pop_back();
   const ObjectId shell = stage.add("shell", extreme::mesh_shape(open), extreme::at({9, 9, 9}));

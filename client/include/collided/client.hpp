@@ -62,6 +62,8 @@ struct Done {};
 // ---- questions -----------------------------------------------------------------------------------------------------
 
 enum class Pick { closest, any, all };
+/// Of a server that cannot answer all: low questions are refused first, high ones never.
+enum class Importance { normal, low, high };
 
 /// direction  finite, non-zero, any length; length_m in [0, inf]
 struct RayQuestion {
@@ -104,6 +106,7 @@ struct AskOptions {
   std::chrono::nanoseconds deadline{0};             // 0: none; later answers are undecided (deadline)
   std::chrono::nanoseconds timeout{2'000'000'000};  // how long the caller waits
   bool fresh = false;                 // answer after this connection's own last write
+  Importance importance = Importance::normal;
 };
 
 enum class Verdict { miss, hit, undecided, invalid };
