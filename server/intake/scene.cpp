@@ -233,6 +233,12 @@ void set_radius(const Reading& reading, SceneObject& cloud) {
   }
 }
 
+/// What is done after the reading needs memory of its own.
+void drop_bytes(Reading& reading) {
+  if (reading.give_back) reading.give_back(reading.bytes);
+  reading.bytes = {};
+}
+
 Scene load(const Format& format, Reading reading) {
   check_options(reading);
   tell_progress(reading, 0);
@@ -243,6 +249,7 @@ Scene load(const Format& format, Reading reading) {
   }
   if (format.content != Content::saved) reading.bytes = without_mark(reading);
   Scene scene = format.read(reading);
+  if (format.content != Content::saved) drop_bytes(reading);
   if (format.content == Content::mesh) check_mesh(reading, scene);
   if (format.content == Content::saved) {
     if (!reading.options.name.empty()) rename_scene(reading, scene, mended_name(reading.options.name));
@@ -287,9 +294,10 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
     const auto access = format.content == Content::saved ? FileBytes::Access::mapped : FileBytes::Access::copied;
     const auto bytes = std::make_shared<FileBytes>(path, access, options);
     const std::string folder = std::filesystem::absolute(path).parent_path().string();
-    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder});
+    const auto give_back = [&](std::span<const char> piece) { bytes->give_back(piece); };
+    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder, give_back});
     // Saved indexes go on using the end of a mapping.
-    bytes->forget_before(table_bytes(bytes->bytes()));
+    if (access == FileBytes::Access::mapped) bytes->forget_before(table_bytes(bytes->bytes()));
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return scene;
