@@ -202,15 +202,11 @@ void report_oddities(const Reading& reading, const TriangleMesh& mesh) {
 
 /// Mends where that is asked for, and tells what is odd.
 void finish_mesh(const Reading& reading, Scene& scene) {
-  if (reading.options.mend_m && !scene.mesh.triangles.empty()) {
-    const std::vector<std::string> lines = sentences(mend(scene, *reading.options.mend_m));
+  const auto tell = [&](const std::vector<std::string>& lines) {
     reading.report.mended.insert(reading.report.mended.end(), lines.begin(), lines.end());
-  }
-  const bool has_own_meshes = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                          [](const SceneObject& object) { return object.shape.mesh != nullptr; });
-  if (reading.options.mend_m && has_own_meshes) {
-    reading.report.warnings.emplace_back("the meshes of objects are not mended, only what stands still is");
-  }
+  };
+  if (reading.options.mend_m && !scene.mesh.triangles.empty()) tell(sentences(mend(scene, *reading.options.mend_m)));
+  if (reading.options.mend_m) tell(mend_objects(scene, *reading.options.mend_m));
   report_oddities(reading, scene.mesh);
 }
 
