@@ -66,7 +66,7 @@ const std::vector<Verb>& verbs() {
        "publish poses.csv --rate 200 --loop\npublish 01_01.bvh --unit 0.056444 --up z --loop\n"
        "publish --spheres 20 --polygons 256 --size 0.2 --seed 7 --bounce\npublish --waypoints \"0,0,1 2,0,1 2,2,1\" --speed 0.5m/s --shape box:0.4,0.4,0.1",
        make_publish},
-      {"load", "Change", "load a file as a scene", "load FILE", "load warehouse.obj --unit mm --up y", make_load},
+      {"load", "Change", "load a file as a scene", "load FILE", "load warehouse.obj --unit mm --up y\nload --upload part.stl --unit mm", make_load},
       {"clear", "Change", "empty the world, or one scene of it", "clear [SCENE]", "clear --moving", make_clear},
       {"menu", "Measure", "this scene's price list: error against time", "menu", "menu\nmenu --questions 10000 --seed 7 --json", make_menu},
       {"audit", "Measure", "answers that the server worked out again, exactly", "audit", "audit", make_audit},

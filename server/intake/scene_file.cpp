@@ -613,10 +613,12 @@ void seal_scene(std::span<std::byte> tables) {
   std::memcpy(tables.data() + *place, &sum, sizeof sum);
 }
 
-void save_scene(const std::string& path, const Scene& scene) {
-  const auto fail = [&](const std::string& what) {
-    throw LoadError(fmt::format("{}: {}. Nothing was written.", file_name(path), what));
-  };
+namespace {
+
+/// put(pieces) -> what went wrong, or nothing
+template <class Put>
+void save_scene_by(const std::string& name, const Scene& scene, const Put& put) {
+  const auto fail = [&](const std::string& what) { throw LoadError(fmt::format("{}: {}. Nothing was written.", name, what)); };
   if (const std::uint64_t bytes = encoded_bytes(scene); bytes > kMaxSceneFileBytes) {
     fail(fmt::format("the scene needs {} bytes, limit {}", bytes, kMaxSceneFileBytes));
   }
@@ -633,9 +635,19 @@ void save_scene(const std::string& path, const Scene& scene) {
   std::vector<std::byte> list;
   std::vector<std::span<const std::byte>> pieces = index_section(scene, bytes.size(), padding, list);
   pieces.insert(pieces.begin(), bytes);
-  if (const std::string failure = replace_file(path, pieces); !failure.empty()) {
+  if (const std::string failure = put(pieces); !failure.empty()) {
     fail(failure);
   }
+}
+
+}  // namespace
+
+void save_scene(const std::string& path, const Scene& scene) {
+  save_scene_by(file_name(path), scene, [&](const auto& pieces) { return replace_file(path, pieces); });
+}
+
+void save_scene(int file, const std::string& name, const Scene& scene) {
+  save_scene_by(name, scene, [&](const auto& pieces) { return write_file(file, pieces); });
 }
 
 DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& limits) {

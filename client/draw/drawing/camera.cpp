@@ -84,7 +84,8 @@ Camera Camera::fitted(const View& view, std::span<const Vec3> points) {
     frame = {-half, half, -0.75 * half, 0.75 * half};
   }
   const double width = std::max(frame.right - frame.left, 1e-9 * (1 + std::abs(frame.left)));
-  const double height = std::clamp(frame.high - frame.low, kLeastAspect * width, kMostAspect * std::max(width, frame.high - frame.low));
+  const double height =
+      std::clamp(frame.high - frame.low, kLeastAspect * width, kMostAspect * std::max(width, frame.high - frame.low));
   const double shown_width = std::max(width, height / kMostAspect);
   camera.width_px_ = view.width_px;
   camera.pixels_per_unit_ = view.width_px * (1 - 2 * kMargin) / shown_width;
