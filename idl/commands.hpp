@@ -1,14 +1,25 @@
 #pragma once
 
+#include <cstdint>
+
 /// Commands travel as queries of kind `command`: text = {"command": NAME, ...arguments}; the reply's text is the answer
 /// as one JSON object. A refusal has ReplyStatus::refused and {"error": MESSAGE, "hint": NEXT_STEP} as its text.
 /// Poses are [x, y, z, qw, qx, qy, qz]; names may be globs (* ? [..]) where it says so.
 namespace collided::wire_contract::command {
 
-/// path, name ("" = stem), unit_m, up ("y" or "z"), strict, replace (a scene of that name)
+/// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), strict, replace (a scene of that name)
 /// -> scene, triangles, parts, objects, seconds, mended [], refused [], warnings [], left_out [], version.
 /// Replies of status `progress` with {"fraction": f} may come before.
 inline constexpr const char* kLoad = "load";
+
+/// For a file that the server cannot read itself. file (its name, with the ending), bytes, checksum (CRC-32 of all of it)
+/// -> upload (number), piece_bytes
+inline constexpr const char* kUpload = "upload";
+
+/// upload, first (byte, a multiple of piece_bytes), checksum (CRC-32); the piece is the query's blob. Pieces may come in any
+/// order and again. -> missing (pieces that have yet to come)
+inline constexpr const char* kPiece = "piece";
+inline constexpr std::uint64_t kUploadPieceBytes = std::uint64_t{256} << 10;
 
 /// scene ("" = all), moving (true: also or, without scene, only moving objects)
 /// -> removed, ended, version

@@ -21,7 +21,7 @@ using kernel::Convex;
 
 /// Beyond this many planes along one way the parts slide along each other too near to be told apart.
 constexpr int kMostSteps = 512;
-/// What an overlap costs, in looks, once doubles do not decide it.
+/// What an overlap that doubles do not decide costs, in looks, or a graze.
 constexpr std::uint32_t kExactLooks = 8;
 
 /// Lengths and times that must not be exceeded are taken this much shorter: far more than their own few roundings.
@@ -256,6 +256,7 @@ Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, dou
     bracket = {low, then};
     return verdict;
   }
+  if (looks != nullptr) *looks += kExactLooks;
   return decide_graze(a, b, low, span.high, width, bracket);
 }
 

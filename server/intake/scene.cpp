@@ -202,15 +202,11 @@ void report_oddities(const Reading& reading, const TriangleMesh& mesh) {
 
 /// Mends where that is asked for, and tells what is odd.
 void finish_mesh(const Reading& reading, Scene& scene) {
-  if (reading.options.mend_m && !scene.mesh.triangles.empty()) {
-    const std::vector<std::string> lines = sentences(mend(scene, *reading.options.mend_m));
+  const auto tell = [&](const std::vector<std::string>& lines) {
     reading.report.mended.insert(reading.report.mended.end(), lines.begin(), lines.end());
-  }
-  const bool has_own_meshes = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                          [](const SceneObject& object) { return object.shape.mesh != nullptr; });
-  if (reading.options.mend_m && has_own_meshes) {
-    reading.report.warnings.emplace_back("the meshes of objects are not mended, only what stands still is");
-  }
+  };
+  if (reading.options.mend_m && !scene.mesh.triangles.empty()) tell(sentences(mend(scene, *reading.options.mend_m)));
+  if (reading.options.mend_m) tell(mend_objects(scene, *reading.options.mend_m));
   report_oddities(reading, scene.mesh);
 }
 
@@ -233,6 +229,12 @@ void set_radius(const Reading& reading, SceneObject& cloud) {
   }
 }
 
+/// What is done after the reading needs memory of its own.
+void drop_bytes(Reading& reading) {
+  if (reading.give_back) reading.give_back(reading.bytes);
+  reading.bytes = {};
+}
+
 Scene load(const Format& format, Reading reading) {
   check_options(reading);
   tell_progress(reading, 0);
@@ -243,6 +245,7 @@ Scene load(const Format& format, Reading reading) {
   }
   if (format.content != Content::saved) reading.bytes = without_mark(reading);
   Scene scene = format.read(reading);
+  if (format.content != Content::saved) drop_bytes(reading);
   if (format.content == Content::mesh) check_mesh(reading, scene);
   if (format.content == Content::saved) {
     if (!reading.options.name.empty()) rename_scene(reading, scene, mended_name(reading.options.name));
@@ -256,6 +259,17 @@ Scene load(const Format& format, Reading reading) {
   if (format.content == Content::mesh || reading.options.mend_m) finish_mesh(reading, scene);
   tell_progress(reading, 1);
   return scene;
+}
+
+/// A file that is read here, by a process of its own all the same. What it makes of it is checked as any scene file is.
+Scene load_apart(const std::string& path, const LoadOptions& options, LoadReport& report) {
+  const ConvertedFile converted(path, scene_name(path, options), options, report);
+  const auto bytes = std::make_shared<FileBytes>(converted.path(), FileBytes::Access::copied, LoadOptions{});
+  LoadOptions rest;
+  rest.max_triangles = options.max_triangles;
+  rest.progress = options.progress;
+  rest.cancelled = options.cancelled;
+  return read_scene_file({file_name(path), bytes->bytes(), rest, report, bytes});
 }
 
 Scene load_converted(const std::string& path, const LoadOptions& options, LoadReport& report) {
@@ -272,6 +286,8 @@ Scene load_converted(const std::string& path, const LoadOptions& options, LoadRe
 
 }  // namespace
 
+bool is_read_here(const std::string& path) { return format_of(path).read != nullptr; }
+
 Scene load_scene_from_memory(std::span<const char> bytes, const std::string& file, const LoadOptions& options,
                              LoadReport& report) {
   return load(format_of(file), {file, bytes, options, report});
@@ -283,13 +299,16 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
   Scene scene;
   if (format.read == nullptr) {
     scene = load_converted(path, options, report);
+  } else if (options.is_foreign) {
+    scene = load_apart(path, options, report);
   } else {
     const auto access = format.content == Content::saved ? FileBytes::Access::mapped : FileBytes::Access::copied;
     const auto bytes = std::make_shared<FileBytes>(path, access, options);
     const std::string folder = std::filesystem::absolute(path).parent_path().string();
-    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder});
+    const auto give_back = [&](std::span<const char> piece) { bytes->give_back(piece); };
+    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder, give_back});
     // Saved indexes go on using the end of a mapping.
-    bytes->forget_before(table_bytes(bytes->bytes()));
+    if (access == FileBytes::Access::mapped) bytes->forget_before(table_bytes(bytes->bytes()));
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return scene;

@@ -23,6 +23,9 @@ namespace collided {
 ///           address: about 80 M triangles), or the file cannot be written
 void save_scene(const std::string& path, const Scene& scene);
 
+/// The same to a file that is open already and empty, for a process that may open none; `name` is for complaints.
+void save_scene(int file, const std::string& name, const Scene& scene);
+
 /// Makes the checksum of a scene file's tables theirs, where they are tables and have one; what save_scene does last.
 void seal_scene(std::span<std::byte> tables);
 

@@ -35,7 +35,7 @@ std::string dump(const json& value) {
 }  // namespace
 
 Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-                   const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight)
+                   const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight, const std::string& uploads)
     : loop_(loop),
       inbox_(inbox),
       clock_(clock),
@@ -47,7 +47,11 @@ Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const
       pair_jobs_(kMostPairJobs),
       geometry_(loop.world(), [this](const CommandAsk& ask, ReplyStatus status, std::string text) {
         send(ask, status, std::move(text));
-      }) {
+      }),
+      uploads_(
+          uploads, durable != nullptr ? durable->commands_left() : std::vector<CommandAsk>(),
+          [this](const CommandAsk& ask, ReplyStatus status, std::string text) { send(ask, status, std::move(text)); },
+          [this](CommandAsk ask, const std::string& path) { load_upload(std::move(ask), path); }) {
   const auto work = [](WorkQueue<SlowJob>& jobs) {
     return std::thread([&jobs] {
       while (std::optional<SlowJob> job = jobs.pop()) (*job)();
@@ -64,6 +68,7 @@ Commands::~Commands() {
 void Commands::stop() {
   stopping_.store(true);
   geometry_.stop();
+  uploads_.stop();
   for (auto* jobs : {&slow_jobs_, &pair_jobs_}) jobs->close();
   for (auto* thread : {&slow_thread_, &pair_thread_}) {
     if (thread->joinable()) thread->join();
@@ -114,6 +119,12 @@ void Commands::forget_what_is_gone() {
     const SnapshotRing::Lease state = world.newest();
     return std::any_of(state->scenes.begin(), state->scenes.end(), [&](const auto& scene) { return scene->name == name; });
   };
+  for (auto upload = upload_of_scene_.begin(); upload != upload_of_scene_.end();) {
+    const auto here = upload++;
+    if (has_scene(here->first)) continue;
+    uploads_.forget(here->second);
+    upload_of_scene_.erase(here);
+  }
   durable_->keep_only(has_scene, [&](std::string_view name) { return world.find(name).has_value(); });
 }
 
@@ -184,6 +195,9 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
+  if (command == names::kUpload || command == names::kPiece || (command == names::kLoad && arguments->has("upload"))) {
+    return uploads_.take(std::move(ask));
+  }
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
   if (command == names::kPair) return pair_later(std::move(ask), *arguments);
@@ -199,7 +213,8 @@ void Commands::run(CommandAsk ask) {
     const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
                                          names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
                                          names::kPair, names::kProbe, names::kProbes, names::kFigures, names::kShapes,
-                                         names::kSurface, names::kMore, names::kPoses, names::kRecording};
+                                         names::kSurface, names::kMore, names::kPoses, names::kRecording,
+                                         names::kUpload, names::kPiece};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -17,6 +18,7 @@
 #include "server/service/geometry_desk.hpp"
 #include "server/service/inbox.hpp"
 #include "server/service/scene_loading.hpp"
+#include "server/service/upload_desk.hpp"
 #include "server/service/work_queue.hpp"
 #include "server/service/world_loop.hpp"
 
@@ -27,9 +29,10 @@ namespace collided::service {
 class Commands {
  public:
   /// durable  what commands add, kept over a crash; null: nothing is
+  /// uploads  folder for files that clients send; empty: none are taken
   /// flight   what `recording` hands out; null: nothing
   Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-           const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight);
+           const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight, const std::string& uploads);
   ~Commands();
 
   /// Where the answers go; before the first run().
@@ -75,6 +78,7 @@ class Commands {
   nlohmann::json probe(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json probes(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
+  void keep_upload(const std::string& scene, const std::string& path);
 
   ObjectId find_object(const std::string& name) const;
   void refuse_if_live(const ObjectInfo& info) const;
@@ -87,6 +91,7 @@ class Commands {
   static Load parse_load(CommandAsk ask, const Arguments& arguments);
   void load_later(CommandAsk ask, const Arguments& arguments);
   void load_one(Load load);
+  void load_upload(CommandAsk ask, const std::string& path);
   void menu_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json menu(std::uint32_t questions, std::uint64_t seed) const;
   void pair_later(CommandAsk ask, const Arguments& arguments);
@@ -112,6 +117,8 @@ class Commands {
   WorkQueue<SlowJob> slow_jobs_;
   WorkQueue<SlowJob> pair_jobs_;
   GeometryDesk geometry_;
+  UploadDesk uploads_;
+  std::map<std::string, std::string> upload_of_scene_;  // the world's thread
   std::atomic<bool> stopping_{false};
   std::thread slow_thread_;
   std::thread pair_thread_;

@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <future>
-#include <random>
 #include <set>
 #include <utility>
 
@@ -19,6 +18,7 @@
 #include "server/service/epoch.hpp"
 #include "server/service/flight_recorder.hpp"
 #include "server/service/listeners.hpp"
+#include "server/service/random_number.hpp"
 #include "server/service/self_test.hpp"
 #include "server/service/start_scenes.hpp"
 #include "server/service/wire_outlet.hpp"
@@ -29,11 +29,6 @@ namespace {
 
 /// A publisher or a client looks for servers every 2 s.
 constexpr std::int64_t kRecoveryNs = 3'000'000'000;
-
-std::uint64_t random_number() {
-  std::random_device device;
-  return (std::uint64_t{device()} << 32) | device();
-}
 
 StartError not_alone(const Options& options, long pid) {
   return StartError(
@@ -166,7 +161,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
       durable(keep()),
-      commands(loop, inbox, clock, questions, audit, durable.get(), flight.get()),
+      commands(loop, inbox, clock, questions, audit, durable.get(), flight.get(),
+               epoch.kept_in.empty() ? std::string() : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, options.name_space) {
   if (participant.configured_by_environment())
     log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
