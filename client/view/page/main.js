@@ -11,7 +11,7 @@ class Page {
     this.panels = new Panels();
     this.contacts = new Contacts();
     this.rays = [];
-    this.frames = [];        // ms between the newest pictures
+    this.frames = [];        // how long the newest pictures held up the next ones, ms
     this.flashes = [];       // when a beginning was first drawn, for who measures
     this.markData = new Float32Array(kMostMarks * kMarkFloats);
     this.isDirty = true;
@@ -115,9 +115,12 @@ class Page {
 
   draw(now) {
     requestAnimationFrame((next) => this.draw(next));
+    if (this.hasDrawn) this.note(now - this.calledAt);
+    this.calledAt = now;
+    this.hasDrawn = false;
     const isFlashing = this.placeMarks(now);
     if (!(this.isDirty || isFlashing || this.world.statesChanged) || !this.renderer) return;
-    this.note(now);
+    this.hasDrawn = true;
     this.isDirty = false;
     if (this.pendingPoses) {
       this.world.setPoses(this.pendingPoses);
@@ -145,19 +148,20 @@ class Page {
     return 10 ** Math.round(Math.log10(Math.max(1e-6, this.camera.distance) / 12));
   }
 
-  /// Keeps the time between pictures and makes them coarser where they take too long, finer where there is time left.
-  note(now) {
-    const took = now - (this.drawnAt || now);
-    this.drawnAt = now;
-    if (took > 0 && took < 1000) this.frames.push(took);
+  /// How long a picture held up the next one, in ms. Pictures become coarser where they take too long, finer where there is
+  /// time left.
+  note(took) {
+    if (took > 5000) return;  // the page was out of sight
+    this.frames.push(took);
     if (this.frames.length > 240) this.frames.shift();
     this.sinceChange = (this.sinceChange || 0) + 1;
-    if (this.sinceChange < 20) return;
-    const recent = this.frames.slice(-20).sort((a, b) => a - b);
-    const median = recent[10];
+    if (this.sinceChange < 5) return;
+    const recent = this.frames.slice(-Math.min(20, this.sinceChange)).sort((a, b) => a - b);
+    const median = recent[Math.floor(recent.length / 2)];
     const renderer = this.renderer;
     const finest = 2 / Math.min(2, window.devicePixelRatio || 1);
-    if (median > 90 && renderer.sharpness > 0.4) renderer.sharpness *= 0.75;
+    const isSlow = median > 180 || (median > 90 && this.sinceChange >= 20);
+    if (isSlow && renderer.sharpness > 0.3) renderer.sharpness *= 0.75;
     else if (median < 20 && renderer.sharpness < finest && this.sinceChange > 120) renderer.sharpness = Math.min(finest, renderer.sharpness / 0.75);
     else return;
     this.sinceChange = 0;
