@@ -239,6 +239,7 @@ TEST_F(ServerShapes, WhatIsNotThereOrNotMeantIsSaid) {
   const Result<std::string> gone = client.command("more", R"({"transfer": 77, "first": 0})");
   ASSERT_TRUE(gone) << "an empty page";
   EXPECT_TRUE(shapes(client, {.only = "no such thing"}).objects.empty());
+  EXPECT_TRUE(shapes(client, {.only = "\xff\xfe"}).objects.empty()) << "no text at all";
 }
 
 }  // namespace
