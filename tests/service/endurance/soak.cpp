@@ -54,21 +54,26 @@ MeshShape tetrahedron(double size) {
 int run_guest(int domain, std::uint64_t seed) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> coordinate(0, 6);
+  std::uniform_real_distribution<double> coordinate(0, 9);
+  std::uniform_real_distribution<double> way(-0.05, 0.05);
   Client client = value_of(Client::connect({.domain = domain, .wait = 10s}), "connect");
   Watch watch = value_of(client.watch(), "watch");
   Publisher publisher = value_of(client.publish("guest"), "publish");
   std::vector<Publisher::Object> objects;
-  for (int i = 0; i < 40; ++i) {
+  std::vector<Vec3> places;
+  for (int i = 0; i < 20; ++i) {
+    places.emplace_back(100 + coordinate(random), coordinate(random), coordinate(random));
     const ShapePart part = i % 2 == 0 ? ShapePart(SphereShape{.radius_m = 0.5}) : ShapePart(tetrahedron(0.5 + 1e-6 * static_cast<double>(random() % 1'000'000)));
-    objects.push_back(value_of(publisher.add({.name = std::to_string(seed) + "/" + std::to_string(i), .shape = {part}, .pose = {.position = {100, 0, 0}},
+    objects.push_back(value_of(publisher.add({.name = std::to_string(seed) + "/" + std::to_string(i), .shape = {part}, .pose = {.position = places.back()},
                                               .when_lost = i % 4 == 0 ? WhenLost::freeze : WhenLost::remove}), "add"));
   }
   for (int round = 0; round < 20; ++round) {
-    for (const Publisher::Object object : objects) {
-      static_cast<void>(publisher.move(object, {.position = {100 + coordinate(random), coordinate(random), coordinate(random)}}));
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      places[i] += Vec3(way(random), way(random), way(random));
+      static_cast<void>(publisher.move(objects[i], {.position = places[i]}));
     }
     static_cast<void>(publisher.flush());
+    std::this_thread::sleep_for(10ms);
     std::vector<RayQuestion> rays(200, RayQuestion{.origin = {103, 3, 20}, .direction = {0, 0, -1}});
     value_of(client.ask(std::span<const RayQuestion>(rays)), "ask");
     while (watch.next(0ns)) {
