@@ -1,14 +1,25 @@
 #pragma once
 
+#include <cstdint>
+
 /// Commands travel as queries of kind `command`: text = {"command": NAME, ...arguments}; the reply's text is the answer
 /// as one JSON object. A refusal has ReplyStatus::refused and {"error": MESSAGE, "hint": NEXT_STEP} as its text.
 /// Poses are [x, y, z, qw, qx, qy, qz]; names may be globs (* ? [..]) where it says so.
 namespace collided::wire_contract::command {
 
-/// path, name ("" = stem), unit_m, up ("y" or "z"), strict, replace (a scene of that name)
+/// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), strict, replace (a scene of that name)
 /// -> scene, triangles, parts, objects, seconds, mended [], refused [], warnings [], left_out [], version.
 /// Replies of status `progress` with {"fraction": f} may come before.
 inline constexpr const char* kLoad = "load";
+
+/// For a file that the server cannot read itself. file (its name, with the ending), bytes, checksum (CRC-32 of all of it)
+/// -> upload (number), piece_bytes
+inline constexpr const char* kUpload = "upload";
+
+/// upload, first (byte, a multiple of piece_bytes), checksum (CRC-32); the piece is the query's blob. Pieces may come in any
+/// order and again. -> missing (pieces that have yet to come)
+inline constexpr const char* kPiece = "piece";
+inline constexpr std::uint64_t kUploadPieceBytes = std::uint64_t{256} << 10;
 
 /// scene ("" = all), moving (true: also or, without scene, only moving objects)
 /// -> removed, ended, version
@@ -62,6 +73,11 @@ inline constexpr const char* kProbes = "probes";
 ///    with triangles:   triangle_pairs [[a, b, from 3, to 3, error]], pair_count, cut (there are more than told)
 ///    with certificate: certificate, as client/library/certificate_reading.cpp reads it, or no_certificate (why)
 inline constexpr const char* kPair = "pair";
+
+/// The flight recorder. last_s (0: only what publishers and commands have brought into the world, up to now)
+/// -> number, bytes, messages, dropped, path (on the server's machine), from_ns, to_ns; the file is an MCAP recording.
+/// number, offset -> up to 1 MiB of that file, as it is and not as JSON. The newest four can be fetched.
+inline constexpr const char* kRecording = "recording";
 
 /// questions (of each kind), seed -> rows [{kind, method, asked, undecided, wrong, worst_error, worst_bound (m, or
 /// "inf"), p50_ns, p99_ns}], seed, version. Takes a second or more.

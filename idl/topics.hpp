@@ -99,6 +99,9 @@ inline constexpr TopicQos kEventTopic{"event", Reliability::reliable, Durability
 inline constexpr TopicQos kPersistedTopic{"persisted", Reliability::best_effort, Durability::volatile_data, 64, 0, false};
 inline constexpr TopicQos kProbeTopic{"probe", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kContactTopic{"contact", Reliability::reliable, Durability::transient_local, 1, 0, false};
+/// How far each publisher's samples are in each state: a Status with version, time and the columns of publishers only, after
+/// every step while it has readers. Who records needs it to tell which poses an answer was about.
+inline constexpr TopicQos kStepTopic{"step", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
 inline constexpr TopicQos kStatusTopic{"status", Reliability::reliable, Durability::transient_local, 1, 0, false};
 
 /// A publisher that says nothing for this long is lost (liveliness, MANUAL_BY_TOPIC on object and pose).

@@ -21,11 +21,10 @@ namespace {
 using namespace collided::service;
 
 /// Blocked before any thread is made, so that only the waiting main thread gets them.
-sigset_t block_stop_signals() {
+sigset_t block_signals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
+  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
@@ -40,7 +39,7 @@ void limit_stopping() {
 }
 
 int serve(const Options& options) {
-  const sigset_t signals = block_stop_signals();
+  const sigset_t signals = block_signals();
   Server server(options, make_log(options.log_level, options.log_json));
   const std::string ready = server.start();
   if (options.scenes.empty()) fmt::print("{}", how_to_ask());
@@ -48,7 +47,7 @@ int serve(const Options& options) {
   std::fflush(stdout);
   notify_supervisor("READY=1\nSTATUS=" + ready);
   int signal = 0;
-  sigwait(&signals, &signal);
+  while (sigwait(&signals, &signal) == 0 && signal == SIGUSR1) server.write_flight_recorder();
   notify_supervisor("STOPPING=1");
   limit_stopping();
   server.stop();

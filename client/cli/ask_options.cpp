@@ -13,8 +13,20 @@ void declare_ask_options(CLI::App& app, AskTexts& texts) {
   app.add_option("--max-hits", texts.max_hits, "Hits of one question; with more it is undecided (1000)");
   app.add_option("--within", texts.within, "Error that is good enough: 1um (0: exact on doubt)");
   app.add_option("--deadline", texts.deadline, "Answers later than this are undecided: 200us");
+  app.add_option("--importance", texts.importance, "low: refused first by an overloaded server; high: never (normal)");
   app.add_flag("--fresh", texts.fresh, "Answer after this connection's own last write");
 }
+
+namespace {
+
+Importance parse_importance(const std::string& text) {
+  if (text.empty() || text == "normal") return Importance::normal;
+  if (text == "low") return Importance::low;
+  if (text == "high") return Importance::high;
+  throw bad_use("--importance " + text + " is not known; allowed: low, normal, high");
+}
+
+}  // namespace
 
 AskOptions ask_options_of(const AskTexts& texts, const Globals& globals) {
   AskOptions options;
@@ -31,6 +43,7 @@ AskOptions ask_options_of(const AskTexts& texts, const Globals& globals) {
   if (!texts.deadline.empty()) options.deadline = parse_duration(texts.deadline);
   options.timeout = timeout_of(globals);
   options.fresh = texts.fresh;
+  options.importance = parse_importance(texts.importance);
   return options;
 }
 

@@ -20,6 +20,7 @@ struct AskTexts {
   std::string max_hits;
   std::string within;
   std::string deadline;
+  std::string importance;
   bool fresh = false;
 };
 

@@ -45,6 +45,7 @@ std::unique_ptr<Command> make_pair_verb();
 std::unique_ptr<Command> make_watch();
 std::unique_ptr<Command> make_probe();
 std::unique_ptr<Command> make_top();
+std::unique_ptr<Command> make_view();
 std::unique_ptr<Command> make_add();
 std::unique_ptr<Command> make_move();
 std::unique_ptr<Command> make_rm();
@@ -60,6 +61,9 @@ std::unique_ptr<Command> make_menu();
 std::unique_ptr<Command> make_audit();
 std::unique_ptr<Command> make_check();
 std::unique_ptr<Command> make_convert();
+std::unique_ptr<Command> make_doctor();
+std::unique_ptr<Command> make_record();
+std::unique_ptr<Command> make_replay();
 std::unique_ptr<Command> make_help();
 std::unique_ptr<Command> make_version();
 

@@ -13,6 +13,12 @@ constexpr std::chrono::seconds kCommandTimeout{10};
 constexpr std::chrono::minutes kLoadTimeout{10};
 constexpr std::uint64_t kMostNamesCompared = 100'000;
 
+nlohmann::json object_from(const std::string& text, std::string_view command) {
+  nlohmann::json answer = nlohmann::json::parse(text, nullptr, false);
+  if (!answer.is_object()) throw Failure(Exit::refused, fmt::format("the server's answer to '{}' is not a JSON object", command));
+  return answer;
+}
+
 /// Why a name was refused: a Failure with the nearest names if the world does not hold it, nothing otherwise.
 std::optional<Failure> unknown_object(Session& session, const Globals& globals, const std::string& object) {
   namespace wire = wire_contract::command;
@@ -35,9 +41,13 @@ nlohmann::json server_command(Session& session, const Globals& globals, std::str
   const bool may_take_long = name == wire_contract::command::kLoad;
   const std::chrono::nanoseconds timeout = timeout_of(globals, may_take_long ? std::chrono::seconds(kLoadTimeout) : kCommandTimeout);
   const std::string text = take(session.client(globals).command(name, arguments.dump(), shape, timeout, std::move(progress)));
-  nlohmann::json answer = nlohmann::json::parse(text, nullptr, false);
-  if (!answer.is_object()) throw Failure(Exit::refused, fmt::format("the server's answer to '{}' is not a JSON object", name));
-  return answer;
+  return object_from(text, name);
+}
+
+nlohmann::json upload_command(Session& session, const Globals& globals, std::span<const std::byte> bytes,
+                              const std::string& file_name, const nlohmann::json& arguments, std::function<void(double)> progress) {
+  const std::chrono::nanoseconds timeout = timeout_of(globals, std::chrono::seconds(kLoadTimeout));
+  return object_from(take(session.client(globals).upload(bytes, file_name, arguments.dump(), timeout, std::move(progress))), "load");
 }
 
 nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command, const std::string& object,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -12,6 +14,10 @@ namespace collided::cli {
 /// Sends a command and reads its answer; throws Failure with the server's own words when it refuses.
 nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name, const nlohmann::json& arguments,
                               const Shape& shape = {}, std::function<void(double)> progress = {});
+
+/// The command load, with the file's bytes instead of its path.
+nlohmann::json upload_command(Session& session, const Globals& globals, std::span<const std::byte> bytes,
+                              const std::string& file_name, const nlohmann::json& arguments, std::function<void(double)> progress);
 
 /// As server_command for an object by name; an unknown name becomes "not in the world" with the nearest names.
 nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command, const std::string& object,

@@ -46,7 +46,8 @@ class DrawCommand : public Command {
     app.add_option("--crease", crease_, "Draw edges sharper than this (30deg)");
     app.add_option("--tones", tones_, "Of the toon style (3)");
     app.add_option("--light", light_, "Direction towards the light");
-    app.add_option("--ray", rays_, "Ask this ray and draw it: X Y Z DX DY DZ; may be repeated")->allow_extra_args(false);
+    app.add_option("--ray", rays_, "Ask this ray and draw it: X Y Z DX DY DZ; may be repeated")
+        ->allow_extra_args(false);
     app.add_option("--clearance", clearance_, "Colour objects of this name (glob) by their distance to the others");
     app.add_option("--reach", reach_, "Distance at which that colour ends (1)");
     app.add_option("--bands", bands_, "Steps of that colour (8)");
@@ -57,20 +58,24 @@ class DrawCommand : public Command {
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    if (out_.empty() == !term_) throw bad_use("where to? -o FILE.svg, -o FILE.png or --term", "collide draw -o scene.svg");
+    if (out_.empty() == !term_)
+      throw bad_use("where to? -o FILE.svg, -o FILE.png or --term", "collide draw -o scene.svg");
     const std::string kind = after_dot(out_);
     if (!term_ && kind != "svg" && kind != "png") throw bad_use(fmt::format("'{}' is neither .svg nor .png", out_));
     draw::DrawOptions options = options_as_written();
+    const std::vector<RayQuestion> rays_to_draw = ray_questions();
     const AskOptions ask = ask_options_of(texts_, globals);
     const auto start = Clock::now();
     Client& client = session.client(globals);
-    const ShownObjects shown = take(client.shapes({.only = ask.only, .skip = ask.skip, .mask = ask.mask, .edges = true, .crease_cosine = options.crease_cosine}));
-    if (shown.objects.empty()) throw Failure(Exit::no, "nothing to draw: no object matches", "collide ls shows what is there");
-    if (!clearance_.empty()) options.clearance = ramp(client, shown, ask);
+    const ShownObjects shown = take(client.shapes(
+        {.only = ask.only, .skip = ask.skip, .mask = ask.mask, .edges = true, .crease_cosine = options.crease_cosine}));
+    if (shown.objects.empty())
+      throw Failure(Exit::no, "nothing to draw: no object matches", "collide ls shows what is there");
+    if (options.clearance) measure(client, shown, ask, *options.clearance);
     if (!no_contacts_ && !term_) options.contacts = contacts(client, shown, session, globals);
     draw::Rays rays(client, drawing_rays(ask));
     try {
-      options.ray_marks = ray_marks(rays, shown);
+      options.ray_marks = ray_marks(rays, rays_to_draw, shown);
       const draw::Drawing drawing = draw::draw(shown, options, rays);
       write(session, globals, drawing, kind, rays, std::chrono::duration<double>(Clock::now() - start).count());
     } catch (const Error& error) {
@@ -89,16 +94,20 @@ class DrawCommand : public Command {
     if (!up_.empty()) options.view.up = parse_vector(up_);
     if (options.view.up.isZero(0)) throw bad_use("--up 0 0 0 has no direction");
     if (!fov_.empty()) options.view.field_of_view_rad = parse_finite(fov_, Measure::angle);
-    if (options.view.field_of_view_rad && !(*options.view.field_of_view_rad > 0 && *options.view.field_of_view_rad < 3)) {
+    if (options.view.field_of_view_rad &&
+        !(*options.view.field_of_view_rad > 0 && *options.view.field_of_view_rad < 3)) {
       throw bad_use("--fov " + fov_ + " is not between 0 and 171deg");
     }
-    options.view.width_px = width_.empty() ? (term_ ? 2 * kTerminalColumns : 1200) : static_cast<double>(parse_count(width_, 1)) * (term_ ? 2 : 1);
-    if (options.view.width_px < 16 || options.view.width_px > 10'000) throw bad_use("--width " + width_ + " is not from 16 to 10000");
+    options.view.width_px = width_.empty() ? (term_ ? 2 * kTerminalColumns : 1200)
+                                           : static_cast<double>(parse_count(width_, 1)) * (term_ ? 2 : 1);
+    if (options.view.width_px < 16 || options.view.width_px > 4'000)
+      throw bad_use("--width " + width_ + " is not from 16 to 4000");
     if (term_ && from_.empty()) plan_view(options.view);
     options.crease_cosine = std::cos(parse_finite(crease_, Measure::angle));
     options.tones = static_cast<int>(std::min<std::uint64_t>(parse_count(tones_, 2), 32));
     if (!light_.empty()) options.toward_light = parse_vector(light_);
     if (options.toward_light && options.toward_light->isZero(0)) throw bad_use("--light 0 0 0 has no direction");
+    if (!clearance_.empty()) options.clearance = ramp();
     // Dots stand farther apart than pixels.
     if (term_) options.sight.spacing_px = 0.5;
     return options;
@@ -118,22 +127,26 @@ class DrawCommand : public Command {
     return options;
   }
 
-  draw::ClearanceRamp ramp(Client& client, const ShownObjects& shown, const AskOptions& ask) const {
-    draw::ClearanceRamp ramp{.is_measured = std::vector<std::uint8_t>(shown.objects.size(), 0),
-                             .name_glob = clearance_,
-                             .reach_m = parse_finite(reach_, Measure::length),
-                             .bands = static_cast<int>(std::min<std::uint64_t>(parse_count(bands_, 1), 64))};
-    if (!(ramp.reach_m > 0)) throw bad_use("--reach " + reach_ + " is not above 0");
-    // The server knows which names a glob means.
-    const ShownObjects measured = take(client.shapes({.only = clearance_, .mask = ask.mask}));
-    std::set<std::uint64_t> ids;
-    for (const ShownObject& object : measured.objects) ids.insert(object.id);
-    for (std::size_t i = 0; i < shown.objects.size(); ++i) ramp.is_measured[i] = ids.contains(shown.objects[i].id) ? 1 : 0;
-    if (ids.empty()) throw Failure(Exit::no, fmt::format("--clearance: no object is named '{}'", clearance_));
-    return ramp;
+  draw::ClearanceRamp ramp() const {
+    const double reach_m = parse_finite(reach_, Measure::length);
+    if (!(reach_m > 0)) throw bad_use("--reach " + reach_ + " is not above 0");
+    return {.is_measured = {},
+            .name_glob = clearance_,
+            .reach_m = reach_m,
+            .bands = static_cast<int>(std::min<std::uint64_t>(parse_count(bands_, 1), 64))};
   }
 
-  static std::vector<draw::ContactMark> contacts(Client& client, const ShownObjects& shown, Session& session, const Globals& globals) {
+  /// The server knows which names a glob means.
+  static void measure(Client& client, const ShownObjects& shown, const AskOptions& ask, draw::ClearanceRamp& ramp) {
+    std::set<std::uint64_t> ids;
+    for (const ShownObject& object : take(client.shapes({.only = ramp.name_glob, .mask = ask.mask})).objects)
+      ids.insert(object.id);
+    if (ids.empty()) throw Failure(Exit::no, fmt::format("--clearance: no object is named '{}'", ramp.name_glob));
+    for (const ShownObject& object : shown.objects) ramp.is_measured.push_back(ids.contains(object.id) ? 1 : 0);
+  }
+
+  static std::vector<draw::ContactMark> contacts(Client& client, const ShownObjects& shown, Session& session,
+                                                 const Globals& globals) {
     std::vector<draw::ContactMark> marks;
     const std::uint32_t count = take(client.status()).contacts;
     if (count == 0) return marks;
@@ -157,18 +170,25 @@ class DrawCommand : public Command {
       for (const ManifoldPoint& point : pair->manifold) marks.push_back({point.point, pair->normal, point.depth_m});
       if (pair->manifold.empty()) marks.push_back({pair->point, pair->normal, pair->depth_m});
     }
-    if (pairs.size() > kMostContacts) print_hint(session.io, globals, fmt::format("{} of {} contacts are drawn", kMostContacts, pairs.size()));
+    if (pairs.size() > kMostContacts)
+      print_hint(session.io, globals, fmt::format("{} of {} contacts are drawn", kMostContacts, pairs.size()));
     return marks;
   }
 
-  std::vector<draw::RayMark> ray_marks(draw::Rays& rays, const ShownObjects& shown) const {
+  std::vector<RayQuestion> ray_questions() const {
     std::vector<RayQuestion> questions;
     for (const std::string& text : rays_) {
       const std::vector<double> n = parse_numbers({text}, Measure::length);
-      if (n.size() != 6) throw bad_use(fmt::format("--ray {}: {} numbers; an origin and a direction are six", text, n.size()));
+      if (n.size() != 6)
+        throw bad_use(fmt::format("--ray {}: {} numbers; an origin and a direction are six", text, n.size()));
       questions.push_back({.origin = {n[0], n[1], n[2]}, .direction = {n[3], n[4], n[5]}});
       if (questions.back().direction.isZero(0)) throw bad_use(fmt::format("--ray {}: its direction is 0 0 0", text));
     }
+    return questions;
+  }
+
+  static std::vector<draw::RayMark> ray_marks(draw::Rays& rays, const std::vector<RayQuestion>& questions,
+                                              const ShownObjects& shown) {
     // One that meets nothing is drawn as far as the scene is long.
     Eigen::AlignedBox3d bounds;
     for (const Vec3& p : draw::extreme_points(shown)) bounds.extend(p);
@@ -177,13 +197,15 @@ class DrawCommand : public Command {
     const std::vector<Answer> answers = rays.first_hits(questions);
     for (std::size_t i = 0; i < answers.size(); ++i) {
       const bool is_hit = !answers[i].hits.empty();
-      const Vec3 end = is_hit ? answers[i].hits.front().point : Vec3(questions[i].origin + far_m * questions[i].direction.normalized());
+      const Vec3 end = is_hit ? answers[i].hits.front().point
+                              : Vec3(questions[i].origin + far_m * questions[i].direction.normalized());
       marks.push_back({questions[i].origin, end, is_hit});
     }
     return marks;
   }
 
-  void write(Session& session, const Globals& globals, draw::Drawing drawing, const std::string& kind, const draw::Rays& rays, double seconds) const {
+  void write(Session& session, const Globals& globals, draw::Drawing drawing, const std::string& kind,
+             const draw::Rays& rays, double seconds) const {
     if (term_) {
       session.io.out << draw::as_braille(drawing.picture);
       return;
@@ -198,7 +220,9 @@ class DrawCommand : public Command {
     for (const draw::Segment& segment : drawing.segments) lines.insert(segment.line);
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
-      printer.line(fmt::format("{}  {} edges, {} kB, {} visibility rays in {:.1f} s, {} undecided", out_, format_count(lines.size()), (bytes.size() + 999) / 1000, format_count(rays.asked()), seconds, rays.undecided()));
+      printer.line(fmt::format("{}  {} edges, {} kB, {} visibility rays in {:.1f} s, {} undecided", out_,
+                               format_count(lines.size()), (bytes.size() + 999) / 1000, format_count(rays.asked()),
+                               seconds, rays.undecided()));
     } else {
       printer.record({{"file", std::string_view(out_)},
                       {"edges", std::uint64_t{lines.size()}},
@@ -213,7 +237,8 @@ class DrawCommand : public Command {
   }
 
   static std::size_t ray_hits(const draw::Drawing& drawing) {
-    return static_cast<std::size_t>(std::count_if(drawing.picture.rings.begin(), drawing.picture.rings.end(), [](const draw::Ring& r) { return r.ink.name == "ray-hit"; }));
+    return static_cast<std::size_t>(std::count_if(drawing.picture.rings.begin(), drawing.picture.rings.end(),
+                                                  [](const draw::Ring& r) { return r.ink.name == "ray-hit"; }));
   }
 
   std::string out_;

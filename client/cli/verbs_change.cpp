@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -24,6 +27,16 @@ void print_done(Session& session, const Globals& globals, const Record& record, 
   if (printer.human()) printer.line(line);
   else printer.record(record);
   printer.finish();
+}
+
+std::vector<std::byte> bytes_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  if (!file || size < 0) throw Failure(Exit::bad_use, fmt::format("{} cannot be read: {}", path, std::strerror(errno)));
+  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+  file.seekg(0);
+  if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) throw Failure(Exit::bad_use, fmt::format("{} cannot be read to its end", path));
+  return bytes;
 }
 
 std::string joined(const std::vector<std::string>& names, std::size_t most = 5) {
@@ -185,7 +198,8 @@ class RemoveCommand : public Command {
 class LoadCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("file", path_, "File that the server can read");
+    app.add_option("file", path_, "File that the server can read; with --upload, that this side can read");
+    app.add_flag("--upload", upload_, "Send the file's bytes; the server reads them in a process that may do nothing else");
     app.add_option("--name", name_, "Name of the scene (the file's stem)");
     app.add_option("--unit", unit_, "Of the file: m, mm, in, ... or metres a unit (m)");
     app.add_option("--up", up_, "Axis of the file that points up: y or z (as the format says, else z)")->check(CLI::IsMember({"y", "z"}));
@@ -199,17 +213,18 @@ class LoadCommand : public Command {
 
   Exit run(Session& session, const Globals& globals) override {
     if (path_.empty()) throw bad_use("which file?");
-    const nlohmann::json arguments{{"path", std::filesystem::absolute(path_).lexically_normal().string()},
-                                   {"name", name_},
-                                   {"unit_m", unit_in_metres()},
-                                   {"up", up_},
-                                   {"radius_m", parse_finite(radius_, Measure::length)},
-                                   {"strict", strict_},
-                                   {"mend", mend_},
-                                   {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
-                                   {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
-                                   {"replace", replace_}};
-    const nlohmann::json answer = load(session, globals, arguments);
+    nlohmann::json arguments{{"name", name_},
+                             {"unit_m", unit_in_metres()},
+                             {"up", up_},
+                             {"radius_m", parse_finite(radius_, Measure::length)},
+                             {"strict", strict_},
+                             {"mend", mend_},
+                             {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
+                             {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
+                             {"replace", replace_}};
+    if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
+    if (!upload_) arguments["path"] = std::filesystem::absolute(path_).lexically_normal().string();
+    const nlohmann::json answer = upload_ ? upload(session, globals, arguments) : load(session, globals, arguments);
     print(session, globals, answer);
     return texts_of(answer, "refused").empty() ? Exit::yes : Exit::partly_refused;
   }
@@ -226,6 +241,17 @@ class LoadCommand : public Command {
   static nlohmann::json load(Session& session, const Globals& globals, const nlohmann::json& arguments) {
     Progress progress(session.io, globals);
     return server_command(session, globals, wire::kLoad, arguments, {}, [&](double now) { progress.show(0, "loading", now); });
+  }
+
+  /// The file's bytes, and its name with what a server may not like in one replaced.
+  nlohmann::json upload(Session& session, const Globals& globals, const nlohmann::json& arguments) const {
+    const std::vector<std::byte> bytes = bytes_of_file(path_);
+    std::string name = std::filesystem::path(path_).filename().string();
+    for (char& c : name) {
+      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-') c = '_';
+    }
+    Progress progress(session.io, globals);
+    return upload_command(session, globals, bytes, name, arguments, [&](double now) { progress.show(0, "sending and loading", now); });
   }
 
   static void print(Session& session, const Globals& globals, const nlohmann::json& answer) {
@@ -270,6 +296,7 @@ class LoadCommand : public Command {
   std::string srdf_;
   bool strict_ = false;
   bool mend_ = false;
+  bool upload_ = false;
   bool replace_ = false;
 };
 

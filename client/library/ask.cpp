@@ -5,6 +5,7 @@
 #include "client/library/answer_decoding.hpp"
 #include "client/library/errors.hpp"
 #include "client/library/shape_encoding.hpp"
+#include "idl/question_class.hpp"
 
 namespace collided::client {
 namespace {
@@ -54,7 +55,8 @@ void fill_header(wire::Query& query, const Request& request, const AskOptions& o
   query.chunk_count =
       static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
   query.kind = static_cast<std::uint8_t>(request.kind);
-  query.mode = static_cast<std::uint8_t>(options.pick);
+  query.mode = wire_contract::mode_byte(static_cast<wire_contract::RayMode>(options.pick),
+                                        static_cast<wire_contract::QuestionClass>(options.importance));
   query.mask = options.mask;
   query.max_hits = options.max_hits;
   query.deadline_ns = options.deadline.count();

@@ -5,6 +5,7 @@
 #include "client/library/pair.hpp"
 #include "client/library/probes.hpp"
 #include "client/library/publisher.hpp"
+#include "client/library/upload.hpp"
 #include "client/library/watch.hpp"
 #include "client/library/workers.hpp"
 #include "collided/client.hpp"
@@ -159,6 +160,12 @@ Result<Publisher> Client::publish(const std::string& publisher_name) {
 Result<std::string> Client::command(std::string_view name, std::string_view json_arguments, const Shape& shape,
                                     std::chrono::nanoseconds timeout, std::function<void(double)> progress) {
   return client::command(*state_->connection, name, json_arguments, shape, timeout, progress);
+}
+
+Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string_view file_name,
+                                   std::string_view json_arguments, std::chrono::nanoseconds timeout,
+                                   std::function<void(double)> progress) {
+  return client::upload(*state_->connection, bytes, file_name, json_arguments, timeout, progress);
 }
 
 Result<ServerStatus> Client::status() {

@@ -58,7 +58,7 @@ double fraction(const std::string& text) {
 }
 
 std::optional<Error> send_command(Connection& connection, Requests::Running& running, const std::string& text,
-                                  const std::vector<std::uint8_t>& blob) {
+                                  std::span<const std::uint8_t> blob) {
   wire::Query& query = running.query();
   query = {};
   query.request = running.number();
@@ -74,10 +74,6 @@ std::optional<Error> send_command(Connection& connection, Requests::Running& run
 Result<std::string> command(Connection& connection, std::string_view name, std::string_view json_arguments,
                             const Shape& shape, std::chrono::nanoseconds timeout,
                             const std::function<void(double)>& progress) {
-  const Result<std::string> text = command_text(name, json_arguments);
-  if (!text) {
-    return text.error();
-  }
   std::vector<std::uint8_t> blob;
   if (!shape.empty()) {
     Result<std::vector<std::uint8_t>> encoded = encode_shape(shape, Vec3::Ones(), std::string(name));
@@ -85,6 +81,16 @@ Result<std::string> command(Connection& connection, std::string_view name, std::
       return encoded.error();
     }
     blob = std::move(*encoded);
+  }
+  return command_with_blob(connection, name, json_arguments, blob, timeout, progress);
+}
+
+Result<std::string> command_with_blob(Connection& connection, std::string_view name, std::string_view json_arguments,
+                                      std::span<const std::uint8_t> blob, std::chrono::nanoseconds timeout,
+                                      const std::function<void(double)>& progress) {
+  const Result<std::string> text = command_text(name, json_arguments);
+  if (!text) {
+    return text.error();
   }
   Clock::time_point deadline = Clock::now() + timeout;
   if (auto error = connection.ready(deadline)) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -12,5 +13,9 @@ namespace collided::client {
 Result<std::string> command(Connection& connection, std::string_view name, std::string_view json_arguments,
                             const Shape& shape, std::chrono::nanoseconds timeout,
                             const std::function<void(double)>& progress);
+/// The same with bytes as they are, up to what a message holds beside its text.
+Result<std::string> command_with_blob(Connection& connection, std::string_view name, std::string_view json_arguments,
+                                      std::span<const std::uint8_t> blob, std::chrono::nanoseconds timeout,
+                                      const std::function<void(double)>& progress);
 
 }  // namespace collided::client

@@ -49,10 +49,10 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
       }}),
       query_writer_(query_topic_, {.max_blocking_ns = 1'000'000'000}) {}
 
-Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options) {
+Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {
   const Clock::time_point deadline = Clock::now() + std::max(options.wait, nanoseconds(0));
   try {
-    const std::shared_ptr<Connection> connection(new Connection(options, join_domain(options)));
+    const std::shared_ptr<Connection> connection(new Connection(options, join_domain(options, role)));
     if (!connection->greet(deadline)) {
       return connection->no_server();
     }

@@ -26,7 +26,8 @@ struct Fence {
 class Connection {
  public:
   /// Waits until a server answers hello.
-  static Result<std::shared_ptr<Connection>> open(const ConnectOptions& options);
+  /// role  server: other clients find this one too, which listening to them takes
+  static Result<std::shared_ptr<Connection>> open(const ConnectOptions& options, dds::Role role = dds::Role::client);
 
   const ConnectOptions& options() const { return options_; }
   const dds::Participant& participant() const { return *participant_; }

@@ -29,7 +29,9 @@ Result<std::optional<std::string>> fetch(Connection& connection, const char* com
   const char* name = command_name;
   std::optional<std::uint64_t> total;
   do {
-    const Result<std::string> text = command(connection, name, arguments.dump(), {}, timeout, {});
+    // A name that is not text must not throw here: the server finds nothing by it.
+    const std::string written = arguments.dump(-1, ' ', false, json::error_handler_t::replace);
+    const Result<std::string> text = command(connection, name, written, {}, timeout, {});
     if (!text) return text.error();
     std::string flaw;
     const std::optional<Page> page = decode_page(*text, flaw);
@@ -61,10 +63,8 @@ class SurfaceBook {
   /// Null: it has gone.
   Result<std::shared_ptr<const Surface>> get(std::uint64_t epoch, std::uint64_t number) {
     if (const auto known = surfaces_.find(number); known != surfaces_.end()) return known->second;
-    const json arguments{{"surface", number},
-                         {"epoch", epoch},
-                         {"edges", options_.edges},
-                         {"crease_cosine", options_.crease_cosine}};
+    const json arguments{
+        {"surface", number}, {"epoch", epoch}, {"edges", options_.edges}, {"crease_cosine", options_.crease_cosine}};
     const Result<std::optional<std::string>> bytes = fetch(connection_, names::kSurface, arguments, options_.timeout);
     if (!bytes) return bytes.error();
     if (!*bytes) return std::shared_ptr<const Surface>();
@@ -82,8 +82,8 @@ class SurfaceBook {
 };
 
 /// Objects with their surfaces; nothing where one has gone since they were listed.
-Result<std::optional<ShownObjects>> attempt(Connection& connection, const ShapesOptions& options, const ShownObjects* earlier,
-                                            SurfaceBook& book) {
+Result<std::optional<ShownObjects>> attempt(Connection& connection, const ShapesOptions& options,
+                                            const ShownObjects* earlier, SurfaceBook& book) {
   json arguments{{"only", options.only}, {"skip", options.skip}, {"mask", options.mask}};
   if (options.moving) arguments["moving"] = *options.moving;
   const Result<std::optional<std::string>> bytes = fetch(connection, names::kShapes, arguments, options.timeout);

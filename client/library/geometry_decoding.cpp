@@ -48,7 +48,8 @@ Vec3 vector_of(const format::Vec3& from) {
 
 Quat rotation_of(double w, double x, double y, double z) {
   const Quat rotation(w, x, y, z);
-  if (!(std::abs(rotation.norm() - 1) <= wire_contract::kUnitQuaternionSlack)) throw Flaw{"a quaternion is not of unit length"};
+  if (!(std::abs(rotation.norm() - 1) <= wire_contract::kUnitQuaternionSlack))
+    throw Flaw{"a quaternion is not of unit length"};
   return rotation;
 }
 
@@ -127,7 +128,9 @@ class ObjectsDecoder {
   }
 
   void add_parts(const format::Shape& from, Shape& parts) {
-    each(from.spheres(), [&](const format::Sphere& s) { parts.emplace_back(SphereShape{size_of(s.radius()), vector_of(s.center())}); });
+    each(from.spheres(), [&](const format::Sphere& s) {
+      parts.emplace_back(SphereShape{size_of(s.radius()), vector_of(s.center())});
+    });
     add_boxes(from, parts);
     each(from.capsules(), [&](const format::Capsule& c) {
       parts.emplace_back(CapsuleShape{vector_of(c.a()), vector_of(c.b()), size_of(c.radius())});
@@ -172,7 +175,8 @@ std::vector<SurfaceEdge> edges_of(const format::Surface& from, std::size_t verte
     edge = {{number(0), number(1)}, {number(2), number(3)}, from.edge_kinds()->Get(static_cast<std::uint32_t>(i))};
     const bool names_points = edge.ends[0] < vertex_count && edge.ends[1] < vertex_count;
     const bool has_second = edge.triangles[1] < triangle_count || edge.triangles[1] == kNoTriangle;
-    if (!names_points || edge.triangles[0] >= triangle_count || !has_second) throw Flaw{"an edge names what is not there"};
+    if (!names_points || edge.triangles[0] >= triangle_count || !has_second)
+      throw Flaw{"an edge names what is not there"};
   }
   return edges;
 }
@@ -201,11 +205,17 @@ Surface surface_of(const format::Surface& from) {
 Poses poses_of(const format::Poses& from) {
   const std::uint32_t count = from.ids()->size();
   const auto& numbers = *from.poses();
-  if (std::uint64_t{numbers.size()} != std::uint64_t{wire_contract::kPoseNumbers} * count || from.stale()->size() != count) {
+  if (std::uint64_t{numbers.size()} != std::uint64_t{wire_contract::kPoseNumbers} * count ||
+      from.stale()->size() != count) {
     throw Flaw{"its columns differ in length"};
   }
-  Poses poses{.epoch = from.epoch(), .version = from.version(), .table_version = from.table_version(),
-              .world_time = std::chrono::nanoseconds(from.world_time_ns()), .ids = {}, .poses = {}, .stale = {}};
+  Poses poses{.epoch = from.epoch(),
+              .version = from.version(),
+              .table_version = from.table_version(),
+              .world_time = std::chrono::nanoseconds(from.world_time_ns()),
+              .ids = {},
+              .poses = {},
+              .stale = {}};
   poses.ids.assign(from.ids()->begin(), from.ids()->end());
   poses.stale.assign(from.stale()->begin(), from.stale()->end());
   poses.poses.reserve(count);

@@ -10,9 +10,9 @@
 
 namespace collided::client {
 
-/// What the server tells viewers, from bytes of anybody: structure is verified, then every number and every reference is
-/// checked. Each returns nothing, with a word in `flaw`, where something does not hold. Memory: a small multiple of the
-/// bytes. Pure.
+/// What the server tells viewers, from bytes of anybody: structure is verified, then every number and every reference
+/// is checked. Each returns nothing, with a word in `flaw`, where something does not hold. Memory: a small multiple of
+/// the bytes. Pure.
 
 /// The fields of idl/geometry.fbs.
 struct Page {

@@ -13,6 +13,7 @@ struct Joined {
   std::weak_ptr<dds::Participant> participant;
   std::string interface;
   std::vector<std::string> peers;
+  dds::Role role = dds::Role::client;
 };
 
 struct Registry {
@@ -36,7 +37,7 @@ void leave_domain(int domain, dds::Participant* participant) {
 
 }  // namespace
 
-std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options) {
+std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options, dds::Role role) {
   std::unique_lock lock(registry().mutex);
   Joined& joined = registry().domains[options.domain];
   while (joined.open) {
@@ -46,18 +47,23 @@ std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options) {
                                     ": this process has joined it on interface '" + joined.interface +
                                     "'; one process uses one interface and one list of peers a domain");
       }
+      if (role == dds::Role::server && joined.role == dds::Role::client) {
+        throw std::invalid_argument("domain " + std::to_string(options.domain) +
+                                    ": this process has joined it as a client, which other clients cannot find; what listens "
+                                    "to them must be the first to join");
+      }
       return participant;
     }
     registry().closed.wait(lock);  // Cyclone refuses a domain that is still being torn down
   }
   const dds::ParticipantOptions joining{.domain = options.domain,
-                                        .role = dds::Role::client,
+                                        .role = role,
                                         .interface = options.interface,
                                         .peers = options.peers};
   const std::shared_ptr<dds::Participant> participant(
       new dds::Participant(joining),
       [domain = options.domain](dds::Participant* last) { leave_domain(domain, last); });
-  joined = {true, participant, options.interface, options.peers};
+  joined = {true, participant, options.interface, options.peers, role};
   return participant;
 }
 

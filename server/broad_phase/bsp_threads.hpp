@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -29,7 +30,11 @@ void in_parallel(unsigned threads, std::size_t count, const Work& work) {
   };
   {
     std::vector<std::jthread> helpers;
-    for (unsigned i = 1; i < threads && i < count; ++i) helpers.emplace_back(run, false);
+    try {
+      for (unsigned i = 1; i < threads && i < count; ++i) helpers.emplace_back(run, false);
+    } catch (const std::system_error&) {
+      // No memory for another stack: fewer do the work.
+    }
     run(true);
   }
   if (failure) std::rethrow_exception(failure);

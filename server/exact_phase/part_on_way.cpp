@@ -21,6 +21,8 @@ using kernel::Convex;
 
 /// Beyond this many planes along one way the parts slide along each other too near to be told apart.
 constexpr int kMostSteps = 512;
+/// What an overlap that doubles do not decide costs, in looks, or a graze.
+constexpr std::uint32_t kExactLooks = 8;
 
 /// Lengths and times that must not be exceeded are taken this much shorter: far more than their own few roundings.
 constexpr double kShy = 1 - 0x1p-40;
@@ -224,12 +226,14 @@ ConvexPart PartOnWay::at(double t) const {
   return std::visit([&](const auto& shape) { return ConvexPart(place(frame, shape)); }, own);
 }
 
-Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, double width, TimeBracket& bracket) {
+Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, double width, TimeBracket& bracket,
+                      std::uint32_t* looks) {
   const Advance advance(a, b);
   const bool are_flat = std::holds_alternative<Triangle>(a.own) && std::holds_alternative<Triangle>(b.own);
   double low = span.low;
   Vec3 normal = Vec3::Zero();
   for (int step = 0; step < kMostSteps; ++step) {
+    if (looks != nullptr) ++*looks;
     const double gap_m = advance.part_at(low, normal);
     if (!(gap_m > 0)) {
       const double then = std::min({span.high, low + straight_for(a), low + straight_for(b)});
@@ -247,10 +251,12 @@ Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, dou
     low += ahead > width ? ahead - width / 4 : ahead * kShy;
     const double then = std::min(low + width * 0.9375, span.high);
     const Verdict verdict = overlap_at(a, b, then);
+    if (looks != nullptr && verdict.level != Level::filter) *looks += kExactLooks;
     if (!verdict.yes()) continue;
     bracket = {low, then};
     return verdict;
   }
+  if (looks != nullptr) *looks += kExactLooks;
   return decide_graze(a, b, low, span.high, width, bracket);
 }
 

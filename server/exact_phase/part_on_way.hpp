@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <variant>
 
 #include "server/exact_phase/body_way.hpp"
@@ -45,7 +46,11 @@ struct TimeSpan {
 /// source    conservative advancement: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996; along
 ///           the normal of the nearest points: Zhang, Lee, Kim, "Interactive Continuous Collision Detection for
 ///           Non-Convex Polyhedra", 2006; here a plane is tried at both ends of a step, with the bend between them
-Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, double width, TimeBracket& bracket);
+///
+/// looks     grows by the times at which the two were looked at, and more where that took exact arithmetic: what the
+///           answer has cost, a few microseconds each
+Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, double width, TimeBracket& bracket,
+                      std::uint32_t* looks = nullptr);
 
 /// The contact of the two placed at a time at which they overlap; normal from a to b.
 Contact contact_at(const PartOnWay& a, const PartOnWay& b, double t);

@@ -84,6 +84,8 @@ void report_lines(std::string_view text, LoadReport& report) {
         lines.emplace_back(line.substr(head.size()));
       }
     };
+    take("placed: ", report.placed);
+    take("note: ", report.notes);
     take("mended: ", report.mended);
     take("refused: ", report.refused);
     take("warning: ", report.warnings);
@@ -118,9 +120,10 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
                                     std::to_string(options.max_triangles),
                                     "--unit-m",
                                     fmt::format("{}", options.unit_m)};
-  if (options.strict) {
-    words.push_back("--strict");
-  }
+  if (options.strict) words.emplace_back("--strict");
+  if (options.up != 0) words.insert(words.end(), {"--up", std::string(1, options.up)});
+  if (options.radius_m != 0) words.insert(words.end(), {"--radius-m", fmt::format("{}", options.radius_m)});
+  if (options.mend_m) words.insert(words.end(), {"--mend-m", fmt::format("{}", *options.mend_m)});
   const ChildResult result = run_child(words, time_limit(), options.cancelled);
   if (!result.start_failure.empty()) {
     refuse_file(path, fmt::format("{} cannot be started: {}", words[0], result.start_failure));
@@ -133,12 +136,14 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
   }
   if (result.exit_code != 0) {
     const std::string said = first_line(result.errors);
+    if (said.ends_with("Nothing was loaded")) throw LoadError(said + ".");  // it has named the file
     const std::string ended = result.exit_code > 0 ? fmt::format("failed with code {}", result.exit_code)
                                                    : fmt::format("was ended by signal {}", result.signal);
     refuse_file(
         path, said.empty() ? fmt::format("the converter {}", ended) : fmt::format("the converter {}: {}", ended, said));
   }
-  if (!fs::exists(this->path())) {
+  std::error_code missing;
+  if (const auto size = fs::file_size(this->path(), missing); missing || size == 0) {
     refuse_file(path, "the converter ended well and wrote nothing");
   }
   report_lines(result.output, report);

@@ -21,12 +21,12 @@ class TemporaryDirectory {
   std::string path_;
 };
 
-/// The .cscene file that the converter process made from a file in another format; removed with this.
+/// The .cscene file that the converter process made from another file; removed with this.
 ///
 /// The converter (collided-import) is $COLLIDED_IMPORT, else it stands beside the running program, else where the
-/// install put it. It sets itself limits on memory and processor time and is ended after $COLLIDED_IMPORT_SECONDS
-/// (default 900). What it prints is passed on: lines that begin with "mended: ", "refused: " or "warning: " go to
-/// the report, anything on its error stream goes into the LoadError.
+/// install put it. It sets itself limits on memory, processor time and system calls and is ended after $COLLIDED_IMPORT_SECONDS
+/// (default 900). What it prints is passed on: lines that begin with "placed: ", "note: ", "mended: ", "refused: " or
+/// "warning: " go to the report, anything on its error stream goes into the LoadError.
 class ConvertedFile {
  public:
   /// throws    LoadError when there is no converter, it fails or takes too long, or the caller cancels

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -51,11 +52,15 @@ void run_in_parallel(std::size_t task_count, const std::function<void(std::size_
   {
     const std::size_t core_count = std::max(1u, std::thread::hardware_concurrency());
     std::vector<std::jthread> helpers;
-    for (std::size_t i = 1; i < std::min(core_count, task_count); ++i) {
-      helpers.emplace_back([&] {
-        while (take_one()) {
-        }
-      });
+    try {
+      for (std::size_t i = 1; i < std::min(core_count, task_count); ++i) {
+        helpers.emplace_back([&] {
+          while (take_one()) {
+          }
+        });
+      }
+    } catch (const std::system_error&) {
+      // No memory for another stack: fewer do the work.
     }
     try {
       while (take_one()) {

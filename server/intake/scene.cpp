@@ -261,6 +261,17 @@ Scene load(const Format& format, Reading reading) {
   return scene;
 }
 
+/// A file that is read here, by a process of its own all the same. What it makes of it is checked as any scene file is.
+Scene load_apart(const std::string& path, const LoadOptions& options, LoadReport& report) {
+  const ConvertedFile converted(path, scene_name(path, options), options, report);
+  const auto bytes = std::make_shared<FileBytes>(converted.path(), FileBytes::Access::copied, LoadOptions{});
+  LoadOptions rest;
+  rest.max_triangles = options.max_triangles;
+  rest.progress = options.progress;
+  rest.cancelled = options.cancelled;
+  return read_scene_file({file_name(path), bytes->bytes(), rest, report, bytes});
+}
+
 Scene load_converted(const std::string& path, const LoadOptions& options, LoadReport& report) {
   const ConvertedFile converted(path, scene_name(path, options), options, report);
   const FileBytes bytes(converted.path(), FileBytes::Access::mapped, {});  // the limit on bytes was for what came
@@ -275,6 +286,8 @@ Scene load_converted(const std::string& path, const LoadOptions& options, LoadRe
 
 }  // namespace
 
+bool is_read_here(const std::string& path) { return format_of(path).read != nullptr; }
+
 Scene load_scene_from_memory(std::span<const char> bytes, const std::string& file, const LoadOptions& options,
                              LoadReport& report) {
   return load(format_of(file), {file, bytes, options, report});
@@ -286,6 +299,8 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
   Scene scene;
   if (format.read == nullptr) {
     scene = load_converted(path, options, report);
+  } else if (options.is_foreign) {
+    scene = load_apart(path, options, report);
   } else {
     const auto access = format.content == Content::saved ? FileBytes::Access::mapped : FileBytes::Access::copied;
     const auto bytes = std::make_shared<FileBytes>(path, access, options);

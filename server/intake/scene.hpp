@@ -83,6 +83,7 @@ struct LoadOptions {
   double radius_m = 0;  // of the balls about a cloud's points
   bool strict = false;  // refuse what would be mended
   std::optional<double> mend_m{};  // close cracks up to this width and T-vertices; 0: what mend.hpp takes by itself
+  bool is_foreign = false;         // came from somebody who could not read the server's files: read by the converter process
   std::string srdf{};              // of a URDF robot: the file that says which links may touch
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
@@ -96,9 +97,12 @@ struct LoadError : std::runtime_error {
 };
 
 /// Reads .obj .stl .ply .off .surfaces .gltf .glb .json (CityJSON) .xyz .pcd .bt .csv .urdf .cscene here; any other ending
-/// goes to the converter process (collided-import).
+/// goes to the converter process (collided-import), as do foreign files of any ending.
 /// Either the whole scene comes back or a LoadError is thrown.
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report);
+
+/// Whether a file of this name is read here, and not by the converter process.
+bool is_read_here(const std::string& path);
 
 /// The small scene that a server without an argument serves: a floor, four walls, shelves and pallets.
 Scene embedded_scene();

@@ -11,7 +11,9 @@
 // Values as tables of idl/scene.fbs.
 namespace collided {
 
-inline constexpr std::uint32_t kSceneFormat = 1;
+inline constexpr std::uint32_t kSceneFormat = 2;  // 1 had no checksum
+/// Set in every checksum, so that none is the zero that FlatBuffers leaves out.
+inline constexpr std::uint64_t kIsChecksum = std::uint64_t{1} << 32;
 
 inline format::Vec3 packed(const Vec3& from) { return {from[0], from[1], from[2]}; }
 inline format::Mat3 packed(const Mat3& from) {
@@ -87,7 +89,7 @@ class SceneEncoder {
     const auto object_vector = builder_.CreateVector(objects);
     const auto collapses = collapse_numbers(from.collapses);
     format::FinishSceneBuffer(builder_, format::CreateScene(builder_, kSceneFormat, name, mesh_table, part_vector,
-                                                            object_vector, collapses));
+                                                            object_vector, collapses, kIsChecksum));
   }
 
   void finish(flatbuffers::Offset<format::Shape> root) { builder_.Finish(root); }
@@ -98,6 +100,7 @@ class SceneEncoder {
   std::span<const std::byte> bytes() const {
     return std::as_bytes(std::span(builder_.GetBufferPointer(), builder_.GetSize()));
   }
+  std::span<std::byte> bytes() { return std::as_writable_bytes(std::span(builder_.GetBufferPointer(), builder_.GetSize())); }
 
  private:
   flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> piece_numbers(const CutTriangles& cut) {

@@ -1,6 +1,7 @@
 #include "server/intake/scene_file.hpp"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
@@ -497,9 +498,6 @@ CollapseOrder decode_collapses(const format::Scene& from, std::size_t vertex_cou
 }
 
 Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::uint64_t max_triangles) {
-  if (from.format() != kSceneFormat) {
-    throw Flaw{fmt::format("scene format {}, this program reads {}", from.format(), kSceneFormat)};
-  }
   Decoder decoder(byte_budget, max_triangles, byte_budget);
   Scene scene;
   scene.name = from.name()->str();
@@ -562,12 +560,37 @@ const Table* verified(const std::uint8_t* data, std::size_t byte_count, const ch
   return verifier.VerifyBuffer<Table>(identifier) ? flatbuffers::GetRoot<Table>(data) : nullptr;
 }
 
+/// Where the checksum stands in verified tables; nothing where they have none.
+std::optional<std::size_t> checksum_place(const std::uint8_t* data) {
+  const std::uint8_t* at = flatbuffers::GetRoot<flatbuffers::Table>(data)->GetAddressOf(format::Scene::VT_CHECKSUM);
+  return at == nullptr ? std::nullopt : std::optional(static_cast<std::size_t>(at - data));
+}
+
+std::uint64_t checksum_of(const std::uint8_t* data, std::size_t byte_count, std::size_t place) {
+  constexpr std::uint8_t kZeros[sizeof(std::uint64_t)] = {};
+  const std::size_t after = place + sizeof kZeros;
+  uLong sum = crc32_z(0, data, place);
+  sum = crc32_z(sum, kZeros, sizeof kZeros);
+  return kIsChecksum | crc32_z(sum, data + after, byte_count - after);
+}
+
+/// Decoding finds what makes no sense; a number that is another one makes sense.
+void check_whole(const format::Scene& root, const std::uint8_t* data, std::size_t byte_count) {
+  if (root.format() < 1 || root.format() > kSceneFormat) {
+    throw Flaw{fmt::format("scene format {}, this program reads up to {}", root.format(), kSceneFormat)};
+  }
+  const std::optional<std::size_t> place = checksum_place(data);
+  const bool fits = place ? root.checksum() == checksum_of(data, byte_count, *place) : root.format() == 1;
+  if (!fits) throw Flaw{"cut or damaged: its checksum is not that of its bytes"};
+}
+
 Scene decode_scene_bytes(const void* bytes, std::size_t byte_count, std::uint64_t max_triangles) {
   const AlignedBytes aligned(bytes, byte_count);
   const auto* root = verified<format::Scene>(aligned.data(), byte_count, format::SceneIdentifier());
   if (root == nullptr) {
     throw Flaw{"not a scene file, or a damaged one: its tables do not check out"};
   }
+  check_whole(*root, aligned.data(), byte_count);
   return decode_scene(*root, byte_count, max_triangles);
 }
 
@@ -586,15 +609,27 @@ Scene read_scene_file(const Reading& reading) {
   }
 }
 
-void save_scene(const std::string& path, const Scene& scene) {
-  const auto fail = [&](const std::string& what) {
-    throw LoadError(fmt::format("{}: {}. Nothing was written.", file_name(path), what));
-  };
+void seal_scene(std::span<std::byte> tables) {
+  const AlignedBytes aligned(tables.data(), tables.size());
+  if (verified<format::Scene>(aligned.data(), tables.size(), format::SceneIdentifier()) == nullptr) return;
+  const std::optional<std::size_t> place = checksum_place(aligned.data());
+  if (!place) return;
+  const std::uint64_t sum = checksum_of(aligned.data(), tables.size(), *place);
+  std::memcpy(tables.data() + *place, &sum, sizeof sum);
+}
+
+namespace {
+
+/// put(pieces) -> what went wrong, or nothing
+template <class Put>
+void save_scene_by(const std::string& name, const Scene& scene, const Put& put) {
+  const auto fail = [&](const std::string& what) { throw LoadError(fmt::format("{}: {}. Nothing was written.", name, what)); };
   if (const std::uint64_t bytes = encoded_bytes(scene); bytes > kMaxSceneFileBytes) {
     fail(fmt::format("the scene needs {} bytes, limit {}", bytes, kMaxSceneFileBytes));
   }
   SceneEncoder encoder(encoded_bytes(scene));
   encoder.scene(scene);
+  seal_scene(encoder.bytes());
   const std::span<const std::byte> bytes = encoder.bytes();
   try {
     decode_scene_bytes(bytes.data(), bytes.size(), kMaxVertices);
@@ -605,9 +640,19 @@ void save_scene(const std::string& path, const Scene& scene) {
   std::vector<std::byte> list;
   std::vector<std::span<const std::byte>> pieces = index_section(scene, bytes.size(), padding, list);
   pieces.insert(pieces.begin(), bytes);
-  if (const std::string failure = replace_file(path, pieces); !failure.empty()) {
+  if (const std::string failure = put(pieces); !failure.empty()) {
     fail(failure);
   }
+}
+
+}  // namespace
+
+void save_scene(const std::string& path, const Scene& scene) {
+  save_scene_by(file_name(path), scene, [&](const auto& pieces) { return replace_file(path, pieces); });
+}
+
+void save_scene(int file, const std::string& name, const Scene& scene) {
+  save_scene_by(name, scene, [&](const auto& pieces) { return write_file(file, pieces); });
 }
 
 DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& limits) {

@@ -23,7 +23,13 @@ namespace collided {
 ///           address: about 80 M triangles), or the file cannot be written
 void save_scene(const std::string& path, const Scene& scene);
 
-/// The scene in the bytes of a .cscene file. Structure is verified with bounded depth and count of tables, then
+/// The same to a file that is open already and empty, for a process that may open none; `name` is for complaints.
+void save_scene(int file, const std::string& name, const Scene& scene);
+
+/// Makes the checksum of a scene file's tables theirs, where they are tables and have one; what save_scene does last.
+void seal_scene(std::span<std::byte> tables);
+
+/// The scene in the bytes of a .cscene file. Its checksum fits (files of format 1 have none); structure is verified with bounded depth and count of tables, then
 /// meaning: finite numbers, vertex numbers in range, parts that tile the triangles, unit quaternions, sizes >= 0,
 /// names unique and fit. All of it holds or a LoadError says what does not.
 Scene read_scene_file(const Reading& reading);

@@ -1,5 +1,6 @@
 #include "server/intake/scene_index.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -33,6 +34,10 @@ std::size_t whole_blocks(std::size_t byte_count) { return (byte_count + kBlockBy
 void append(std::vector<std::byte>& to, const void* data, std::size_t byte_count) {
   const auto* bytes = static_cast<const std::byte*>(data);
   to.insert(to.end(), bytes, bytes + byte_count);
+}
+
+bool all_zero(std::span<const char> bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](char byte) { return byte == 0; });
 }
 
 /// Whether the file ends in a record that fits it.
@@ -97,25 +102,29 @@ bool attach_indexes(std::span<const char> file, const std::shared_ptr<const void
   LastRecord last;
   if (!read_last(file, last)) return true;
   const auto bytes = std::as_bytes(file);
-  // Copies are made of no more than the file has, however often the list names the same bytes.
-  std::uint64_t budget = file.size();
+  // Up to here each byte means something or is zero. Indexes follow each other, so copies take no more than the file has.
+  std::uint64_t told = last.table_bytes;
   std::uint64_t after = 0;
   for (std::uint32_t i = 0; i < last.entry_count; ++i) {
     Entry entry;
     std::memcpy(&entry, file.data() + last.list_first_byte + i * sizeof(Entry), sizeof(Entry));
     const bool fits = entry.mesh >= after && entry.mesh <= scene.objects.size() && entry.byte_count > 0 &&
-                      entry.first_byte >= last.table_bytes && entry.first_byte <= last.list_first_byte &&
-                      entry.byte_count <= last.list_first_byte - entry.first_byte && entry.byte_count <= budget;
+                      entry.first_byte >= told && entry.first_byte <= last.list_first_byte &&
+                      entry.byte_count <= last.list_first_byte - entry.first_byte &&
+                      all_zero(file.subspan(told, entry.first_byte - told));
     if (!fits) {
       forget_indexes(scene);
       return false;
     }
     after = entry.mesh + 1;
-    budget -= entry.byte_count;
+    told = entry.first_byte + entry.byte_count;
     SavedIndex& index = entry.mesh == 0 ? scene.index : scene.objects[entry.mesh - 1].index;
     index = kept(bytes.subspan(entry.first_byte, entry.byte_count), keeper);
   }
-  return true;
+  const std::span<const char> spare(reinterpret_cast<const char*>(last.spare), sizeof last.spare);
+  const bool is_whole = all_zero(file.subspan(told, last.list_first_byte - told)) && all_zero(spare);
+  if (!is_whole) forget_indexes(scene);
+  return is_whole;
 }
 
 void forget_indexes(Scene& scene) {

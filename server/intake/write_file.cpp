@@ -64,4 +64,8 @@ std::string replace_file(const std::string& path, std::span<const std::span<cons
   return {};
 }
 
+std::string write_file(int file, std::span<const std::span<const std::byte>> pieces) {
+  return write_pieces(file, pieces) ? std::string() : fmt::format("cannot be written: {}", std::strerror(errno));
+}
+
 }  // namespace collided

@@ -11,4 +11,7 @@ namespace collided {
 /// returns   what went wrong, or nothing
 std::string replace_file(const std::string& path, std::span<const std::span<const std::byte>> pieces);
 
+/// Writes to a file that is open already, from where it stands, and brings it to the disk.
+std::string write_file(int file, std::span<const std::span<const std::byte>> pieces);
+
 }  // namespace collided

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "idl/question_class.hpp"
 #include "server/geometry/endless.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file.hpp"
@@ -146,7 +148,7 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
   const std::int64_t allowed_ns = query.deadline_ns > 0 ? query.deadline_ns : owner_.options_.deadline_ns;
   const Questions questions{
       .kind = static_cast<QueryKind>(query.kind),
-      .mode = static_cast<wire_contract::RayMode>(query.mode),
+      .mode = wire_contract::ray_mode(query.mode),
       .mask = query.mask,
       .max_hits = query.max_hits,
       .only = query.only,
@@ -163,7 +165,8 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
   write_answers(client, ask, *lease);
   count_levels(questions.kind);
   // The audit's twin knows no ways.
-  if (mover == nullptr) owner_.audit_.consider(lease, questions, answers_);
+  const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
+  if (mover == nullptr && !is_overloaded) owner_.audit_.consider(lease, questions, answers_);
 }
 
 void Answering::Worker::count_levels(QueryKind kind) {
@@ -198,6 +201,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
   reply_->world_time_ns = snapshot.world_time_ns;
   const std::int64_t posed_ns = answers_.oldest_pose_ns;
   reply_->oldest_pose_age_ns = posed_ns > 0 ? std::max<std::int64_t>(0, owner_.clock_.now_ns() - posed_ns) : -1;
+  client.note_told(snapshot.version);
   while (filler.fill(columns_)) {
     columns_.lend(*reply_);
     reply_->first_question = query.first_question + static_cast<std::uint32_t>(filler.first());
@@ -234,6 +238,7 @@ void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyS
 }
 
 void Answering::Worker::send(Client& client) {
+  if (owner_.options_.flight) owner_.options_.flight->note(recording::Recorded::reply, *reply_);
   try {
     if (!client.write(*reply_)) ++owner_.counts_.unanswerable;
   } catch (const dds::DdsError&) {
@@ -255,7 +260,7 @@ Answering::Answering(const World& world, const WorldClock& clock, Fences& fences
       options_(options),
       command_(std::move(command)),
       queue_(kMostQueued),
-      clients_(replies, [this](std::uint64_t client) { queue_.push(Resume{client}); }) {
+      clients_(replies, [this](std::uint64_t client) { queue_.push_own(Resume{client}); }) {
   listening_worker_ = std::make_unique<Worker>(*this);
   for (unsigned i = 0; i < std::max(1U, options.threads); ++i) {
     threads_.emplace_back([this] { Worker(*this).run(); });
@@ -273,11 +278,11 @@ void Answering::listen(const dds::Taker<wire::Query>& taker) {
   const wire::Query& query = *single->query;
   const std::int64_t started_ns = single->taken_ns;
   Client* client = nullptr;
-  if (short_questions_.is_short(query, started_ns)) {
+  if (short_questions_.is_short(query, started_ns) && !leaves_out(query)) {
     client = clients_.find_ready(query.client, single->query.info().publication_handle);
   }
   if (!client) {
-    queue_.push_short(std::move(single));
+    enqueue(std::move(single));
     return;
   }
   listening_worker_->answer(*client, *single);
@@ -307,6 +312,9 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
     for (std::size_t i = 0; i < count; ++i) {
       if (!next_[i]->query.info().valid_data) continue;
       next_[i]->taken_ns = now_ns;
+      if (options_.flight) {
+        options_.flight->note(recording::Recorded::query, *next_[i]->query, next_[i]->query.info().source_timestamp);
+      }
       route(std::move(next_[i]), single);
     }
     if (count < room.size()) return;
@@ -336,7 +344,7 @@ void Answering::admit(AskPointer ask) {
   const wire::Query& query = *ask->query;
   if (query.chunk_count > 1 && query.chunk_index < query.chunk_count) {
     std::optional<SnapshotRing::Lease> lease = leases_.take(query.client, query.request, query.chunk_index,
-                                                            query.chunk_count, query.fence_publisher != 0, steady_ns());
+                                                            query.chunk_count, least_version(query), steady_ns());
     if (!lease) {
       refuse_later(std::move(ask),
                    "the state that this request is answered on is no longer kept: its chunks must "
@@ -345,17 +353,62 @@ void Answering::admit(AskPointer ask) {
     }
     ask->pinned = std::move(*lease);
   }
-  is_single(query) ? queue_.push_short(std::move(ask)) : queue_.push(std::move(ask));
+  enqueue(std::move(ask));
+}
+
+/// Into the queue, or refused where its client has too much there already. Commands, greetings and questions of the high
+/// class are taken as long as anything is.
+void Answering::enqueue(AskPointer ask) {
+  const wire::Query& query = *ask->query;
+  const wire_contract::QuestionClass of_class = wire_contract::question_class(query.mode);
+  const bool is_question = wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0;
+  if (leaves_out(query)) {
+    refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
+    return;
+  }
+  const Share share{.client = query.client,
+                    .cost = cost_of(query),
+                    .is_kept = !is_question || of_class == wire_contract::QuestionClass::high};
+  Work work(std::move(ask));
+  if (queue_.push(share, work)) return;
+  refuse_later(std::move(std::get<AskPointer>(work)),
+               fmt::format("too much of this client waits already, of {} requests in all; ask less at a time", queue_.waiting()));
+}
+
+/// A question of the low class while only others are answered.
+bool Answering::leaves_out(const wire::Query& query) const {
+  return options_.overload != nullptr && options_.overload->refuses_low_questions() &&
+         wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0 &&
+         wire_contract::question_class(query.mode) == wire_contract::QuestionClass::low;
+}
+
+bool Answering::was_pressed() {
+  const std::uint64_t refused = queue_.refused();
+  const bool turned_away = refused != std::exchange(refused_before_, refused);
+  return turned_away || queue_.waiting() > kMostQueued / 2;
+}
+
+/// What a client has been told of must not be unsaid by a later answer; behind a fence only the newest state will do.
+std::uint64_t Answering::least_version(const wire::Query& query) const {
+  if (query.fence_publisher != 0) return std::numeric_limits<std::uint64_t>::max();
+  const std::shared_ptr<Client> client = clients_.find(query.client);
+  return client ? client->told_version() : 0;
 }
 
 void Answering::refuse_later(AskPointer ask, std::string reason) {
+  // Who asks faster than refusals can be written gets none.
+  if (!queue_.has_room_for_own()) {
+    ++counts_.unanswerable;
+    pool_.put(std::move(ask));
+    return;
+  }
   ask->refusal = std::move(reason);
-  queue_.push(std::move(ask));
+  queue_.push_own(std::move(ask));
 }
 
 void Answering::send_text(std::uint64_t client, std::uint64_t request, ReplyStatus status, std::string text) {
   if (status == ReplyStatus::refused) ++counts_.refused;
-  queue_.push(TextReply{client, request, status, std::move(text)});
+  queue_.push_own(TextReply{client, request, status, std::move(text)});
 }
 
 void Answering::tick(std::vector<std::uint64_t> askers) {
@@ -371,7 +424,7 @@ void Answering::tick(std::vector<std::uint64_t> askers) {
                      : fmt::format("sample {} of publisher {:016x} did not come in time; applied: {}",
                                    query.fence_sequence, query.fence_publisher, applied));
   }
-  queue_.push(Sweep{std::move(askers)});
+  queue_.push_own(Sweep{std::move(askers)});
 }
 
 void Answering::stop() {

@@ -14,10 +14,12 @@
 #include "server/service/clients.hpp"
 #include "server/service/clock.hpp"
 #include "server/service/counters.hpp"
+#include "server/service/fair_queue.hpp"
 #include "server/service/fences.hpp"
+#include "server/service/flight_recorder.hpp"
 #include "server/service/lease_book.hpp"
+#include "server/service/overload.hpp"
 #include "server/service/short_questions.hpp"
-#include "server/service/work_queue.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::service {
@@ -29,6 +31,8 @@ struct AnsweringOptions {
   std::int64_t deadline_ns = 0;      // of questions that bring none; 0: none
   double error_m = 0;                // the same
   std::function<bool()> recovering;  // the world may lack what publishers have yet to say again
+  const Overload* overload = nullptr;  // null: never
+  FlightRecorder* flight = nullptr;  // hears every question and reply
 };
 
 /// A command as it came; see idl/commands.hpp.
@@ -64,6 +68,8 @@ class Answering {
   /// Answers what is in, then ends.
   void stop();
   std::size_t clients() const { return clients_.size(); }
+  /// Too much waits, or some was turned away since the last call. One thread.
+  bool was_pressed();
 
  private:
   struct TextReply {
@@ -82,6 +88,9 @@ class Answering {
   class Worker;
 
   void refuse_later(AskPointer ask, std::string reason);
+  void enqueue(AskPointer ask);
+  bool leaves_out(const wire::Query& query) const;
+  std::uint64_t least_version(const wire::Query& query) const;
   void take(const dds::Taker<wire::Query>& taker, AskPointer* single);
   void drain(const dds::Taker<wire::Query>& taker, AskPointer* single);
   void route(AskPointer ask, AskPointer* single);
@@ -96,7 +105,8 @@ class Answering {
   AnsweringOptions options_;
   Command command_;
   AskPool pool_;
-  WorkQueue<Work> queue_;
+  FairQueue<Work> queue_;
+  std::uint64_t refused_before_ = 0;  // as of the last was_pressed()
   Clients clients_;
   std::atomic<std::uint32_t> takers_{0};      // one takes, the others tell it that there is more
   std::array<AskPointer, 4> next_;            // of who takes: one call brings what there is as a rule

@@ -42,6 +42,9 @@ class AskPool {
 /// One question that is a whole request.
 bool is_single(const wire::Query& query);
 
+/// About how much work a chunk is: 1 is a ray. Commands count as a thousand.
+double cost_of(const wire::Query& query);
+
 /// Why a chunk cannot be answered, as a sentence with the value and what is allowed; nothing where it can.
 std::optional<std::string> why_refused(const wire::Query& query);
 

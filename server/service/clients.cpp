@@ -11,6 +11,12 @@ bool Client::write(const wire::Reply& reply) {
   return listening_.load() && writer_->write(reply);
 }
 
+void Client::note_told(std::uint64_t version) {
+  std::uint64_t told = told_version_.load(std::memory_order_relaxed);
+  while (told < version && !told_version_.compare_exchange_weak(told, version, std::memory_order_relaxed)) {
+  }
+}
+
 std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
   std::shared_ptr<Client> client;
   bool made = false;

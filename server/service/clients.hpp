@@ -23,6 +23,9 @@ class Client {
   std::uint64_t id() const { return id_; }
   /// False: nobody took it, or nobody is there any more.
   [[nodiscard]] bool write(const wire::Reply& reply);
+  /// The newest version of the world that an answer to it was about; any thread.
+  std::uint64_t told_version() const { return told_version_.load(std::memory_order_relaxed); }
+  void note_told(std::uint64_t version);
 
  private:
   friend class Clients;
@@ -36,6 +39,7 @@ class Client {
   std::atomic<bool> listening_{false};
   std::atomic<std::uint64_t> asker_{0};  // its query writer
   std::atomic<std::int64_t> deaf_since_ns_{0};
+  std::atomic<std::uint64_t> told_version_{0};
 };
 
 /// Every client that has asked and still lives. A reply written before the client's reader was matched would be lost,

@@ -35,11 +35,23 @@ std::string dump(const json& value) {
 }  // namespace
 
 Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-                   const BackgroundAudit& audit, DurableState* durable)
-    : loop_(loop), inbox_(inbox), clock_(clock), counts_(counts), audit_(audit), durable_(durable), slow_jobs_(kMostSlowJobs), pair_jobs_(kMostPairJobs),
+                   const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight, const std::string& uploads)
+    : loop_(loop),
+      inbox_(inbox),
+      clock_(clock),
+      counts_(counts),
+      audit_(audit),
+      durable_(durable),
+      flight_(flight),
+      slow_jobs_(kMostSlowJobs),
+      pair_jobs_(kMostPairJobs),
       geometry_(loop.world(), [this](const CommandAsk& ask, ReplyStatus status, std::string text) {
         send(ask, status, std::move(text));
-      }) {
+      }),
+      uploads_(
+          uploads, durable != nullptr ? durable->commands_left() : std::vector<CommandAsk>(),
+          [this](const CommandAsk& ask, ReplyStatus status, std::string text) { send(ask, status, std::move(text)); },
+          [this](CommandAsk ask, const std::string& path) { load_upload(std::move(ask), path); }) {
   const auto work = [](WorkQueue<SlowJob>& jobs) {
     return std::thread([&jobs] {
       while (std::optional<SlowJob> job = jobs.pop()) (*job)();
@@ -56,10 +68,12 @@ Commands::~Commands() {
 void Commands::stop() {
   stopping_.store(true);
   geometry_.stop();
+  uploads_.stop();
   for (auto* jobs : {&slow_jobs_, &pair_jobs_}) jobs->close();
   for (auto* thread : {&slow_thread_, &pair_thread_}) {
     if (thread->joinable()) thread->join();
   }
+  forget_recordings();
 }
 
 /// The answer of some work, or the refusal that it threw.
@@ -105,7 +119,26 @@ void Commands::forget_what_is_gone() {
     const SnapshotRing::Lease state = world.newest();
     return std::any_of(state->scenes.begin(), state->scenes.end(), [&](const auto& scene) { return scene->name == name; });
   };
+  for (auto upload = upload_of_scene_.begin(); upload != upload_of_scene_.end();) {
+    const auto here = upload++;
+    if (has_scene(here->first)) continue;
+    uploads_.forget(here->second);
+    upload_of_scene_.erase(here);
+  }
   durable_->keep_only(has_scene, [&](std::string_view name) { return world.find(name).has_value(); });
+}
+
+/// What is carried out once more did not come over the wire.
+void Commands::tell_flight_recorder(const CommandAsk& ask) {
+  if (flight_ == nullptr) return;
+  dds::Sample<wire::Query> query;
+  query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
+  query->chunk_count = 1;
+  static_cast<void>(dds::set_text(query->text, ask.text));  // it came in such a field
+  const std::vector<std::uint8_t> blob(reinterpret_cast<const std::uint8_t*>(ask.blob.data()),
+                                       reinterpret_cast<const std::uint8_t*>(ask.blob.data()) + ask.blob.size());
+  dds::borrow(query->blob, blob);
+  flight_->note(recording::Recorded::query, *query);
 }
 
 /// Scenes on the thread for slow work; objects behind them on the world's.
@@ -115,6 +148,7 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
   slow_jobs_.push([this, asks] {
     std::vector<CommandAsk> objects;
     for (const CommandAsk& ask : asks) {
+      tell_flight_recorder(ask);
       try {
         const Arguments arguments(ask.text);
         if (arguments.command() == names::kLoad) {
@@ -161,9 +195,13 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
+  if (command == names::kUpload || command == names::kPiece || (command == names::kLoad && arguments->has("upload"))) {
+    return uploads_.take(std::move(ask));
+  }
   if (command == names::kLoad) return load_later(std::move(ask), *arguments);
   if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
   if (command == names::kPair) return pair_later(std::move(ask), *arguments);
+  if (command == names::kRecording) return recording_later(std::move(ask), *arguments);
   if (command == names::kPoses) {
     return answer_text(ask, [&] {
       arguments->allow_only({});
@@ -175,7 +213,8 @@ void Commands::run(CommandAsk ask) {
     const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
                                          names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
                                          names::kPair, names::kProbe, names::kProbes, names::kFigures, names::kShapes,
-                                         names::kSurface, names::kMore, names::kPoses};
+                                         names::kSurface, names::kMore, names::kPoses, names::kRecording,
+                                         names::kUpload, names::kPiece};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
 }

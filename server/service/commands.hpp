@@ -3,8 +3,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -15,6 +18,7 @@
 #include "server/service/geometry_desk.hpp"
 #include "server/service/inbox.hpp"
 #include "server/service/scene_loading.hpp"
+#include "server/service/upload_desk.hpp"
 #include "server/service/work_queue.hpp"
 #include "server/service/world_loop.hpp"
 
@@ -25,8 +29,10 @@ namespace collided::service {
 class Commands {
  public:
   /// durable  what commands add, kept over a crash; null: nothing is
+  /// uploads  folder for files that clients send; empty: none are taken
+  /// flight   what `recording` hands out; null: nothing
   Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-           const BackgroundAudit& audit, DurableState* durable);
+           const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight, const std::string& uploads);
   ~Commands();
 
   /// Where the answers go; before the first run().
@@ -42,6 +48,7 @@ class Commands {
  private:
   static constexpr std::size_t kMostSlowJobs = 4;  // that wait
   static constexpr std::size_t kMostPairJobs = 64;
+  static constexpr std::size_t kMostRecordings = 4;  // files that can be fetched
   using Change = nlohmann::json (Commands::*)(const CommandAsk&, const Arguments&);
   struct Load {
     CommandAsk ask;
@@ -71,6 +78,7 @@ class Commands {
   nlohmann::json probe(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json probes(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
+  void keep_upload(const std::string& scene, const std::string& path);
 
   ObjectId find_object(const std::string& name) const;
   void refuse_if_live(const ObjectInfo& info) const;
@@ -83,9 +91,15 @@ class Commands {
   static Load parse_load(CommandAsk ask, const Arguments& arguments);
   void load_later(CommandAsk ask, const Arguments& arguments);
   void load_one(Load load);
+  void load_upload(CommandAsk ask, const std::string& path);
   void menu_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json menu(std::uint32_t questions, std::uint64_t seed) const;
   void pair_later(CommandAsk ask, const Arguments& arguments);
+  void tell_flight_recorder(const CommandAsk& ask);
+  void recording_later(CommandAsk ask, const Arguments& arguments);
+  nlohmann::json write_recording(std::int64_t last_ns);
+  std::string recording_path(std::uint64_t number);
+  void forget_recordings();
 
   WorldLoop& loop_;
   Inbox& inbox_;
@@ -95,10 +109,16 @@ class Commands {
   const BackgroundAudit& audit_;
   const std::int64_t started_ns_ = steady_ns();
   DurableState* durable_;
+  FlightRecorder* flight_;
+  std::mutex recordings_mutex_;
+  std::deque<std::pair<std::uint64_t, std::string>> recordings_;  // number, path
+  std::atomic<std::uint64_t> recordings_made_{0};
   std::atomic<bool> replaying_{false};
   WorkQueue<SlowJob> slow_jobs_;
   WorkQueue<SlowJob> pair_jobs_;
   GeometryDesk geometry_;
+  UploadDesk uploads_;
+  std::map<std::string, std::string> upload_of_scene_;  // the world's thread
   std::atomic<bool> stopping_{false};
   std::thread slow_thread_;
   std::thread pair_thread_;

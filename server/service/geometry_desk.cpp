@@ -33,7 +33,9 @@ void GeometryDesk::answer(const CommandAsk& ask) {
     const Arguments arguments(ask.text);
     const std::string& command = arguments.command();
     send_(ask, ReplyStatus::ok,
-          command == names::kShapes ? shapes(arguments) : command == names::kSurface ? surface(arguments) : more(arguments));
+          command == names::kShapes    ? shapes(arguments)
+          : command == names::kSurface ? surface(arguments)
+                                       : more(arguments));
   } catch (const BadCommand& bad) {
     send_(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
   } catch (const std::bad_alloc&) {
@@ -72,7 +74,8 @@ std::string GeometryDesk::more(const Arguments& arguments) {
   arguments.allow_only({"transfer", "first"});
   const std::uint64_t number = arguments.whole("transfer", 0, ~std::uint64_t{0});
   const std::uint64_t first = arguments.whole("first", 0, kMaxGeometryBytes);
-  const auto found = std::find_if(transfers_.begin(), transfers_.end(), [&](const Transfer& t) { return t.number == number; });
+  const auto found =
+      std::find_if(transfers_.begin(), transfers_.end(), [&](const Transfer& t) { return t.number == number; });
   if (found == transfers_.end()) return encode_page(0, 0, 0, {});
   const std::string_view bytes = found->bytes;
   if (first >= bytes.size()) throw BadCommand("more: first is beyond the end");

@@ -16,8 +16,8 @@
 
 namespace collided::service {
 
-/// Tells viewers what is where, in pages, on a thread of its own: the commands shapes, surface and more. Every buffer is
-/// of one state; what was begun is kept until its last page was sent, for half a minute, or until too much waits.
+/// Tells viewers what is where, in pages, on a thread of its own: the commands shapes, surface and more. Every buffer
+/// is of one state; what was begun is kept until its last page was sent, for half a minute, or until too much waits.
 class GeometryDesk {
  public:
   using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;

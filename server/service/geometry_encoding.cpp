@@ -17,8 +17,10 @@ namespace {
 
 constexpr std::uint32_t kNoPart = 0xffffffff;
 
-static_assert(static_cast<int>(format::EdgeKinds::boundary) == kBoundaryEdge && static_cast<int>(format::EdgeKinds::many) == kManyEdge &&
-              static_cast<int>(format::EdgeKinds::crease) == kCreaseEdge && static_cast<int>(format::EdgeKinds::material) == kMaterialEdge);
+static_assert(static_cast<int>(format::EdgeKinds::boundary) == kBoundaryEdge &&
+              static_cast<int>(format::EdgeKinds::many) == kManyEdge &&
+              static_cast<int>(format::EdgeKinds::crease) == kCreaseEdge &&
+              static_cast<int>(format::EdgeKinds::material) == kMaterialEdge);
 
 std::string text_of(const flatbuffers::FlatBufferBuilder& builder) {
   return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
@@ -26,8 +28,9 @@ std::string text_of(const flatbuffers::FlatBufferBuilder& builder) {
 
 void refuse_above_limit(std::uint64_t bytes, const std::string& what) {
   if (bytes <= kMaxGeometryBytes) return;
-  throw BadCommand(fmt::format("{} take {} bytes to tell, allowed are {}; nothing was told", what, bytes, kMaxGeometryBytes),
-                   "name fewer of them");
+  throw BadCommand(
+      fmt::format("{} take {} bytes to tell, allowed are {}; nothing was told", what, bytes, kMaxGeometryBytes),
+      "name fewer of them");
 }
 
 const std::shared_ptr<const StaticScene>* scene_of(const Snapshot& state, const ObjectInfo& info) {
@@ -39,7 +42,8 @@ const std::shared_ptr<const StaticScene>* scene_of(const Snapshot& state, const 
 
 class ObjectsEncoder {
  public:
-  ObjectsEncoder(const Snapshot& state, SurfaceNumbers& numbers) : state_(state), numbers_(numbers), encoder_(64 * 1024) {}
+  ObjectsEncoder(const Snapshot& state, SurfaceNumbers& numbers)
+      : state_(state), numbers_(numbers), encoder_(64 * 1024) {}
 
   void add(const ObjectInfo& info) {
     bytes_ += 320 + info.name.size() + info.scene.size() + 200 * info.primitives.size();
@@ -60,8 +64,8 @@ class ObjectsEncoder {
     const format::Filter filter = packed(info.filter);
     const format::Vec3 position = packed(pose.position);
     const format::Quat rotation = packed(pose.rotation);
-    objects_.push_back(format::CreateShownObject(builder, info.id, name, scene, info.moving, state_.stale[slot] != 0, &filter,
-                                                 &position, &rotation, shape, run_vector));
+    objects_.push_back(format::CreateShownObject(builder, info.id, name, scene, info.moving, state_.stale[slot] != 0,
+                                                 &filter, &position, &rotation, shape, run_vector));
   }
 
   std::string finish() {
@@ -117,8 +121,10 @@ Edges edges_of(const SurfaceNumbers::Found& surface, double crease_cosine) {
   std::vector<bool> is_flat(mesh.triangles.size());
   for (std::uint32_t i = 0; i < is_flat.size(); ++i) is_flat[i] = has_zero_area(mesh.triangle(i));
   const EdgeTable table = edge_table(mesh, first_equal_vertices(mesh.vertices), is_flat);
-  const std::vector<std::uint32_t> materials = surface.scene ? materials_of(*surface.scene) : std::vector<std::uint32_t>{};
-  Edges edges{.numbers = {}, .kinds = edge_kinds(mesh, table, {.crease_cosine = crease_cosine, .material = materials, .eye = {}})};
+  const std::vector<std::uint32_t> materials =
+      surface.scene ? materials_of(*surface.scene) : std::vector<std::uint32_t>{};
+  Edges edges{.numbers = {},
+              .kinds = edge_kinds(mesh, table, {.crease_cosine = crease_cosine, .material = materials, .eye = {}})};
   edges.numbers.reserve(4 * table.size());
   for (std::size_t i = 0; i < table.size(); ++i) {
     const auto uses = table.uses_of(i);

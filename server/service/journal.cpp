@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
 
 namespace collided::service {
 namespace {
@@ -108,20 +109,34 @@ void Journal::apply(Entry entry, bool is_erased) {
 }
 
 void Journal::put(Entry entry, Sync sync) {
-  const std::vector<std::byte> record = record_of(entry, false);
-  apply(std::move(entry), false);
-  write(record, sync);
+  try {
+    const std::vector<std::byte> record = record_of(entry, false);
+    apply(std::move(entry), false);
+    write(record, sync);
+  } catch (const std::bad_alloc&) {
+    fail_for_memory();
+  }
 }
 
 void Journal::erase(std::span<const std::string> keys, Sync sync) {
-  std::vector<std::byte> records;
-  for (const std::string& key : keys) {
-    if (std::ranges::find(entries_, key, &Entry::key) == entries_.end()) continue;
-    const std::vector<std::byte> record = record_of({.key = key, .text = {}, .blob = {}}, true);
-    records.insert(records.end(), record.begin(), record.end());
-    apply({.key = key, .text = {}, .blob = {}}, true);
+  try {
+    std::vector<std::byte> records;
+    for (const std::string& key : keys) {
+      if (std::ranges::find(entries_, key, &Entry::key) == entries_.end()) continue;
+      const std::vector<std::byte> record = record_of({.key = key, .text = {}, .blob = {}}, true);
+      records.insert(records.end(), record.begin(), record.end());
+      apply({.key = key, .text = {}, .blob = {}}, true);
+    }
+    if (!records.empty()) write(records, sync);
+  } catch (const std::bad_alloc&) {
+    fail_for_memory();
   }
-  if (!records.empty()) write(records, sync);
+}
+
+/// Of what the file holds now nobody is sure. The text is short enough to need no memory.
+void Journal::fail_for_memory() {
+  has_file_ = false;
+  problem_ = "no memory left";
 }
 
 void Journal::clear() {
@@ -139,7 +154,11 @@ std::uint64_t Journal::live_bytes() const {
 void Journal::write(std::span<const std::byte> record, Sync sync) {
   if (!has_file_ || file_bytes_ > kMostStale * live_bytes() + kSmall) return rewrite();
   if (!disk_->append(name_, record) || (sync == Sync::now && !disk_->sync(name_))) {
-    // Whether the record is in the file is unknown now; what comes after a cut one would be lost with it.
+    // Whether the record is in the file is unknown now; what comes after a cut one would be lost with it. What it has
+    // taken of a full disk is given back, or nothing smaller could be written either.
+    const int why = errno;
+    static_cast<void>(disk_->cut(name_, file_bytes_));
+    errno = why;
     has_file_ = false;
     return rewrite();
   }

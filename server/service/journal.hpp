@@ -20,6 +20,8 @@ class Disk {
   /// An empty file in place of whatever is there.
   virtual bool create(const std::string& name) = 0;
   virtual bool append(const std::string& name, std::span<const std::byte> bytes) = 0;
+  /// The first so many bytes of it are left.
+  virtual bool cut(const std::string& name, std::uint64_t bytes) = 0;
   /// What was appended outlives a loss of power from now on.
   virtual bool sync(const std::string& name) = 0;
   /// In place of what is there, lasting.
@@ -62,6 +64,7 @@ class Journal {
   void read();
   void apply(Entry entry, bool is_erased);
   void write(std::span<const std::byte> record, Sync sync);
+  void fail_for_memory();
   void rewrite();
   std::uint64_t live_bytes() const;
 

@@ -60,6 +60,9 @@ class PosixDisk final : public Disk {
     const File file(path(name), O_WRONLY | O_APPEND);
     return file.is_open() && file.write_all(bytes);
   }
+  bool cut(const std::string& name, std::uint64_t bytes) override {
+    return truncate(path(name).c_str(), static_cast<off_t>(bytes)) == 0;
+  }
   bool sync(const std::string& name) override {
     const File file(path(name), O_WRONLY);
     return file.is_open() && fsync(file.number()) == 0;

@@ -15,27 +15,28 @@ std::size_t LeaseBook::states() const {
   return count;
 }
 
-SnapshotRing::Lease LeaseBook::pin(bool fresh, std::int64_t now_ns) {
+SnapshotRing::Lease LeaseBook::pin(std::uint64_t least_version, std::int64_t now_ns) {
   if (entries_.size() >= kMostRequests) entries_.erase(entries_.begin());
   SnapshotRing::Lease newest = world_.newest();
   const bool pinned_already =
       std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) { return &*entry.lease == &*newest; });
   if (pinned_already || states() < kMostStates) return newest;
-  if (!fresh && now_ns - entries_.back().pinned_ns <= kSharedAgeNs) return entries_.back().lease;
+  const Entry& young = entries_.back();
+  if (young.lease->version >= least_version && now_ns - young.pinned_ns <= kSharedAgeNs) return young.lease;
   while (states() >= kMostStates) entries_.erase(entries_.begin());
   return newest;
 }
 
 std::optional<SnapshotRing::Lease> LeaseBook::take(std::uint64_t client, std::uint64_t request,
-                                                   std::uint32_t chunk_index, std::uint32_t chunk_count, bool fresh,
-                                                   std::int64_t now_ns) {
+                                                   std::uint32_t chunk_index, std::uint32_t chunk_count,
+                                                   std::uint64_t least_version, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return entry.client == client && entry.request == request;
   });
   if (found == entries_.end()) {
     if (chunk_index != 0) return std::nullopt;
-    SnapshotRing::Lease lease = pin(fresh, now_ns);
+    SnapshotRing::Lease lease = pin(least_version, now_ns);
     entries_.push_back({client, request, chunk_count - 1, now_ns, now_ns, lease});
     return lease;
   }

@@ -27,9 +27,10 @@ class LeaseBook {
   explicit LeaseBook(const World& world) : world_(world) { entries_.reserve(kMostRequests + 1); }
 
   /// The state for one chunk; none for a later chunk whose request is not (or no longer) here.
-  /// fresh    no older state than the newest will do
+  /// least_version  no older state will do; beyond the newest: only that one
   std::optional<SnapshotRing::Lease> take(std::uint64_t client, std::uint64_t request, std::uint32_t chunk_index,
-                                          std::uint32_t chunk_count, bool fresh, std::int64_t now_ns);
+                                          std::uint32_t chunk_count, std::uint64_t least_version,
+                                          std::int64_t now_ns);
   void expire(std::int64_t now_ns);
   std::size_t size() const;
 
@@ -43,7 +44,7 @@ class LeaseBook {
     SnapshotRing::Lease lease;
   };
   std::size_t states() const;
-  SnapshotRing::Lease pin(bool fresh, std::int64_t now_ns);
+  SnapshotRing::Lease pin(std::uint64_t least_version, std::int64_t now_ns);
 
   const World& world_;
   mutable std::mutex mutex_;

@@ -26,9 +26,10 @@ void WriterTable::lost(std::uint64_t publisher) {
 }
 
 Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock,
-                     Inbox& inbox, Answering& answering)
+                     Inbox& inbox, Answering& answering, FlightRecorder* flight)
     : clock_(clock),
       inbox_(inbox),
+      flight_(flight),
       object_writers_(inbox, WriterKind::object),
       pose_writers_(inbox, WriterKind::pose),
       object_topic_(participant, name_space),
@@ -57,6 +58,7 @@ void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
     if (loans.size() == 0) return;
     for (std::size_t i = 0; i < loans.size(); ++i) {
       if (!loans.info(i).valid_data) continue;
+      if (flight_) flight_->note(recording::Recorded::object, loans[i], loans.info(i).source_timestamp);
       object_writers_.heard(loans.info(i).publication_handle, loans[i].publisher);
       inbox_.push(decoded(loans[i]));
     }
@@ -70,6 +72,7 @@ void Listeners::take_poses(const dds::Taker<wire::PoseBatch>& taker) {
     const std::int64_t now_ns = clock_.now_ns();
     for (std::size_t i = 0; i < loans.size(); ++i) {
       if (loans.info(i).valid_data) {
+        if (flight_) flight_->note(recording::Recorded::pose, loans[i], loans.info(i).source_timestamp);
         pose_writers_.heard(loans.info(i).publication_handle, loans[i].publisher);
         std::unique_ptr<PoseSample> sample = inbox_.spare();
         decode(loans[i], *sample);

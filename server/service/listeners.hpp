@@ -10,6 +10,7 @@
 #include "idl/dds.hpp"
 #include "server/service/answering.hpp"
 #include "server/service/clock.hpp"
+#include "server/service/flight_recorder.hpp"
 #include "server/service/inbox.hpp"
 
 namespace collided::service {
@@ -33,8 +34,9 @@ class WriterTable {
 /// The readers of what comes in. Their callbacks take, stamp and hand over; nothing is decided here.
 class Listeners {
  public:
+  /// flight  hears of all but the questions, which Answering takes; may be null
   Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock, Inbox& inbox,
-            Answering& answering);
+            Answering& answering, FlightRecorder* flight);
 
   /// The query writers that are there now.
   std::vector<std::uint64_t> askers() const { return query_reader_.matched_writer_handles(); }
@@ -48,6 +50,7 @@ class Listeners {
 
   const WorldClock& clock_;
   Inbox& inbox_;
+  FlightRecorder* const flight_;
   WriterTable object_writers_;
   WriterTable pose_writers_;
   std::mutex taking_definitions_;

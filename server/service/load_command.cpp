@@ -33,7 +33,8 @@ void refuse_taken_names(const World& world, const Scene& scene) {
 /// Throws BadCommand.
 Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
   Load load;
-  arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf"});
+  arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
+                        "foreign"});
   load.path = arguments.text("path");
   load.options.name = arguments.text("name");
   load.options.unit_m = arguments.number("unit_m", 1);
@@ -51,6 +52,7 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
   if (!(crack_m >= 0)) throw BadCommand(fmt::format("load: crack_m is {}; allowed: 0 and more", crack_m));
   if (arguments.truth("mend", false)) load.options.mend_m = crack_m;
   load.options.srdf = arguments.text("srdf");
+  load.options.is_foreign = arguments.truth("foreign", false);
   if (!(load.options.unit_m > 0))
     throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
   load.options.up = up.empty() ? '\0' : up[0];
@@ -70,8 +72,21 @@ void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
   }
 }
 
+/// As if the file had been named, and written down so, for whoever reads it after a crash.
+void Commands::load_upload(CommandAsk ask, const std::string& path) {
+  json words = json::parse(ask.text);
+  words.erase("upload");
+  words["path"] = path;
+  words["foreign"] = true;
+  ask.text = words.dump();
+  make_room("load", slow_jobs_);
+  const auto shared = std::make_shared<Load>(parse_load(ask, Arguments(ask.text)));
+  slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
+}
+
 void Commands::load_one(Load load) {
   const CommandAsk& ask = load.ask;
+  const std::string path = load.path;
   std::atomic<std::int64_t> told_ns{steady_ns()};
   load.options.cancelled = [this] { return stopping_.load(); };
   load.options.progress = [&](double fraction) {
@@ -85,17 +100,31 @@ void Commands::load_one(Load load) {
   try {
     *loaded = load_and_index(load.path, load.options);
   } catch (const LoadError& failed) {
+    uploads_.forget(path);
     send(ask, ReplyStatus::refused, refusal_text(failed.what()));
     return;
   } catch (const std::bad_alloc&) {
+    uploads_.forget(path);
     send(ask, ReplyStatus::refused, refusal_text(load.path + ": not enough memory. Nothing was loaded."));
+    return;
+  } catch (const std::exception& failed) {
+    send(ask, ReplyStatus::refused, refusal_text(fmt::format("{}: {}. Nothing was loaded.", load.path, failed.what())));
     return;
   }
   load.options = {};  // its functions point at what ends here
   const auto shared = std::make_shared<Load>(std::move(load));
   const bool taken =
-      inbox_.push_job([this, shared, loaded] { answer_once_kept(shared->ask, [&] { return add_scene(*shared, *loaded); }); });
+      inbox_.push_job([this, shared, loaded] {
+    bool is_added = false;
+    answer_once_kept(shared->ask, [&] {
+      json answer = add_scene(*shared, *loaded);
+      is_added = true;
+      return answer;
+    });
+    if (!is_added) uploads_.forget(shared->path);
+  });
   if (!taken) {
+    uploads_.forget(path);
     send(shared->ask, ReplyStatus::refused, refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
   }
 }
@@ -118,6 +147,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
   const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
   if (durable_ != nullptr) durable_->scene_loaded(loaded.scene.name, load.ask);
+  keep_upload(loaded.scene.name, load.path);
   const std::uint64_t version = step();
   json left_out = json::array();
   for (const PlanRow& row : plan_of(*world.newest(), loop_.contacts_wanted())) {
@@ -135,6 +165,15 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
           {"warnings", loaded.report.warnings},
           {"left_out", left_out},
           {"version", version}};
+}
+
+/// The file that a scene came from is needed after a crash; that of the scene it replaced is not.
+void Commands::keep_upload(const std::string& scene, const std::string& path) {
+  if (const auto before = upload_of_scene_.find(scene); before != upload_of_scene_.end()) {
+    uploads_.forget(before->second);
+    upload_of_scene_.erase(before);
+  }
+  if (uploads_.has_taken(path)) upload_of_scene_[scene] = path;
 }
 
 }  // namespace collided::service

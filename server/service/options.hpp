@@ -24,6 +24,7 @@ struct Options {
   std::uint32_t max_contacts = 0;
   double error_m = 0;            // of questions that ask for none; 0: exact on doubt
   std::int64_t deadline_ns = 0;  // of questions that bring none; 0: none
+  std::int64_t flight_recorder_ns = 0;  // how far back; 0: none
   std::uint64_t audit_every = 0; // one answer in so many is worked out again; 0: none
   int domain = 0;
   std::string interface;

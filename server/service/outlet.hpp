@@ -49,6 +49,9 @@ class Outlet {
   virtual void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) = 0;
   virtual void write_probes(const ProbeColumns& probes, const Stamp& stamp) = 0;
   virtual void write_status(const StatusColumns& status) = 0;
+  /// Somebody wants to know after every step how far each publisher's samples are in the state.
+  virtual bool steps_wanted() const { return false; }
+  virtual void write_step(const StatusColumns&) {}
 };
 
 }  // namespace collided::service

@@ -20,6 +20,8 @@ class Ring {
     items_[(first_ + count_) % items_.size()] = std::move(item);
     ++count_;
   }
+  /// Not of an empty one.
+  const Item& front() const { return items_[first_]; }
   /// Not from an empty one.
   Item pop_front() {
     Item item = std::exchange(items_[first_], Item{});

@@ -1,5 +1,6 @@
 #include "server/service/server.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -8,14 +9,16 @@
 #include <cstdlib>
 #include <filesystem>
 #include <future>
-#include <random>
 #include <set>
+#include <utility>
 
 #include "server/service/answering.hpp"
 #include "server/service/commands.hpp"
 #include "server/service/durable_state.hpp"
 #include "server/service/epoch.hpp"
+#include "server/service/flight_recorder.hpp"
 #include "server/service/listeners.hpp"
+#include "server/service/random_number.hpp"
 #include "server/service/self_test.hpp"
 #include "server/service/start_scenes.hpp"
 #include "server/service/wire_outlet.hpp"
@@ -26,11 +29,6 @@ namespace {
 
 /// A publisher or a client looks for servers every 2 s.
 constexpr std::int64_t kRecoveryNs = 3'000'000'000;
-
-std::uint64_t random_number() {
-  std::random_device device;
-  return (std::uint64_t{device()} << 32) | device();
-}
 
 StartError not_alone(const Options& options, long pid) {
   return StartError(
@@ -85,6 +83,7 @@ struct Server::Parts {
   void tick();
   void let_jobs_end();
   std::unique_ptr<DurableState> keep();
+  std::unique_ptr<FlightRecorder> record();
   bool has_all_back() const;
   void note_publishers();
 
@@ -99,7 +98,10 @@ struct Server::Parts {
   LeaseBook leases;
   QuestionCounts questions;
   BackgroundAudit audit;
+  Overload overload;
+  std::uint64_t superseded = 0;  // poses, as of the last tick
   Inbox inbox;
+  std::unique_ptr<FlightRecorder> flight;  // null where it is off
   WireOutlet outlet;
   WorldLoop loop;
   std::unique_ptr<DurableState> durable;  // null where nothing can be written
@@ -133,7 +135,9 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       world({.epoch = identity.epoch, .max_objects = options.max_objects, .max_contacts = options.max_contacts}),
       leases(world),
       audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
-      outlet(participant, identity),
+      overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
+      flight(record()),
+      outlet(participant, identity, flight.get()),
       loop({.world = world,
             .clock = clock,
             .inbox = inbox,
@@ -151,12 +155,14 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   if (durable) durable->wait(std::chrono::milliseconds(100));
                 },
             .is_adding_again = [this] { return !commands.replayed(); },
-            .has_all_back = [this] { return has_all_back(); }},
+            .has_all_back = [this] { return has_all_back(); },
+            .leaves_out_details = [this] { return overload.leaves_out_details(); }},
            {.step_ns = options.step_ns,
             .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
       durable(keep()),
-      commands(loop, inbox, clock, questions, audit, durable.get()),
+      commands(loop, inbox, clock, questions, audit, durable.get(), flight.get(),
+               epoch.kept_in.empty() ? std::string() : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, options.name_space) {
   if (participant.configured_by_environment())
     log->warn("CYCLONEDDS_URI is set: used as it is, [dds] interface and peers are not");
@@ -170,6 +176,14 @@ std::unique_ptr<DurableState> Server::Parts::keep() {
   if (!kept->publishers_left().empty()) log->warn("waiting for {} publishers from before", kept->publishers_left().size());
   if (!kept->commands_left().empty()) log->warn("adding again {} scenes and objects from before", kept->commands_left().size());
   return kept;
+}
+
+std::unique_ptr<FlightRecorder> Server::Parts::record() {
+  if (options.flight_recorder_ns == 0) return nullptr;
+  const std::string stem = std::filesystem::path(epoch.kept_in).replace_extension().string();
+  auto recorder = std::make_unique<FlightRecorder>(options.name_space, options.flight_recorder_ns, stem);
+  recorder->write_at_fatal_signals();
+  return recorder;
 }
 
 bool Server::Parts::has_all_back() const {
@@ -190,6 +204,8 @@ void Server::Parts::note_publishers() {
 void Server::Parts::tick() {
   note_publishers();
   answering->tick(listeners->askers());
+  const std::uint64_t superseded_now = inbox.counts().poses_superseded;
+  overload.note(superseded_now != std::exchange(superseded, superseded_now), answering->was_pressed());
   listeners->take_left_definitions();
 }
 
@@ -214,10 +230,11 @@ std::string Server::start() {
   p.answering =
       std::make_unique<Answering>(p.world, p.clock, p.fences, p.leases, p.questions, p.audit, p.reply_topic,
                                   AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options),
-                                                   p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); }},
+                                                   p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); },
+                                                   &p.overload, p.flight.get()},
                                   [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
   p.commands.connect(*p.answering);
-  p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering);
+  p.listeners = std::make_unique<Listeners>(p.participant, p.options.name_space, p.clock, p.inbox, *p.answering, p.flight.get());
   if (p.durable) p.commands.replay(p.durable->commands_left());
   p.world_thread = std::thread([&p] { p.loop.run(); });
   const SnapshotRing::Lease state = p.world.newest();
@@ -225,6 +242,20 @@ std::string Server::start() {
   for (const auto& scene : state->scenes) scenes += (scenes.empty() ? "" : ", ") + scene->name;
   return fmt::format("ready: namespace '{}', domain {}, pid {}, epoch {}, {}", p.options.name_space, p.options.domain,
                      getpid(), p.identity.epoch, scenes.empty() ? "no scene" : scenes);
+}
+
+void Server::write_flight_recorder() {
+  Parts& p = *parts_;
+  if (!p.flight) return p.log->warn("SIGUSR1: the flight recorder is off");
+  try {
+    const auto now = std::chrono::system_clock::now();
+    const FlightFile file = p.flight->write(fmt::format("{:%Y%m%dT%H%M%S}Z", fmt::gmtime(now)), p.options.flight_recorder_ns);
+    p.log->info("flight recorder: {} messages of the last {:.1f} s, {} bytes, in {}{}", file.messages,
+                static_cast<double>(file.to_ns - file.from_ns) * 1e-9, file.bytes, file.path,
+                file.dropped > 0 ? fmt::format("; {} samples since the start had no room", file.dropped) : "");
+  } catch (const std::exception& failed) {
+    p.log->error("flight recorder: {}. Nothing was written", failed.what());
+  }
 }
 
 void Server::stop() {

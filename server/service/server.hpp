@@ -28,6 +28,8 @@ class Server {
   /// "ready: ..." for scripts that wait.
   std::string start();
   void stop();
+  /// Writes the flight recorder's memory beside the server's other files, and says where or why not.
+  void write_flight_recorder();
 
  private:
   struct Parts;

@@ -110,6 +110,17 @@ Allowed apply_error(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_flight_recorder(Options& options, Values values) {
+  if (values[0] == "off") {
+    options.flight_recorder_ns = 0;
+    return std::nullopt;
+  }
+  const std::optional<std::int64_t> window = parse_duration_ns(values[0]);
+  if (!window || *window < 1'000'000'000 || *window > 600'000'000'000) return "'off' or a time from 1s to 10min (600s)";
+  options.flight_recorder_ns = *window;
+  return std::nullopt;
+}
+
 Allowed apply_audit(Options& options, Values values) {
   constexpr std::string_view kOneIn = "1/";
   if (values[0] == "off") {
@@ -191,6 +202,8 @@ constexpr Setting kSettings[] = {
      "one answer in N is worked out again, exactly and without index", false, apply_audit},
     {"answer.deadline", "--deadline", "COLLIDED_DEADLINE", "none", "TIME", "of questions that bring none", false,
      apply_deadline},
+    {"recorder.last", "--flight-recorder", "COLLIDED_FLIGHT_RECORDER", "30s", "TIME",
+     "what came and went in so long is kept in memory, at most 64 MiB of it; off", false, apply_flight_recorder},
     {"dds.domain", "--domain", "COLLIDED_DOMAIN", "0", "N", "DDS domain; else ROS_DOMAIN_ID", false, apply_domain},
     {"dds.interface", "--interface", "COLLIDED_INTERFACE", "lo", "NAME", "lo: this machine only; auto: the network",
      false, apply_interface},

@@ -8,8 +8,8 @@
 
 namespace collided::service {
 
-/// Numbers by which viewers ask for surfaces: one a mesh, however many objects share it, never used again. Keeps no mesh
-/// alive. One thread.
+/// Numbers by which viewers ask for surfaces: one a mesh, however many objects share it, never used again. Keeps no
+/// mesh alive. One thread.
 class SurfaceNumbers {
  public:
   std::uint64_t number_of(const std::shared_ptr<const TriangleMesh>& mesh);
@@ -17,7 +17,7 @@ class SurfaceNumbers {
   std::uint64_t number_of(const std::shared_ptr<const StaticScene>& scene);
 
   struct Found {
-    std::shared_ptr<const TriangleMesh> mesh;   // null: there is none any more
+    std::shared_ptr<const TriangleMesh> mesh;  // null: there is none any more
     std::shared_ptr<const StaticScene> scene;  // that the mesh is of; null: of an object
   };
   Found find(std::uint64_t number) const;

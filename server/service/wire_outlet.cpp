@@ -16,6 +16,14 @@ std::string fitting_lines(const std::string& lines, std::size_t room) {
   return (end == std::string::npos ? std::string() : lines.substr(0, end + 1)) + "...";
 }
 
+void borrow_publishers(wire::Status& to, const StatusColumns& from) {
+  dds::borrow(to.publishers, from.publishers);
+  dds::borrow(to.applied_sequences, from.applied_sequences);
+  dds::borrow(to.silent_ns, from.silent_ns);
+  dds::borrow(to.publisher_states, from.publisher_states);
+  dds::borrow(to.publisher_names, from.publisher_names);
+}
+
 /// A reader that is full or a write that fails must not stop the world; who misses it sees the gap in the sequence.
 template <class T>
 void write(dds::Writer<T>& writer, const T& sample) {
@@ -27,23 +35,31 @@ void write(dds::Writer<T>& writer, const T& sample) {
 
 }  // namespace
 
-WireOutlet::WireOutlet(const dds::Participant& participant, const Identity& identity)
-    : event_topic_(participant, identity.name_space),
+WireOutlet::WireOutlet(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight)
+    : flight_(flight),
+      event_topic_(participant, identity.name_space),
       persisted_topic_(participant, identity.name_space, wire_contract::kPersistedTopic),
       contact_topic_(participant, identity.name_space),
       probe_topic_(participant, identity.name_space),
       status_topic_(participant, identity.name_space),
+      step_topic_(participant, identity.name_space, wire_contract::kStepTopic),
       event_writer_(event_topic_, counting(event_readers_)),
       persisted_writer_(persisted_topic_, counting(persisted_readers_)),
       contact_writer_(contact_topic_, counting(contact_readers_)),
       probe_writer_(probe_topic_, counting(probe_readers_)),
-      status_writer_(status_topic_) {
-  frame_->server = shard_->server = probes_->server = status_->server = identity.server;
-  frame_->epoch = shard_->epoch = probes_->epoch = status_->epoch = identity.epoch;
+      status_writer_(status_topic_),
+      step_writer_(step_topic_, counting(step_readers_)) {
+  frame_->server = shard_->server = probes_->server = status_->server = step_->server = identity.server;
+  frame_->epoch = shard_->epoch = probes_->epoch = status_->epoch = step_->epoch = identity.epoch;
   status_->pid = static_cast<std::uint32_t>(getpid());
   // Both are short: the options allow 64 letters.
   static_cast<void>(dds::set_text(status_->namespace_name, identity.name_space));
   static_cast<void>(dds::set_text(status_->server_version, identity.version));
+}
+
+template <class T>
+void WireOutlet::note(recording::Recorded topic, const T& sample) {
+  if (flight_) flight_->note(topic, sample);
 }
 
 void WireOutlet::write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp) {
@@ -66,6 +82,7 @@ void WireOutlet::write_frame(dds::Writer<wire::EventFrame>& writer, const EventC
 
 void WireOutlet::write_events(const EventColumns& events, const Stamp& stamp) {
   write_frame(event_writer_, events, stamp);
+  note(recording::Recorded::event, *frame_);
 }
 
 void WireOutlet::write_persisted(const EventColumns& events, const Stamp& stamp) {
@@ -85,6 +102,7 @@ void WireOutlet::write_contacts(const ContactColumns& contacts, const Stamp& sta
   dds::borrow(shard_->numbers, contacts.numbers);
   dds::borrow(shard_->named_ids, contacts.named.ids);
   dds::borrow(shard_->names, contacts.named.names);
+  note(recording::Recorded::contact, *shard_);
   write(contact_writer_, *shard_);
 }
 
@@ -99,6 +117,7 @@ void WireOutlet::write_probes(const ProbeColumns& probes, const Stamp& stamp) {
   dds::borrow(probes_->probe_names, probes.probe_names);
   dds::borrow(probes_->named_ids, probes.named.ids);
   dds::borrow(probes_->names, probes.named.names);
+  note(recording::Recorded::probe, *probes_);
   write(probe_writer_, *probes_);
 }
 
@@ -119,12 +138,17 @@ void WireOutlet::write_status(const StatusColumns& status) {
   status_->questions_answered = status.questions_answered;
   status_->questions_refused = status.questions_refused;
   status_->undecided_answers = status.undecided_answers;
-  dds::borrow(status_->publishers, status.publishers);
-  dds::borrow(status_->applied_sequences, status.applied_sequences);
-  dds::borrow(status_->silent_ns, status.silent_ns);
-  dds::borrow(status_->publisher_states, status.publisher_states);
-  dds::borrow(status_->publisher_names, status.publisher_names);
+  borrow_publishers(*status_, status);
+  note(recording::Recorded::status, *status_);
   write(status_writer_, *status_);
+}
+
+void WireOutlet::write_step(const StatusColumns& status) {
+  step_->version = status.stamp.version;
+  step_->world_time_ns = status.stamp.world_time_ns;
+  borrow_publishers(*step_, status);
+  note(recording::Recorded::step, *step_);
+  if (step_readers_.load() > 0) write(step_writer_, *step_);
 }
 
 void WireOutlet::leave() {

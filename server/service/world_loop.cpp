@@ -81,6 +81,8 @@ void WorldLoop::keep_time() {
   publishers_.settle(around_.clock.now_ns());
   if (recovering() && has_recovered()) recovering_.store(false);
   write_status(recovering() ? ServerState::recovering : ServerState::ready);
+  // What a lost publisher's objects may have reached grows with time, and with it what is undecided.
+  if (!around_.world.newest()->stale_objects.empty()) note_change();
   around_.tick();
   say_notices();
 }
@@ -156,7 +158,9 @@ void WorldLoop::step_if_due() {
 void WorldLoop::step_now() {
   const std::int64_t started_ns = steady_ns();
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
-  const StepWishes wishes{.contacts = around_.outlet.contacts_wanted(), .persisted = around_.outlet.persisted_wanted()};
+  const bool leaves_out = around_.leaves_out_details && around_.leaves_out_details();
+  const StepWishes wishes{.contacts = around_.outlet.contacts_wanted(),
+                          .persisted = around_.outlet.persisted_wanted() && !leaves_out};
   while (!around_.world.step(around_.clock.now_ns(), std::max<std::uint64_t>(1, pending_changes_), wishes)) {
     // Readers hold every free state. Workers let theirs go within an answer's time, requests in chunks within 2 s.
     ++counts_.stalled_steps;
@@ -210,6 +214,7 @@ void WorldLoop::publish() {
     publish_probes({.version = state->version, .world_time_ns = state->world_time_ns});
   }
   let_fences_pass();
+  if (around_.outlet.steps_wanted()) write_step();
 }
 
 const std::vector<ProbeReading>& WorldLoop::read_probes() {
@@ -259,20 +264,25 @@ void WorldLoop::write_status(ServerState state) {
   status_.questions_refused = around_.questions.refused.load();
   status_.undecided_answers = around_.questions.undecided.load();
   count_objects(*newest, status_);
-  list_publishers();
+  list_publishers(true);
   sum_up_poses();
   around_.outlet.write_status(status_);
 }
 
-void WorldLoop::list_publishers() {
+/// Only what changes with every step, so that it costs little more than its publishers.
+void WorldLoop::write_step() {
+  const SnapshotRing::Lease newest = around_.world.newest();
+  status_.stamp = {.version = newest->version, .world_time_ns = newest->world_time_ns};
+  list_publishers(false);
+  around_.outlet.write_step(status_);
+}
+
+void WorldLoop::list_publishers(bool with_names) {
   for (auto* column : {&status_.publishers, &status_.applied_sequences}) column->clear();
   status_.silent_ns.clear();
   for (auto* column : {&status_.publisher_states, &status_.publisher_names}) column->clear();
-  const std::lock_guard lock(publisher_names_mutex_);
-  publisher_names_.clear();
   auto applied = applied_.begin();
   publishers_.for_each(around_.clock.now_ns(), [&](const PublisherView& view) {
-    publisher_names_.emplace(view.publisher, view.name);
     status_.publishers.push_back(view.publisher);
     // What is in a published state, not what waits for the next step. Both lists are in the publishers' order.
     applied = std::find_if(applied, applied_.end(), [&](const auto& entry) { return entry.first >= view.publisher; });
@@ -280,6 +290,15 @@ void WorldLoop::list_publishers() {
     status_.applied_sequences.push_back(found ? applied->second : 0);
     status_.silent_ns.push_back(view.silent_ns);
     status_.publisher_states.push_back(static_cast<std::uint8_t>(view.state));
+  });
+  if (with_names) list_publisher_names();
+}
+
+void WorldLoop::list_publisher_names() {
+  const std::lock_guard lock(publisher_names_mutex_);
+  publisher_names_.clear();
+  publishers_.for_each(around_.clock.now_ns(), [&](const PublisherView& view) {
+    publisher_names_.emplace(view.publisher, view.name);
     status_.publisher_names.insert(status_.publisher_names.end(), view.name.begin(), view.name.end());
     status_.publisher_names.push_back(0);
   });

@@ -52,6 +52,8 @@ class WorldLoop {
     // Asked after a crash.
     std::function<bool()> is_adding_again = {};      // scenes and objects that commands had added; however long it takes
     std::function<bool()> has_all_back = {};         // every publisher that was there
+    // Asked while overloaded.
+    std::function<bool()> leaves_out_details = {};   // contacts that go on are not told anew
   };
 
   WorldLoop(const Around& around, const LoopOptions& options)
@@ -110,7 +112,9 @@ class WorldLoop {
   void publish_probes(const Stamp& stamp);
   void let_fences_pass();
   void write_status(wire_contract::ServerState state);
-  void list_publishers();
+  void write_step();
+  void list_publishers(bool with_names);
+  void list_publisher_names();
   void end_contacts();
   void say_notices();
   void say_skipped_sweeps();

@@ -54,7 +54,7 @@ void Step::fill_snapshot() {
   next.scenes = s.scenes;
   next.objects = s.objects;
   next.table_version = s.table_version;
-  next.stale_count = s.stale_count;
+  next.stale_objects = s.stale_objects;
   s.objects_shared = true;
 }
 

@@ -8,6 +8,7 @@
 #include "server/exact_phase/precision.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/question.hpp"
+#include "server/world/stale_reach.hpp"
 
 namespace collided {
 namespace {
@@ -244,6 +245,7 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
     const double* numbers = questions.numbers.data() + i * stride;
     together ? course.answer_rays(numbers, std::min(step, count - i)) : course.answer_one(numbers);
   }
+  if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, questions, answers);
 }
 
 }  // namespace collided

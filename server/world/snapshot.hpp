@@ -13,6 +13,15 @@
 
 namespace collided {
 
+/// An object whose publisher is lost: where it was seen last, and how fast it was then.
+struct StaleObject {
+  ObjectId id = 0;
+  Vec3 position = Vec3::Zero();  // of its frame
+  double reach_m = 0;            // no point of it is farther from there
+  double speed_mps = 0;          // between its last two poses
+  std::int64_t posed_ns = 0;     // world time of the last
+};
+
 /// One unchanging, consistent state of every object: what a question sees.
 /// Any thread may read it for as long as it holds the lease; nobody waits.
 /// Always: bounds[slot] contains every point of the object at its pose; empty for free slots and static parts.
@@ -28,7 +37,7 @@ struct Snapshot {
   std::vector<Aabb> bounds;             // by slot
   std::vector<std::int64_t> posed_ns;   // world time of the pose, by slot; 0: never moved
   std::vector<std::uint8_t> stale;      // 1: the publisher is lost, the pose is frozen
-  std::uint32_t stale_count = 0;
+  std::vector<StaleObject> stale_objects;
   bool contacts_truncated = false;      // there are more contacts than the step could tell
   std::shared_ptr<Grid> grid;           // over bounds, or generous ones; shared while no object moves
   std::vector<std::uint64_t> changed;   // by slot: version of the last change, for cheap catching up

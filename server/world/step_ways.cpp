@@ -9,8 +9,8 @@ namespace {
 /// two that pass through each other go at least their two widths.
 constexpr double kUnsweptShare = 0.5;
 
-/// Tests that the sweep of one pair may take: some 20 ms, that the others wait for.
-constexpr std::uint32_t kSweepTests = 10'000;
+/// Looks at parts that the sweep of one pair may take: some 20 ms, that the others wait for.
+constexpr std::uint32_t kSweepLooks = 10'000;
 
 }  // namespace
 
@@ -45,7 +45,7 @@ SweepOptions Step::sweep_options(std::uint32_t mover) const {
   const double way_s = static_cast<double>(s.posed_ns[mover] - s.posed_before_ns[mover]) * 1e-9;
   return {.width = std::clamp(s.options.sweep_width_s / way_s, 1e-12, 1e-3),
           .contacts = wishes.contacts,
-          .most_tests = kSweepTests};
+          .most_looks = kSweepLooks};
 }
 
 void Step::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way) {

@@ -38,7 +38,7 @@ class Search {
   /// `is_one`: every triangle of b counts to the same.
   bool is_one = false;
 
-  bool is_exhausted() const { return tests_ >= options_.most_tests; }
+  bool is_exhausted() const { return looks_ >= options_.most_looks; }
 
   /// All of a with all of b, b's triangles going to touch_of and its primitives to touch_of(kNoTriangle).
   void run();
@@ -65,7 +65,7 @@ class Search {
   WalkCost& cost_;
   TouchOf touch_of_;
   void* context_;
-  std::uint32_t tests_ = 0;
+  std::uint32_t looks_ = 0;
 };
 
 void Search::meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay& b, std::uint32_t b_triangle,
@@ -74,10 +74,9 @@ void Search::meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay&
   if (touch == nullptr) return;
   if (touch->yes) span.high = std::min(span.high, touch->bracket.high);
   if (span.high < span.low) return;
-  ++tests_;
   ++touch->exact_tests;
   TimeBracket found;
-  const Verdict verdict = first_contact(a, b, span, options_.width, found);
+  const Verdict verdict = first_contact(a, b, span, options_.width, found, &looks_);
   touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
   if (!verdict.yes()) return;
   if (touch->take(found, a_triangle, b_triangle) && options_.contacts) touch->contact = contact_at(a, b, found.high);
@@ -92,14 +91,14 @@ void Search::look(const TimeSpan& span, std::size_t few, double motion_m, double
   std::vector<PartPair> found;
   const double length = span.high - span.low;
   const bool is_short = motion_m * length <= kShortPiece * size_m || length < 0x1p-40;
-  const bool is_all = near(span, is_short ? options_.most_tests : few, found);
+  const bool is_all = near(span, is_short ? options_.most_looks : few, found);
   if (!is_all && !is_short) {
     const double middle = span.low + length / 2;
     look({span.low, middle}, few, motion_m, size_m, near, meet_pair);
     look({middle, span.high}, few, motion_m, size_m, near, meet_pair);
     return;
   }
-  if (!is_all) tests_ = options_.most_tests;
+  if (!is_all) looks_ = options_.most_looks;
   // A clipped split holds a triangle in two leaves.
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -129,8 +128,20 @@ Vec3 half_motion(const BodyWay& a, double a_reach_m, const BodyWay& b, double b_
   return ((a.travel - b.travel).cwiseAbs().array() + turn_m).matrix() * (length / 2 * (1 + 0x1p-40)) + Vec3::Constant(error_m);
 }
 
+double size_of(const Aabb& box) { return (box.high - box.low).maxCoeff(); }
+
+/// Ways so long that their roundings are larger than both bodies: no part of them could be told from another.
+bool are_blurred(const BodyWay& a, double a_reach_m, const BodyWay& b, double b_reach_m, double size_m) {
+  return size_m > 0 && !(a.error_m(a_reach_m) + b.error_m(b_reach_m) <= size_m);
+}
+
 void Search::primitive_and_mesh(const PartOnWay& primitive, const SweptBody& other, bool primitive_is_a) {
   const Aabb own = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(0));
+  const double largest_m = std::max(size_of(own), size_of(other.tree->bounds()));
+  if (are_blurred(*primitive.way, primitive.reach_m, other.way, other.mesh_reach_m, largest_m)) {
+    looks_ = options_.most_looks;
+    return;
+  }
   const double motion_m = primitive.way->length_m(primitive.reach_m) + other.way.length_m(other.mesh_reach_m);
   const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
     const double middle = span.low + (span.high - span.low) / 2;
@@ -155,12 +166,16 @@ void Search::primitive_and_mesh(const PartOnWay& primitive, const SweptBody& oth
     if (primitive_is_a) meet(primitive, kNoTriangle, triangle, pair.b, span);
     else meet(triangle, pair.b, primitive, kNoTriangle, span);
   };
-  look({0, 1}, kPairsAPiece, motion_m, (own.high - own.low).maxCoeff(), near, meet_pair);
+  look({0, 1}, kPairsAPiece, motion_m, size_of(own), near, meet_pair);
 }
 
 void Search::meshes() {
   const double motion_m = a_.way.length_m(a_.mesh_reach_m) + b_.way.length_m(b_.mesh_reach_m);
-  const auto size_of = [](const Aabb& box) { return (box.high - box.low).maxCoeff(); };
+  const auto [smaller_m, larger_m] = std::minmax({size_of(a_.tree->bounds()), size_of(b_.tree->bounds())});
+  if (are_blurred(a_.way, a_.mesh_reach_m, b_.way, b_.mesh_reach_m, larger_m)) {
+    looks_ = options_.most_looks;
+    return;
+  }
   const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
     const double middle = span.low + (span.high - span.low) / 2;
     const Frame a = a_.way.at(middle);
@@ -184,7 +199,7 @@ void Search::meshes() {
   const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
     meet(triangle_of(a_, pair.a), pair.a, triangle_of(b_, pair.b), pair.b, span);
   };
-  look({0, 1}, kMeshPairsAPiece, motion_m, std::min(size_of(a_.tree->bounds()), size_of(b_.tree->bounds())), near, meet_pair);
+  look({0, 1}, kMeshPairsAPiece, motion_m, smaller_m, near, meet_pair);
 }
 
 /// A half-space never moves, so it is looked at by itself. A mesh that comes near one is left open.
@@ -195,7 +210,7 @@ void Search::meet_ground(const SweptBody& body, const SweptBody& holder, const H
   if (has_mesh(body) && !surely_stays_above(body.way, body.mesh_reach_m, placed)) touch->undecided = true;
   for (const Primitive& own : body.primitives) {
     if (std::holds_alternative<HalfSpace>(own)) continue;
-    ++tests_;
+    ++looks_;
     ++touch->exact_tests;
     const PartOnWay part(part_of(own), body.way);
     TimeBracket found;

@@ -43,8 +43,8 @@ struct SweptTouch {
 struct SweepOptions {
   double width = 1e-6;  // of the bracket, as a fraction of the way
   bool contacts = true;
-  /// Pairs of parts that one search may look at; beyond, what is not decided is undecided.
-  std::uint32_t most_tests = 100'000;
+  /// Pairs of parts, each at one time, that one search may look at; beyond, what is not decided is undecided.
+  std::uint32_t most_looks = 100'000;
 };
 
 /// To whom a triangle of b counts: null for nobody. The same for every call with the same triangle.

@@ -275,8 +275,7 @@ bool World::remove(ObjectId id, wire_contract::EndReason reason) {
   s.names.erase(info->name);
   s.removed.emplace_back(id, reason);
   s.freed_this_step.push_back(slot);
-  if (s.stale[slot] != 0) --s.stale_count;
-  s.stale[slot] = 0;
+  s.forget_stale(id);
   s.bounds[slot] = Aabb{};
   s.movable[slot] = 0;
   s.lone_spheres[slot].reset();
@@ -323,7 +322,12 @@ void World::State::prefetch(std::uint32_t slot) const {
 
 bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport) {
   const OwnFloatEnvironment own_floats;
-  return state_->move(id, pose, time_ns, teleport ? Motion::placed : Motion::moved);
+  const bool moved = state_->move(id, pose, time_ns, teleport ? Motion::placed : Motion::moved);
+  // Somebody else put it there.
+  for (StaleObject& stale : state_->stale_objects) {
+    if (stale.id == id) stale.position = pose.position, stale.speed_mps = 0;
+  }
+  return moved;
 }
 
 void World::move(std::span<const ObjectId> ids, std::span<const Pose> poses, std::int64_t time_ns, bool teleport,
@@ -341,15 +345,28 @@ bool World::has_moved(ObjectId id) const {
   return slot_of(id) < state_->motion.size() && state_->motion[slot_of(id)] != Motion::none;
 }
 
+void World::State::forget_stale(ObjectId id) {
+  stale[slot_of(id)] = 0;
+  std::erase_if(stale_objects, [&](const StaleObject& object) { return object.id == id; });
+}
+
 void World::set_stale(ObjectId id, bool is_stale) {
   State& s = *state_;
   if (s.info(id) == nullptr) return;
   const std::uint32_t slot = slot_of(id);
   const std::uint8_t flag = is_stale ? 1 : 0;
   if (s.stale[slot] == flag) return;
-  s.stale[slot] = flag;
-  s.stale_count += is_stale ? 1 : static_cast<std::uint32_t>(-1);
   s.changed[slot] = s.step_count + 1;
+  if (!is_stale) return s.forget_stale(id);
+  s.stale[slot] = flag;
+  const double way_s = 1e-9 * static_cast<double>(s.posed_ns[slot] - s.posed_before_ns[slot]);
+  const double way_m = (s.frames[slot].position - s.frames_before[slot].position).norm();
+  const bool has_speed = s.has_way[slot] != 0 && s.posed_before_ns[slot] != kPosedAtStep && way_s > 0;
+  s.stale_objects.push_back({.id = id,
+                             .position = s.frames[slot].position,
+                             .reach_m = s.sizes[slot].reach_m,
+                             .speed_mps = has_speed ? way_m / way_s : 0,
+                             .posed_ns = s.posed_ns[slot]});
 }
 
 const std::vector<Event>& World::events() const { return state_->ledger.events(); }

@@ -47,7 +47,7 @@ struct World::State {
   std::vector<Aabb> bounds;
   std::vector<std::int64_t> posed_ns;
   std::vector<std::uint8_t> stale;
-  std::uint32_t stale_count = 0;
+  std::vector<StaleObject> stale_objects;
   std::vector<std::uint64_t> changed;  // step of the last change
 
   std::uint64_t table_version = 0;
@@ -91,6 +91,7 @@ struct World::State {
   bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, Motion how);
   void prefetch(std::uint32_t slot) const;
   ObjectId take_slot();
+  void forget_stale(ObjectId id);
 };
 
 }  // namespace collided

@@ -128,6 +128,14 @@ Result<std::string> Client::command(std::string_view name, std::string_view json
   return fake::server().command(text, nlohmann::json::parse(json_arguments), shape);
 }
 
+Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string_view file_name, std::string_view json_arguments,
+                                   std::chrono::nanoseconds, std::function<void(double)>) {
+  const std::lock_guard lock(fake::server().mutex);
+  nlohmann::json arguments = nlohmann::json::parse(json_arguments);
+  arguments["uploaded"] = std::string(file_name) + ":" + std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return fake::server().command("load", arguments, {});
+}
+
 Result<PairAnswer> Client::pair(const std::string& a, const std::string& b, const PairOptions& options) {
   if (!fake::server().pair) return Error{ErrorCode::refused, "no pairs", ""};
   return fake::server().pair(a, b, options);
@@ -147,6 +155,10 @@ Result<std::size_t> Client::remove_probes(const std::string& name) {
 }
 Result<std::vector<ProbeReading>> Client::probes(const std::string&) {
   return std::vector<ProbeReading>(fake::server().readings.begin(), fake::server().readings.end());
+}
+Result<Poses> Client::poses(std::chrono::nanoseconds) {
+  if (!fake::server().poses) return Error{ErrorCode::refused, "no poses", ""};
+  return fake::server().poses();
 }
 struct ProbeWatch::State {};
 Result<ProbeWatch> Client::watch_probes(const WatchOptions&) {

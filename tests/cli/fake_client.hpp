@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include <collided/client.hpp>
+#include <collided/diagnosis.hpp>
+#include <collided/recording.hpp>
 
 /// A server in memory behind the symbols of collided/client.hpp: what it answers is what a test put here.
 namespace collided::fake {
@@ -35,11 +37,20 @@ struct Server {
   std::function<Result<std::string>(const std::string&, const nlohmann::json&, const Shape&)> command;
   std::function<Result<PairAnswer>(const std::string&, const std::string&, const PairOptions&)> pair;
   std::function<Result<ShownObjects>(const ShapesOptions&)> shapes;
+  std::function<Result<Poses>()> poses;
   std::vector<Probe> probes;
   std::deque<ProbeReading> readings;  // also what is followed
   /// Called on every flush, so that a test can send events back.
   std::function<void(Published&)> on_flush;
   std::optional<Error> ask_error;
+
+  std::string recorded_to;
+  RecordingCounts recording;
+  std::optional<Error> recording_error;  // at its end
+  std::chrono::nanoseconds fetched{0};
+  ReplayOptions replayed_with;
+  std::deque<ReplayReport> replays;  // one a call; the last one again and again
+  std::vector<Finding> findings;
 
   std::uint64_t version = 18204;
   ServerStatus status;

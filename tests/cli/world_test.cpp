@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/cli/fake_client.hpp"
+#include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided {
@@ -75,6 +76,18 @@ TEST_F(World, LoadSendsAnAbsolutePathAndTheUnitInMetres) {
   EXPECT_EQ(asked[0].second["unit_m"], 0.001);
   EXPECT_EQ(asked[0].second["up"], "y");
   EXPECT_EQ(asked[0].second["path"].get<std::string>().front(), '/');
+}
+
+TEST_F(World, UploadSendsTheBytesAndANameThatIsOne) {
+  replies["load"] = {{"scene", "part"}, {"triangles", 1}, {"parts", 1}, {"objects", 0}, {"seconds", 0.1}, {"version", 5}};
+  const ScratchFile file("a part$.obj", "v 0 0 0\n");
+  const Ran ran = collide("load --upload '" + file.path() + "' --name part --fields scene");
+  EXPECT_EQ(ran.out, "part\n") << ran.err;
+  EXPECT_EQ(asked[0].second["uploaded"], "a_part_.obj:v 0 0 0\n");
+  EXPECT_EQ(asked[0].second["name"], "part");
+  EXPECT_FALSE(asked[0].second.contains("path"));
+  EXPECT_EQ(collide("load --upload /no/such/file.obj").code, 2);
+  EXPECT_EQ(collide("load --upload robot.urdf --srdf robot.srdf").code, 2);
 }
 
 TEST_F(World, ListIsATableOrRecords) {

@@ -57,7 +57,8 @@ TEST_F(DrawingLines, ABoxHasTwelveNineAndNineWithThreeLighter) {
 
 // A62, A64: as a mesh it has the same, and its silhouette is one loop of six edges.
 TEST_F(DrawingLines, ACubeOfTrianglesHasTwelveCreasesSixOfThemOneSilhouetteLoop) {
-  serve(Shape{cube(1)}, {.position = {10, 20, 30}, .rotation = Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()))});
+  serve(Shape{cube(1)},
+        {.position = {10, 20, 30}, .rotation = Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()))});
   const draw::View view{.from = Vec3(13.1, 14.7, 34.2), .width_px = 400};
   const draw::Drawing hidden = drawing({.view = view});
   EXPECT_EQ(hidden.segments.size(), 12U) << "the diagonals of its sides are no lines";
@@ -73,7 +74,9 @@ TEST_F(DrawingLines, ACubeOfTrianglesHasTwelveCreasesSixOfThemOneSilhouetteLoop)
 // A62: a sphere of triangles has no crease at 60 degrees. A64: silhouettes are loops on every closed mesh.
 TEST_F(DrawingLines, RoundMeshesHaveNoCreasesAndTheirSilhouettesAreLoops) {
   serve({{.name = "ball", .shape = {sphere(1, 24, 48)}},
-         {.name = "ring", .shape = {torus(2, 0.5, 48, 24)}, .pose = {.position = {4, 1, 0}, .rotation = Quat(Eigen::AngleAxisd(1, Vec3::UnitX()))}}});
+         {.name = "ring",
+          .shape = {torus(2, 0.5, 48, 24)},
+          .pose = {.position = {4, 1, 0}, .rotation = Quat(Eigen::AngleAxisd(1, Vec3::UnitX()))}}});
   for (const Vec3& eye : {Vec3(9, -7, 5), Vec3(-3, -8, 1), Vec3(4, 0.1, 20)}) {
     const draw::Camera camera = draw::Camera::fitted({.from = eye, .at = Vec3(2, 0, 0)}, {});
     const auto lines = draw::feature_lines(shown(), camera);
@@ -94,12 +97,14 @@ TEST_F(DrawingLines, AnOpenBoxHasFourBoundaryLines) {
 
 // A63: steel from x = 0 on, wood before it, over flat sides: their border is lines by the material alone.
 TEST_F(DrawingLines, TheBorderOfTwoMaterialsIsDrawnAndNothingElseOfIt) {
-  start({folder_.write("bar.obj",
-                       "v -1 0 0\nv 0 0 0\nv 1 0 0\nv -1 1 0\nv 0 1 0\nv 1 1 0\nv -1 0 1\nv 0 0 1\nv 1 0 1\nv -1 1 1\nv 0 1 1\nv 1 1 1\n"
-                       "usemtl wood\nf 1 4 5 2\nf 7 8 11 10\nf 1 2 8 7\nf 5 4 10 11\nf 4 1 7 10\n"
-                       "usemtl steel\nf 2 5 6 3\nf 8 9 12 11\nf 2 3 9 8\nf 6 5 11 12\nf 3 6 12 9\n")});
+  start({folder_.write(
+      "bar.obj",
+      "v -1 0 0\nv 0 0 0\nv 1 0 0\nv -1 1 0\nv 0 1 0\nv 1 1 0\nv -1 0 1\nv 0 0 1\nv 1 0 1\nv -1 1 1\nv 0 1 1\nv 1 1 1\n"
+      "usemtl wood\nf 1 4 5 2\nf 7 8 11 10\nf 1 2 8 7\nf 5 4 10 11\nf 4 1 7 10\n"
+      "usemtl steel\nf 2 5 6 3\nf 8 9 12 11\nf 2 3 9 8\nf 6 5 11 12\nf 3 6 12 9\n")});
   client_.emplace(connect());
-  const auto lines = draw::feature_lines(shown(), draw::Camera::fitted({.from = Vec3(3, -5, 4), .at = Vec3(0, 0.5, 0.5)}, {}));
+  const auto lines =
+      draw::feature_lines(shown(), draw::Camera::fitted({.from = Vec3(3, -5, 4), .at = Vec3(0, 0.5, 0.5)}, {}));
   std::size_t material = 0;
   for (const draw::FeatureLine& line : lines) {
     const bool is_border = line.points[0].x() == 0 && line.points[1].x() == 0;
@@ -122,7 +127,8 @@ TEST(DrawingFacing, IsTheSignOfTheExactVolume) {
       m[1][k] = Exact(c[k]) - Exact(a[k]);
       m[2][k] = Exact(eye[k]) - Exact(a[k]);
     }
-    const Exact volume = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+    const Exact volume = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
                          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
     return volume > 0;
   };
@@ -160,7 +166,9 @@ TEST_F(DrawingLines, HaloedLinesHaveAGapAtEachCrossing) {
       for (std::size_t j = 0; j < i; ++j) {
         const draw::Segment& s = haloed.segments[i];
         const draw::Segment& t = haloed.segments[j];
-        if ((s.a - t.a).norm() < 1e-9 || (s.a - t.b).norm() < 1e-9 || (s.b - t.a).norm() < 1e-9 || (s.b - t.b).norm() < 1e-9) continue;
+        if ((s.a - t.a).norm() < 1e-9 || (s.a - t.b).norm() < 1e-9 || (s.b - t.a).norm() < 1e-9 ||
+            (s.b - t.b).norm() < 1e-9)
+          continue;
         crossing_count += side(s.image_a, s.image_b, t.image_a) != side(s.image_a, s.image_b, t.image_b) &&
                                   side(t.image_a, t.image_b, s.image_a) != side(t.image_a, t.image_b, s.image_b)
                               ? 1
@@ -171,21 +179,48 @@ TEST_F(DrawingLines, HaloedLinesHaveAGapAtEachCrossing) {
     EXPECT_EQ(haloed.crossings.size(), crossing_count);
     EXPECT_EQ(haloed.picture.strokes.size(), 12 + crossing_count);
     for (const draw::Crossing& crossing : haloed.crossings) {
-      EXPECT_LT(haloed.segments[crossing.nearer].image_a.depth_m, 1e9);
+      const draw::ImagePoint behind =
+          haloed.camera.project(haloed.segments[crossing.farther].at(haloed.camera, crossing.at));
+      double before_m = 0;
+      double off_px = 1e9;
+      for (double t = 0; t <= 1; t += 1e-4) {
+        const draw::ImagePoint p = haloed.camera.project(haloed.segments[crossing.nearer].at(haloed.camera, t));
+        if (std::hypot(p.x - behind.x, p.y - behind.y) > off_px) continue;
+        off_px = std::hypot(p.x - behind.x, p.y - behind.y);
+        before_m = p.depth_m;
+      }
+      EXPECT_LT(off_px, 0.1);
+      EXPECT_LT(before_m, behind.depth_m - 0.1) << "the line before is the one without a gap";
       double gap_px = 1e9;
       for (const draw::Piece& piece : haloed.pieces) {
         if (piece.segment != crossing.farther) continue;
-        for (const double end : {piece.from, piece.to}) gap_px = std::min(gap_px, std::abs(end - crossing.at) * haloed.segments[crossing.farther].length_px());
+        for (const double end : {piece.from, piece.to})
+          gap_px = std::min(gap_px, std::abs(end - crossing.at) * haloed.segments[crossing.farther].length_px());
       }
       EXPECT_GE(gap_px, 4 - 1e-6) << "nothing of the line behind is within the halo";
     }
   }
 }
 
+TEST_F(DrawingLines, WhatCannotBeDrawnIsSaidAndWhatIsOddIsDrawn) {
+  serve({{.name = "far", .shape = {BoxShape{{1e200, 1e200, 1e200}}}}});
+  EXPECT_THROW((void)drawing({}), Error);
+  servers_.clear();
+  serve({{.name = "point", .shape = {SphereShape{0}}},
+         {.name = "flat", .shape = {BoxShape{{1, 0, 0}}}},
+         {.name = "ground", .shape = {HalfSpaceShape{}}}});
+  EXPECT_EQ(drawing({}).segments.size(), 12U) << "edges of a box, however flat";
+  // From the middle of it, upward along what is up, and with everything behind the eye.
+  EXPECT_GT(drawing({.view = {.from = Vec3(0, 0.1, 0)}}).picture.width_px, 0);
+  EXPECT_GT(drawing({.view = {.from = Vec3(0, 0, -3), .at = Vec3(0, 0, 0)}}).segments.size(), 0U);
+  EXPECT_EQ(drawing({.view = {.from = Vec3(0, 5, 0), .at = Vec3(0, 9, 0)}}).segments.size(), 0U);
+}
+
 TEST_F(DrawingLines, ThePictureHoldsEverythingAndRaysGoWhereItWasDrawn) {
   serve({{.name = "ring", .shape = {torus(2, 0.5, 24, 12)}, .pose = {.position = {4e6, -5e5, 10}}}});
   for (const bool is_parallel : {false, true}) {
-    const draw::Drawing d = drawing({.view = {.is_orthographic = is_parallel, .width_px = 700}, .style = Style::wireframe});
+    const draw::Drawing d =
+        drawing({.view = {.is_orthographic = is_parallel, .width_px = 700}, .style = Style::wireframe});
     double left = 1e9, right = 0;
     for (const draw::Stroke& stroke : d.picture.strokes) {
       for (const draw::Spot& p : stroke.points) {
@@ -196,6 +231,14 @@ TEST_F(DrawingLines, ThePictureHoldsEverythingAndRaysGoWhereItWasDrawn) {
     }
     EXPECT_LT(left, 60);
     EXPECT_GT(right, 640);
+    for (const draw::Segment& s : d.segments) {
+      for (const double t : {0.0, 0.3, 1.0}) {
+        const draw::ImagePoint p = d.camera.project(s.at(d.camera, t));
+        EXPECT_LT(std::hypot(p.x - s.image_a.x - t * (s.image_b.x - s.image_a.x),
+                             p.y - s.image_a.y - t * (s.image_b.y - s.image_a.y)),
+                  1e-5);
+      }
+    }
     for (const Vec3& p : {Vec3(4e6 + 2, -5e5, 10), Vec3(4e6, -5e5 + 2.5, 10.25)}) {
       const draw::ImagePoint image = d.camera.project(p);
       const RayQuestion ray = d.camera.through(image.x, image.y);

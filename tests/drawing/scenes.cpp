@@ -9,7 +9,8 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 
 /// The lid, z high, comes last.
-constexpr std::uint32_t kCubeSides[6][4] = {{0, 3, 2, 1}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}, {4, 5, 6, 7}};
+constexpr std::uint32_t kCubeSides[6][4] = {{0, 3, 2, 1}, {0, 1, 5, 4}, {1, 2, 6, 5},
+                                            {2, 3, 7, 6}, {3, 0, 4, 7}, {4, 5, 6, 7}};
 
 MeshShape cube_of(double half_m, int side_count) {
   MeshShape mesh;
@@ -58,7 +59,8 @@ MeshShape sphere(double radius_m, int latitudes, int longitudes) {
     for (int j = 0; j < longitudes; ++j) {
       const double polar = std::numbers::pi * i / latitudes;
       const double turn = kTurn * j / longitudes;
-      mesh.vertices.push_back(radius_m * Vec3(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)));
+      mesh.vertices.push_back(
+          radius_m * Vec3(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)));
     }
   }
   mesh.vertices.emplace_back(0, 0, -radius_m);

@@ -89,19 +89,22 @@ class DrawingSight : public DrawingTest {
     std::uniform_int_distribution<std::size_t> which(0, d.segments.size() - 1);
     std::uniform_real_distribution<double> where(0.001, 0.999);
     std::vector<RayQuestion> questions;
-    for (int i = 0; i < 10'000; ++i) questions.push_back(draw::sight_of(d.segments[which(random)].at(d.camera, where(random)), d.camera, 0.01));
+    for (int i = 0; i < 10'000; ++i)
+      questions.push_back(draw::sight_of(d.segments[which(random)].at(d.camera, where(random)), d.camera, 0.01));
     const std::vector<std::uint8_t> seen = rays_->are_free(questions);
     std::size_t equal = 0;
     std::size_t seen_count = 0;
     for (std::size_t i = 0; i < questions.size(); ++i) {
-      const bool hidden = std::any_of(triangles.begin(), triangles.end(), [&](const Corners& t) { return meets(questions[i], t); });
+      const bool hidden =
+          std::any_of(triangles.begin(), triangles.end(), [&](const Corners& t) { return meets(questions[i], t); });
       equal += hidden == (seen[i] == 0) ? 1 : 0;
       seen_count += hidden ? 0 : 1;
     }
     EXPECT_EQ(equal, 10'000U);
     EXPECT_GT(seen_count, 1'000U);
     EXPECT_LT(seen_count, 9'000U);
-    std::printf("%zu triangles, %zu lines: %zu of 10000 samples equal, %zu seen\n", triangles.size(), d.segments.size(), equal, seen_count);
+    std::printf("%zu triangles, %zu lines: %zu of 10000 samples equal, %zu seen\n", triangles.size(), d.segments.size(),
+                equal, seen_count);
   }
 };
 
@@ -109,22 +112,27 @@ class DrawingSight : public DrawingTest {
 TEST_F(DrawingSight, TenThousandSamplesOfARoomEqualBruteForce) {
   std::vector<ObjectOptions> objects{{.name = "room", .shape = {open_box(3)}}};
   for (int i = 0; i < 12; ++i) {
-    objects.push_back({.name = "crate_" + std::to_string(i), .shape = {cube(0.3 + 0.03 * i)}, .pose = {.position = {-2 + 1.1 * (i % 4), -2 + 1.7 * (i / 4), -2 + 0.31 * i}}});
+    objects.push_back({.name = "crate_" + std::to_string(i),
+                       .shape = {cube(0.3 + 0.03 * i)},
+                       .pose = {.position = {-2 + 1.1 * (i % 4), -2 + 1.7 * (i / 4), -2 + 0.31 * i}}});
   }
   serve(objects);
   expect_brute_force({.from = Vec3(7.1, -9.3, 8.2), .at = Vec3(0, 0, 0), .width_px = 800});
 }
 
 TEST_F(DrawingSight, TenThousandSamplesOfRoundMeshesEqualBruteForce) {
-  serve({{.name = "ring", .shape = {torus(2, 0.5, 40, 20)}}, {.name = "ball", .shape = {sphere(1, 16, 32)}, .pose = {.position = {0.5, -1.5, 1.5}}}, {.name = "crate", .shape = {cube(0.7)}, .pose = {.position = {-1, 2, 1}}}});
+  serve({{.name = "ring", .shape = {torus(2, 0.5, 40, 20)}},
+         {.name = "ball", .shape = {sphere(1, 16, 32)}, .pose = {.position = {0.5, -1.5, 1.5}}},
+         {.name = "crate", .shape = {cube(0.7)}, .pose = {.position = {-1, 2, 1}}}});
   expect_brute_force({.from = Vec3(5.1, -9.3, 4.2), .at = Vec3(0, 0, 0), .width_px = 800});
   expect_brute_force({.from = Vec3(5.1, -9.3, 4.2), .at = Vec3(0, 0, 0), .is_orthographic = true, .width_px = 800});
 }
 
-// A plate before a bar: the bar's edges change where the plate's edge is in the picture, to a tenth of a pixel. Seen level,
-// so that what is upright is upright in the picture.
+// A plate before a bar: the bar's edges change where the plate's edge is in the picture, to a tenth of a pixel. Seen
+// level, so that what is upright is upright in the picture.
 TEST_F(DrawingSight, ChangesAreWhereTheyAreToATenthOfAPixel) {
-  serve({{.name = "bar", .shape = {BoxShape{{3, 0.1, 0.1}}}}, {.name = "plate", .shape = {BoxShape{{0.5, 0.01, 1}}}, .pose = {.position = {0.3, -2, 0}}}});
+  serve({{.name = "bar", .shape = {BoxShape{{3, 0.1, 0.1}}}},
+         {.name = "plate", .shape = {BoxShape{{0.5, 0.01, 1}}}, .pose = {.position = {0.3, -2, 0}}}});
   const draw::Drawing d = drawing({.view = {.from = Vec3(0, -8, 0.05), .at = Vec3(0, 0, 0.05), .width_px = 900}});
   const double left = d.camera.project({-0.2, -2.01, 0}).x;
   const double right = d.camera.project({0.8, -2.01, 0}).x;
@@ -157,16 +165,23 @@ TEST_F(DrawingSight, NoPartOfAVisibleLineIsLostAtThreeZooms) {
 TEST_F(DrawingSight, OutlinesOfCurvedSolidsAreWhereTheirSolidsEnd) {
   const Quat turn(Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized()));
   const std::vector<std::pair<std::string, ShapePart>> solids{
-      {"sphere", SphereShape{0.8}},          {"capsule", CapsuleShape{{-0.5, 0, 0}, {0.6, 0.3, 0}, 0.5}}, {"cylinder", CylinderShape{{0, 0, -0.7}, {0, 0, 0.7}, 0.6}},
-      {"cone", ConeShape{{0, 0, 1}, {0, 0, -0.5}, 0.7}}, {"ellipsoid", EllipsoidShape{{0.9, 0.5, 0.3}}}};
+      {"sphere", SphereShape{0.8}},
+      {"capsule", CapsuleShape{{-0.5, 0, 0}, {0.6, 0.3, 0}, 0.5}},
+      {"cylinder", CylinderShape{{0, 0, -0.7}, {0, 0, 0.7}, 0.6}},
+      {"cone", ConeShape{{0, 0, 1}, {0, 0, -0.5}, 0.7}},
+      {"ellipsoid", EllipsoidShape{{0.9, 0.5, 0.3}}}};
   std::vector<ObjectOptions> objects;
   for (std::size_t i = 0; i < solids.size(); ++i) {
-    objects.push_back({.name = solids[i].first, .shape = {solids[i].second}, .pose = {.position = {2.5 * static_cast<double>(i), 0.4 * static_cast<double>(i), 0}, .rotation = turn}});
+    objects.push_back(
+        {.name = solids[i].first,
+         .shape = {solids[i].second},
+         .pose = {.position = {2.5 * static_cast<double>(i), 0.4 * static_cast<double>(i), 0}, .rotation = turn}});
   }
   serve(objects);
   const ShownObjects all = shown();
   for (const bool is_parallel : {false, true}) {
-    const draw::Camera camera = draw::Camera::fitted({.from = Vec3(3, -11, 6), .is_orthographic = is_parallel, .width_px = 1200}, draw::extreme_points(all));
+    const draw::Camera camera = draw::Camera::fitted(
+        {.from = Vec3(3, -11, 6), .is_orthographic = is_parallel, .width_px = 1200}, draw::extreme_points(all));
     const auto lines = draw::feature_lines(all, camera);
     for (std::uint32_t object = 0; object < all.objects.size(); ++object) {
       draw::Rays rays(*client_, AskOptions{.only = all.objects[object].name});

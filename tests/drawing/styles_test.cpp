@@ -25,7 +25,11 @@ TEST_F(DrawingStyles, ToonTonesAreAsManyAsAskedForAndEndAtTheAnalyticCircles) {
   serve(Shape{SphereShape{1}});
   const Vec3 light = Vec3(0.6, -0.5, 0.7).normalized();
   for (const int tones : {2, 3, 5}) {
-    const draw::Drawing d = drawing({.view = {.from = Vec3(0, -20, 0), .at = Vec3(0, 0, 0), .is_orthographic = true, .width_px = 500}, .style = Style::toon, .tones = tones, .toward_light = light});
+    const draw::Drawing d =
+        drawing({.view = {.from = Vec3(0, -20, 0), .at = Vec3(0, 0, 0), .is_orthographic = true, .width_px = 500},
+                 .style = Style::toon,
+                 .tones = tones,
+                 .toward_light = light});
     const Pixels& pixels = *d.picture.pixels;
     std::set<std::uint8_t> found(pixels.numbers.begin(), pixels.numbers.end());
     EXPECT_TRUE(found.contains(Pixels::kPaperPixel));
@@ -45,7 +49,8 @@ TEST_F(DrawingStyles, ToonTonesAreAsManyAsAskedForAndEndAtTheAnalyticCircles) {
         const std::uint8_t number = pixels.numbers[static_cast<std::size_t>(y) * pixels.width + x];
         const int drawn = number == Pixels::kPaperPixel ? -1 : number;
         bool near = false;
-        for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
+        for (const auto& [dx, dy] :
+             {std::pair(0, 0), std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
           near = near || tone_at(x + 0.5 + dx, y + 0.5 + dy) == drawn;
         }
         EXPECT_TRUE(near) << x << ' ' << y;
@@ -57,13 +62,29 @@ TEST_F(DrawingStyles, ToonTonesAreAsManyAsAskedForAndEndAtTheAnalyticCircles) {
   }
 }
 
+// Coarse rays pass beside a rod of two pixels; its lines have every pixel of it looked through.
+TEST_F(DrawingStyles, WhatIsThinnerThanTheCoarseRaysIsNotLost) {
+  serve({{.name = "rod", .shape = {BoxShape{{0.01, 0.01, 1}}}},
+         {.name = "foot", .shape = {BoxShape{{1, 0.1, 0.1}}}, .pose = {.position = {0, 0, -1.1}}}});
+  const draw::Drawing d =
+      drawing({.view = {.from = Vec3(0.003, -20, 0), .at = Vec3(0.003, 0, 0), .is_orthographic = true, .width_px = 220},
+               .style = Style::toon});
+  const Pixels& pixels = *d.picture.pixels;
+  const int column = static_cast<int>(d.camera.project(Vec3::Zero()).x);
+  for (int y = static_cast<int>(d.camera.project({0, 0, 0.98}).y);
+       y < static_cast<int>(d.camera.project({0, 0, -0.98}).y); ++y) {
+    EXPECT_NE(pixels.numbers[static_cast<std::size_t>(y) * pixels.width + column], Pixels::kPaperPixel) << y;
+  }
+}
+
 // A58: what is drawn is those tones, paper and ink, to the last byte of the SVG.
 TEST_F(DrawingStyles, AToonPictureHasItsTonesPaperAndInkAlone) {
   serve(Shape{torus(2, 0.6, 48, 24)});
   const draw::Drawing d = drawing({.view = {.width_px = 400}, .style = Style::toon, .tones = 4});
   const std::string svg = draw::as_svg(d.picture);
   std::set<std::string> colors;
-  for (std::size_t at = svg.find('#'); at != std::string::npos; at = svg.find('#', at + 1)) colors.insert(svg.substr(at, 7));
+  for (std::size_t at = svg.find('#'); at != std::string::npos; at = svg.find('#', at + 1))
+    colors.insert(svg.substr(at, 7));
   EXPECT_EQ(colors.size(), 4U + 2U);
   EXPECT_TRUE(colors.contains(draw::kPaper));
   EXPECT_TRUE(colors.contains(draw::kInk));
@@ -71,11 +92,14 @@ TEST_F(DrawingStyles, AToonPictureHasItsTonesPaperAndInkAlone) {
 
 // A60: a ball over a plate, coloured by its distance from it: bands as wide as the ramp says.
 TEST_F(DrawingStyles, ClearanceBandsAreAsWideAsTheRampSays) {
-  serve({{.name = "ball", .shape = {SphereShape{0.5}}, .pose = {.position = {0, 0, 0.6}}}, {.name = "plate", .shape = {BoxShape{{5, 5, 0.5}}}, .pose = {.position = {0, 0, -0.5}}}});
+  serve({{.name = "ball", .shape = {SphereShape{0.5}}, .pose = {.position = {0, 0, 0.6}}},
+         {.name = "plate", .shape = {BoxShape{{5, 5, 0.5}}}, .pose = {.position = {0, 0, -0.5}}}});
   constexpr int kBands = 5;
   draw::ClearanceRamp ramp{.is_measured = {}, .name_glob = "ball", .reach_m = 1.25, .bands = kBands};
   for (const ShownObject& object : shown().objects) ramp.is_measured.push_back(object.name == "ball" ? 1 : 0);
-  const draw::Drawing d = drawing({.view = {.from = Vec3(0, -20, 0.6), .at = Vec3(0, 0, 0.6), .is_orthographic = true, .width_px = 2000}, .clearance = ramp});
+  const draw::Drawing d =
+      drawing({.view = {.from = Vec3(0, -20, 0.6), .at = Vec3(0, 0, 0.6), .is_orthographic = true, .width_px = 2000},
+               .clearance = ramp});
   const Pixels& pixels = *d.picture.pixels;
   const int column = static_cast<int>(d.camera.project({0, 0, 0.6}).x);
   int looked_at = 0;
@@ -96,8 +120,10 @@ TEST(DrawingHatching, DensityGrowsWithDarknessAndLighterLinesStay) {
   constexpr int kSide = 240;
   double before = -1;
   std::set<std::array<double, 2>> begun_before;
+  std::set<long> densities;
   for (double light = 1; light >= 0; light -= 0.0625) {
-    draw::ToneMap map{kSide, kSide, std::vector<float>(kSide * kSide, static_cast<float>(light)), std::vector<std::uint8_t>(kSide * kSide, 0)};
+    draw::ToneMap map{kSide, kSide, std::vector<float>(kSide * kSide, static_cast<float>(light)),
+                      std::vector<std::uint8_t>(kSide * kSide, 0)};
     double length_px = 0;
     std::set<std::array<double, 2>> begun;
     for (const auto& stroke : draw::hatching(map, 3)) {
@@ -105,10 +131,13 @@ TEST(DrawingHatching, DensityGrowsWithDarknessAndLighterLinesStay) {
       begun.insert(stroke[0]);
     }
     EXPECT_GE(length_px, before) << "at " << light;
-    EXPECT_TRUE(std::includes(begun.begin(), begun.end(), begun_before.begin(), begun_before.end())) << "a line of a lighter tone went";
+    densities.insert(std::lround(length_px));
+    EXPECT_TRUE(std::includes(begun.begin(), begun.end(), begun_before.begin(), begun_before.end()))
+        << "a line of a lighter tone went";
     before = length_px;
     begun_before = begun;
   }
+  EXPECT_GE(densities.size(), 12U) << "tones that can be told apart";
   EXPECT_GT(before, 1.8 * kSide * kSide / 3) << "both families at black";
   draw::ToneMap lit{kSide, kSide, std::vector<float>(kSide * kSide, 1), {}};
   EXPECT_TRUE(draw::hatching(lit, 3).empty());
@@ -116,7 +145,8 @@ TEST(DrawingHatching, DensityGrowsWithDarknessAndLighterLinesStay) {
 
 TEST_F(DrawingStyles, AHatchedPictureIsBlackAndWhite) {
   serve(Shape{sphere(1, 16, 32)});
-  const draw::Drawing d = drawing({.view = {.width_px = 300}, .style = Style::hatched, .contacts = {{{0, 0, 1}, {0, 0, 1}, 0.1}}});
+  const draw::Drawing d =
+      drawing({.view = {.width_px = 300}, .style = Style::hatched, .contacts = {{{0, 0, 1}, {0, 0, 1}, 0.1}}});
   const std::string png = draw::as_png(d.picture);
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
@@ -148,25 +178,34 @@ TEST(DrawingContacts, StrokeWidthGrowsWithDepth) {
 // A57: contacts are rings in red with their normals, rays end where they meet something.
 TEST_F(DrawingStyles, ContactsAndRaysAreMarked) {
   serve(Shape{cube(1)});
-  const draw::Drawing d = drawing({.view = general_eye(), .contacts = {{{1, 0, 0}, {1, 0, 0}, 0.01}, {{0, 0, 1}, {0, 0, 1}, 0.2}}, .ray_marks = {{{0, 0, 4}, {0, 0, 1}, true}, {{4, 0, 2}, {4, 9, 2}, false}}});
+  const draw::Drawing d = drawing({.view = general_eye(),
+                                   .contacts = {{{1, 0, 0}, {1, 0, 0}, 0.01}, {{0, 0, 1}, {0, 0, 1}, 0.2}},
+                                   .ray_marks = {{{0, 0, 4}, {0, 0, 1}, true}, {{4, 0, 2}, {4, 9, 2}, false}}});
   const std::string svg = draw::as_svg(d.picture);
   EXPECT_EQ(count_of(svg, "class=\"contact\""), 2U);
   EXPECT_EQ(count_of(svg, "class=\"ray-hit\""), 1U);
   EXPECT_EQ(count_of(svg, "class=\"normal\""), 1U) << "one path";
-  EXPECT_EQ(count_of(svg.substr(svg.find("class=\"normal\""), svg.find('>', svg.find("class=\"normal\"")) - svg.find("class=\"normal\"")), "M"), 2U);
+  EXPECT_EQ(count_of(svg.substr(svg.find("class=\"normal\""),
+                                svg.find('>', svg.find("class=\"normal\"")) - svg.find("class=\"normal\"")),
+                     "M"),
+            2U);
   EXPECT_LT(d.picture.rings[1].ink.width_px, d.picture.rings[2].ink.width_px);
 }
 
 TEST(DrawingPicture, BrailleDotsAreWhereTheStrokesAre) {
-  draw::Picture picture{.width_px = 4, .height_px = 8, .strokes = {{{{0.5, 0.5}, {0.5, 7.5}}, {"crease", "#000000", 1}}, {{{3.5, 4.5}, {3.5, 4.5}}, {"crease", "#000000", 1}}}};
+  draw::Picture picture{.width_px = 4,
+                        .height_px = 8,
+                        .strokes = {{{{0.5, 0.5}, {0.5, 7.5}}, {"crease", "#000000", 1}},
+                                    {{{3.5, 4.5}, {3.5, 4.5}}, {"crease", "#000000", 1}}}};
   EXPECT_EQ(draw::as_braille(picture), "⡇\n⡇⠈\n");
 }
 
 TEST(DrawingPicture, PixelsBecomeRectanglesThatCoverThemOnce) {
-  Pixels pixels{5, 4, {0, 0, 1, 1, 255,  //
-                       0, 0, 1, 255, 255,
-                       0, 0, 0, 0, 0,
-                       1, 1, 1, 1, 1}, {"#111111", "#222222"}};
+  Pixels pixels{5,
+                4,
+                {0, 0, 1, 1,   255,  //
+                 0, 0, 1, 255, 255, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1},
+                {"#111111", "#222222"}};
   const std::string svg = draw::as_svg({.width_px = 5, .height_px = 4, .pixels = pixels});
   // Width times height of all "MX YhWvHh-Wz".
   double covered = 0;

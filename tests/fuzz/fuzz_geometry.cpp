@@ -23,7 +23,8 @@ void check(const client::DecodedObjects& decoded, std::size_t byte_count) {
     require(object.name.size() <= wire_contract::kMaxNameBytes, "names have their limit");
     parts += object.parts.size();
   }
-  require(parts * sizeof(double) <= byte_count && decoded.shown.objects.size() * 64 <= byte_count, "nothing grows out of nothing");
+  require(parts * sizeof(double) <= byte_count && decoded.shown.objects.size() * 64 <= byte_count,
+          "nothing grows out of nothing");
 }
 
 void check(const Surface& surface) {
@@ -34,7 +35,8 @@ void check(const Surface& surface) {
   for (const SurfaceEdge& edge : surface.edges) {
     require(std::max(edge.ends[0], edge.ends[1]) < surface.vertices.size(), "edges end at vertices");
     require(edge.triangles[0] < surface.triangles.size(), "edges are of triangles");
-    require(edge.triangles[1] < surface.triangles.size() || edge.triangles[1] == kNoTriangle, "edges are of two triangles");
+    require(edge.triangles[1] < surface.triangles.size() || edge.triangles[1] == kNoTriangle,
+            "edges are of two triangles");
   }
 }
 
@@ -64,9 +66,12 @@ std::string two_objects() {
   shape.add_box_axes(axes_vector);
   shape.add_ellipsoids(ellipsoid_vector);
   const auto solids = shape.Finish();
-  const auto one = format::CreateShownObjectDirect(builder, 1, "crate", "", true, false, &filter, &position, &rotation, solids);
-  const auto two = format::CreateShownObjectDirect(builder, 2, "hall/wall", "hall", false, true, &filter, &position, &rotation, 0, &runs);
-  return finished(builder, format::CreateShownObjects(builder, 1, 2, 3, 4, builder.CreateVector(std::vector{one, two})));
+  const auto one =
+      format::CreateShownObjectDirect(builder, 1, "crate", "", true, false, &filter, &position, &rotation, solids);
+  const auto two = format::CreateShownObjectDirect(builder, 2, "hall/wall", "hall", false, true, &filter, &position,
+                                                   &rotation, 0, &runs);
+  return finished(builder,
+                  format::CreateShownObjects(builder, 1, 2, 3, 4, builder.CreateVector(std::vector{one, two})));
 }
 
 std::string surface() {
@@ -101,11 +106,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const auto objects = client::decode_objects(text, flaw)) check(*objects, size);
   if (const auto mesh = client::decode_surface(text, flaw)) check(*mesh);
   if (const auto decoded = client::decode_page(text, flaw)) {
-    require(decoded->bytes.empty() || (decoded->bytes.data() >= text.data() && decoded->bytes.data() + decoded->bytes.size() <= text.data() + size),
+    require(decoded->bytes.empty() || (decoded->bytes.data() >= text.data() &&
+                                       decoded->bytes.data() + decoded->bytes.size() <= text.data() + size),
             "a page's bytes are in its text");
   }
   if (const auto decoded = client::decode_poses(text, flaw)) {
-    require(decoded->ids.size() == decoded->poses.size() && decoded->ids.size() == decoded->stale.size(), "columns are parallel");
+    require(decoded->ids.size() == decoded->poses.size() && decoded->ids.size() == decoded->stale.size(),
+            "columns are parallel");
     for (const Pose& pose : decoded->poses) check(pose);
   }
   return 0;
@@ -114,8 +121,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 std::vector<std::string> fuzz_seeds() {
   // Each is what one of the decoders takes.
   std::string flaw;
-  require(client::decode_objects(two_objects(), flaw).has_value() && client::decode_surface(surface(), flaw).has_value() &&
-              client::decode_poses(poses(), flaw).has_value() && client::decode_page(page(), flaw).has_value(),
+  require(client::decode_objects(two_objects(), flaw).has_value() &&
+              client::decode_surface(surface(), flaw).has_value() && client::decode_poses(poses(), flaw).has_value() &&
+              client::decode_page(page(), flaw).has_value(),
           "whole buffers are taken");
   return {two_objects(), surface(), poses(), page()};
 }

@@ -31,5 +31,7 @@ if ! diff -u --label README --label "what came out" "$scratch/shown" "$scratch/s
   echo "the README shows what the programs do not say"
   exit 1
 fi
+# The drawing that it shows is the one that its command has just made.
+cmp "$(dirname "$readme")/deploy/drawing.svg" /tmp/scene.svg
 echo "$commands commands of the README give what it shows"
 [[ $commands -ge 10 ]]

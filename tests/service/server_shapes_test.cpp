@@ -17,12 +17,14 @@ class ServerShapes : public testing_support::ServerTest {
     return shown ? std::move(*shown) : ShownObjects{};
   }
   static const ShownObject& named(const ShownObjects& shown, const std::string& name) {
-    const auto found = std::find_if(shown.objects.begin(), shown.objects.end(), [&](const auto& o) { return o.name == name; });
+    const auto found =
+        std::find_if(shown.objects.begin(), shown.objects.end(), [&](const auto& o) { return o.name == name; });
     EXPECT_NE(found, shown.objects.end()) << name;
     return found == shown.objects.end() ? shown.objects.at(0) : *found;
   }
   static std::size_t count_of(const Surface& surface, std::uint8_t kinds) {
-    return static_cast<std::size_t>(std::count_if(surface.edges.begin(), surface.edges.end(), [&](const SurfaceEdge& e) { return (e.kinds & kinds) != 0; }));
+    return static_cast<std::size_t>(std::count_if(surface.edges.begin(), surface.edges.end(),
+                                                  [&](const SurfaceEdge& e) { return (e.kinds & kinds) != 0; }));
   }
   void load(Client& client, const std::string& path) {
     const Result<std::string> loaded = client.command("load", "{\"path\": \"" + path + "\"}", {}, 60s);
@@ -38,13 +40,26 @@ TEST_F(ServerShapes, EveryKindComesBackAsItWasGiven) {
   Client client = connect();
   Publisher publisher = publish(client, "maker");
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
-  const Shape many{SphereShape{0.25, {1, 2, kOdd}}, BoxShape{{1, 2, 3}, {0.1, 0.2, 0.3}, turn}, CapsuleShape{{0, 0, 0}, {0, 0, 1}, 0.5},
-                   CylinderShape{{1, 0, 0}, {0, 1, 0}, 0.125}, ConeShape{{0, 0, 2}, {0, 0, 1}, 0.3}, EllipsoidShape{{1, 2, 3}, {4, 5, 6}, turn}};
+  const Shape many{SphereShape{0.25, {1, 2, kOdd}},         BoxShape{{1, 2, 3}, {0.1, 0.2, 0.3}, turn},
+                   CapsuleShape{{0, 0, 0}, {0, 0, 1}, 0.5}, CylinderShape{{1, 0, 0}, {0, 1, 0}, 0.125},
+                   ConeShape{{0, 0, 2}, {0, 0, 1}, 0.3},    EllipsoidShape{{1, 2, 3}, {4, 5, 6}, turn}};
   const Pose pose{{kOdd, -3, 1e-3}, turn};
-  ASSERT_TRUE(publisher.add({.name = "compound", .shape = many, .pose = pose, .layers = 6, .mask = 5, .group = 4}));
-  ASSERT_TRUE(publisher.add({.name = "hull", .shape = {HullShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.1, 0.1, 0.1}}}}, .scale = {2, 2, 2}, .moving = false}));
-  ASSERT_TRUE(publisher.add({.name = "field", .shape = {HeightFieldShape{2, 1, 1, {0, 0, 0, 0.5}}}}));
-  ASSERT_TRUE(publisher.add({.name = "cloud", .shape = {CloudShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 0.1}}}));
+  ASSERT_TRUE(publisher.add({.name = "compound",
+                             .shape = many,
+                             .pose = pose,
+                             .layers = 6,
+                             .mask = 5,
+                             .group = 4,
+                             .when_lost = WhenLost::hold}));
+  ASSERT_TRUE(publisher.add({.name = "hull",
+                             .shape = {HullShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.1, 0.1, 0.1}}}},
+                             .scale = {2, 2, 2},
+                             .moving = false,
+                             .when_lost = WhenLost::hold}));
+  ASSERT_TRUE(publisher.add(
+      {.name = "field", .shape = {HeightFieldShape{2, 1, 1, {0, 0, 0, 0.5}}}, .when_lost = WhenLost::hold}));
+  ASSERT_TRUE(publisher.add(
+      {.name = "cloud", .shape = {CloudShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 0.1}}, .when_lost = WhenLost::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
 
@@ -60,7 +75,8 @@ TEST_F(ServerShapes, EveryKindComesBackAsItWasGiven) {
   EXPECT_EQ(std::get<SphereShape>(compound.parts[0]).center, std::get<SphereShape>(many[0]).center);
   EXPECT_EQ(std::get<SphereShape>(compound.parts[0]).radius_m, 0.25);
   EXPECT_EQ(std::get<BoxShape>(compound.parts[1]).half_m, Vec3(1, 2, 3));
-  EXPECT_TRUE(std::get<BoxShape>(compound.parts[1]).rotation.toRotationMatrix().isApprox(turn.toRotationMatrix(), 1e-15));
+  EXPECT_TRUE(
+      std::get<BoxShape>(compound.parts[1]).rotation.toRotationMatrix().isApprox(turn.toRotationMatrix(), 1e-15));
   EXPECT_EQ(std::get<CapsuleShape>(compound.parts[2]).b, Vec3(0, 0, 1));
   EXPECT_EQ(std::get<CylinderShape>(compound.parts[3]).radius_m, 0.125);
   EXPECT_EQ(std::get<ConeShape>(compound.parts[4]).apex, Vec3(0, 0, 2));
@@ -80,9 +96,10 @@ TEST_F(ServerShapes, EveryKindComesBackAsItWasGiven) {
 
 // A62: a cube has 12 creases, each of two triangles; the diagonals of its sides are none.
 TEST_F(ServerShapes, ScenePartsShareOneSurfaceAndItsEdgesKnowCreaseBoundaryAndMaterial) {
-  const std::string path = folder_.write("cube.obj",
-                                         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-                                         "usemtl wood\nf 4 3 2 1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nusemtl steel\nf 5 6 7 8\n");
+  const std::string path =
+      folder_.write("cube.obj",
+                    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                    "usemtl wood\nf 4 3 2 1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nusemtl steel\nf 5 6 7 8\n");
   start({path});
   Client client = connect();
   const ShownObjects shown = shapes(client, {.edges = true});
@@ -120,8 +137,10 @@ TEST_F(ServerShapes, ASharedMeshComesOnceAndIsNotFetchedAgain) {
   start();
   Client client = connect();
   Publisher publisher = publish(client, "twins");
-  const MeshShape tetrahedron{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, kOdd}}, {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}}};
-  for (const char* name : {"one", "two"}) ASSERT_TRUE(publisher.add({.name = name, .shape = {tetrahedron}}));
+  const MeshShape tetrahedron{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, kOdd}},
+                              {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}}};
+  for (const char* name : {"one", "two"})
+    ASSERT_TRUE(publisher.add({.name = name, .shape = {tetrahedron}, .when_lost = WhenLost::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
   const ShownObjects first = shapes(client, {.moving = true});
@@ -129,7 +148,7 @@ TEST_F(ServerShapes, ASharedMeshComesOnceAndIsNotFetchedAgain) {
   EXPECT_EQ(first.objects[0].runs.at(0).surface, first.objects[1].runs.at(0).surface);
   EXPECT_EQ(first.objects[0].runs[0].surface->vertices, tetrahedron.vertices);
   EXPECT_EQ(first.objects[0].runs[0].surface->triangles, tetrahedron.triangles);
-  ASSERT_TRUE(publisher.add({.name = "three", .shape = {SphereShape{0.1}}}));
+  ASSERT_TRUE(publisher.add({.name = "three", .shape = {SphereShape{0.1}}, .when_lost = WhenLost::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
   const ShownObjects second = shapes(client, {.moving = true, .edges = false}, &first);
@@ -143,7 +162,8 @@ TEST_F(ServerShapes, PosesAreThoseThatWerePublishedAndTellOfChanges) {
   Publisher publisher = publish(client, "movers");
   std::map<std::string, Pose> expected;
   std::vector<Publisher::Object> objects;
-  for (int i = 0; i < 2'000; ++i) objects.push_back(add_ball(publisher, "ball_" + std::to_string(i), at(i, 0, 50)));
+  for (int i = 0; i < 2'000; ++i)
+    objects.push_back(add_ball(publisher, "ball_" + std::to_string(i), at(i, 0, 50), WhenLost::hold));
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const Pose pose = at(static_cast<double>(i), kOdd, 60);
     expected["ball_" + std::to_string(i)] = pose;
@@ -165,7 +185,8 @@ TEST_F(ServerShapes, PosesAreThoseThatWerePublishedAndTellOfChanges) {
   // 30 frames a second are a frame in 33 ms; printed, since it depends on the machine.
   const auto start_time = std::chrono::steady_clock::now();
   for (int i = 0; i < 30; ++i) ASSERT_TRUE(client.poses());
-  std::printf("2000 poses: %.2f ms a call\n", std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_time).count() / 30);
+  std::printf("2000 poses: %.2f ms a call\n",
+              std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_time).count() / 30);
   ASSERT_TRUE(publisher.remove(objects[0]));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
@@ -186,7 +207,8 @@ TEST_F(ServerShapes, AMeshOfManyPagesComesWhole) {
   for (int i = 0; i + 1 < kSide; ++i) {
     for (int j = 0; j + 1 < kSide; ++j) {
       const int a = i * kSide + j + 1;
-      std::snprintf(line, sizeof line, "f %d %d %d\nf %d %d %d\n", a, a + kSide, a + kSide + 1, a, a + kSide + 1, a + 1);
+      std::snprintf(line, sizeof line, "f %d %d %d\nf %d %d %d\n", a, a + kSide, a + kSide + 1, a, a + kSide + 1,
+                    a + 1);
       text += line;
     }
   }
@@ -194,7 +216,8 @@ TEST_F(ServerShapes, AMeshOfManyPagesComesWhole) {
   Client client = connect();
   const auto start_time = std::chrono::steady_clock::now();
   const ShownObjects shown = shapes(client, {.edges = true});
-  std::printf("%d triangles: %.0f ms\n", 2 * (kSide - 1) * (kSide - 1), std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_time).count());
+  std::printf("%d triangles: %.0f ms\n", 2 * (kSide - 1) * (kSide - 1),
+              std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_time).count());
   const Surface& ground = *shown.objects.at(0).runs.at(0).surface;
   ASSERT_EQ(ground.vertices.size(), std::size_t{kSide} * kSide);
   ASSERT_EQ(ground.triangles.size(), std::size_t{2} * (kSide - 1) * (kSide - 1));
@@ -211,10 +234,12 @@ TEST_F(ServerShapes, WhatIsNotThereOrNotMeantIsSaid) {
   Client client = connect();
   EXPECT_EQ(client.command("shapes", R"({"nmae": "x"})").error().message,
             "server refused: shapes: unknown argument 'nmae'");
-  EXPECT_EQ(client.command("surface", R"({"surface": 1, "crease_cosine": 2})").error().message.substr(0, 15), "server refused:");
+  EXPECT_EQ(client.command("surface", R"({"surface": 1, "crease_cosine": 2})").error().message.substr(0, 15),
+            "server refused:");
   const Result<std::string> gone = client.command("more", R"({"transfer": 77, "first": 0})");
   ASSERT_TRUE(gone) << "an empty page";
   EXPECT_TRUE(shapes(client, {.only = "no such thing"}).objects.empty());
+  EXPECT_TRUE(shapes(client, {.only = "\xff\xfe"}).objects.empty()) << "no text at all";
 }
 
 }  // namespace

@@ -29,9 +29,10 @@ class WireAsker {
     std::string text;
   };
 
-  explicit WireAsker(int domain, std::uint64_t client = 0x1234)
+  /// process_domain  for a second one in this process (dds.hpp)
+  explicit WireAsker(int domain, std::uint64_t client = 0x1234, std::optional<int> process_domain = {})
       : client_(client),
-        participant_({.domain = domain}),
+        participant_({.domain = domain, .process_domain = process_domain}),
         query_topic_(participant_, "collided"),
         reply_topic_(participant_, "collided"),
         status_topic_(participant_, "collided"),
@@ -78,6 +79,11 @@ class WireAsker {
       return true;
     });
     return found;
+  }
+  /// Replies that nobody will ask for.
+  void forget_replies() {
+    const std::lock_guard lock(mutex_);
+    heard_.clear();
   }
   void define(wire::Definition& definition) { write(object_writer_, definition); }
   void pose(wire::PoseBatch& batch) { write(pose_writer_, batch); }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "collided/client.hpp"
+#include "idl/question_class.hpp"
 #include "tests/service/wire_fake_server.hpp"
 
 namespace collided {
@@ -113,10 +114,10 @@ TEST_F(ClientAsk, EveryKindOfQuestionIsAnswered) {
 
 TEST_F(ClientAsk, OptionsTravel) {
   const AskOptions options{.pick = Pick::all, .mask = 6, .only = "pallet_*", .skip = "pallet_0?", .max_hits = 17,
-                           .error_m = 1e-6, .deadline = 200us};
+                           .error_m = 1e-6, .deadline = 200us, .importance = Importance::high};
   ASSERT_TRUE(client_->ask(ray_from(1), options));
   const wire::Query query = server_.last_query();
-  EXPECT_EQ(query.mode, static_cast<std::uint8_t>(wire_contract::RayMode::all));
+  EXPECT_EQ(query.mode, wire_contract::mode_byte(wire_contract::RayMode::all, wire_contract::QuestionClass::high));
   EXPECT_EQ(query.mask, 6u);
   EXPECT_STREQ(query.only, "pallet_*");
   EXPECT_STREQ(query.skip, "pallet_0?");

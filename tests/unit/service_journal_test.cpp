@@ -54,6 +54,13 @@ class MemoryDisk final : public Disk {
     content.insert(content.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part));
     return !failed;
   }
+  bool cut(const std::string& name, std::uint64_t bytes) override {
+    if (fails()) return false;
+    Platter::File& file = platter_.files[name];
+    file.content.resize(std::min<std::size_t>(bytes, file.content.size()));
+    file.synced = std::min(file.synced, file.content.size());
+    return true;
+  }
   bool sync(const std::string& name) override {
     if (fails()) return false;
     platter_.files[name].synced = platter_.files[name].content.size();

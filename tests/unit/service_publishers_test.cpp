@@ -246,7 +246,7 @@ TEST_F(PublishersTest, EachPolicyForTheLost) {
   step();
   EXPECT_TRUE(publishers.is_live(kPublisher));
   EXPECT_EQ(height("object0"), 4);
-  EXPECT_EQ(world.newest()->stale_count, 0U);
+  EXPECT_TRUE(world.newest()->stale_objects.empty());
 }
 
 TEST_F(PublishersTest, OneOfTwoWritersIsEnoughToLive) {

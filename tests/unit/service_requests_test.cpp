@@ -70,8 +70,8 @@ class LeaseBookTest : public ::testing::Test {
  protected:
   void step() { ASSERT_TRUE(world.step(++time_ns, 1, {})); }
   std::optional<std::uint64_t> version(std::uint64_t request, std::uint32_t chunk, std::uint32_t count,
-                                       std::int64_t now_ns = 0, bool fresh = false) {
-    const std::optional<SnapshotRing::Lease> lease = book.take(1, request, chunk, count, fresh, now_ns);
+                                       std::int64_t now_ns = 0, std::uint64_t least_version = 0) {
+    const std::optional<SnapshotRing::Lease> lease = book.take(1, request, chunk, count, least_version, now_ns);
     return lease ? std::optional((*lease)->version) : std::nullopt;
   }
   World world{WorldOptions{}};
@@ -127,6 +127,19 @@ TEST_F(LeaseBookTest, ManyAtOnceShareYoungStates) {
   }
   EXPECT_EQ(book.size(), 50U);
   for (std::uint64_t request = 1; request <= 50; ++request) EXPECT_TRUE(version(request, 1, 2)) << request;
+}
+
+// Who was told of a state is never answered on an older one, however many requests are under way.
+TEST_F(LeaseBookTest, SharingAStateNeverGoesBack) {
+  std::uint64_t newest = 0;
+  for (std::uint64_t request = 1; request <= 100; ++request) {
+    step();
+    newest = world.newest()->version;
+    version(request, 0, 2, static_cast<std::int64_t>(request));
+  }
+  step();
+  EXPECT_EQ(version(101, 0, 2, 101, 0), version(100, 1, 2, 101)) << "who knows of nothing newer shares";
+  EXPECT_EQ(version(102, 0, 2, 102, newest + 1), newest + 1) << "who does gets what is as new";
 }
 
 AskPointer fenced(std::uint64_t request, std::uint64_t sequence) {

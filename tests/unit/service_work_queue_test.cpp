@@ -8,33 +8,6 @@
 namespace collided::service {
 namespace {
 
-// What takes microseconds does not wait for what takes milliseconds.
-TEST(WorkQueue, ShortWorkPassesWhatCameBefore) {
-  WorkQueue<int> queue(10);
-  queue.push(1);
-  queue.push(2);
-  queue.push_short(3);
-  EXPECT_EQ(queue.pop(), 3);
-  EXPECT_EQ(queue.pop(), 1);
-  queue.push_short(4);
-  EXPECT_EQ(queue.pop(), 4);
-  EXPECT_EQ(queue.pop(), 2);
-  EXPECT_TRUE(queue.empty());
-}
-
-// Somebody who asks without end must not stop the long ones for ever.
-TEST(WorkQueue, LongWorkGetsItsTurnHoweverMuchShortComes) {
-  WorkQueue<int> queue(10);
-  queue.push(-1);
-  int short_before = 0;
-  for (;; ++short_before) {
-    queue.push_short(short_before);
-    if (queue.pop() == -1) break;
-    ASSERT_LT(short_before, 100);
-  }
-  EXPECT_EQ(short_before, 16);
-}
-
 TEST(WorkQueue, KeepsItsOrderWhileItsMemoryGrowsAndWraps) {
   WorkQueue<int> queue(1'000);
   int next_in = 0;
@@ -51,11 +24,11 @@ TEST(WorkQueue, SaysWhenItIsFullAndHandsOutTheRestOnceClosed) {
   WorkQueue<int> queue(2);
   queue.push(1);
   EXPECT_TRUE(queue.has_room());
-  queue.push_short(2);
+  queue.push(2);
   EXPECT_FALSE(queue.has_room());
   queue.close();
-  EXPECT_EQ(queue.pop(), 2);
   EXPECT_EQ(queue.pop(), 1);
+  EXPECT_EQ(queue.pop(), 2);
   EXPECT_EQ(queue.pop(), std::nullopt);
 }
 
@@ -69,7 +42,7 @@ TEST(WorkQueue, EveryItemIsHandedOutOnceToManyThreads) {
       while (const auto item = queue.pop()) mine.push_back(*item);
     });
   }
-  for (int i = 0; i < kItems; ++i) i % 3 == 0 ? queue.push_short(i) : queue.push(i);
+  for (int i = 0; i < kItems; ++i) queue.push(i);
   queue.close();
   for (std::thread& thread : threads) thread.join();
   std::vector<int> count(kItems, 0);

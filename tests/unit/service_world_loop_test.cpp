@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "server/intake/scene_file.hpp"
+#include "tests/scenes/meshes.hpp"
 
 namespace collided::service {
 namespace {
@@ -75,6 +76,11 @@ class BookKeeper : public Outlet {
     came.notify_all();
   }
 
+  void note(const std::string& sentence) {
+    const std::lock_guard lock(mutex);
+    notices += sentence + '\n';
+    came.notify_all();
+  }
   template <class Condition>
   bool wait(Condition&& condition) {
     std::unique_lock lock(mutex);
@@ -89,6 +95,7 @@ class BookKeeper : public Outlet {
   std::uint64_t probe_version = 0;
   std::map<std::uint8_t, std::size_t> reasons, shards;
   StatusColumns status;
+  std::string notices;
 };
 
 class WorldLoopTest : public ::testing::Test {
@@ -98,7 +105,7 @@ class WorldLoopTest : public ::testing::Test {
   void start(const LoopOptions& options = {}) {
     loop = std::make_unique<WorldLoop>(
         WorldLoop::Around{world, clock, inbox, books, fences, leases, questions,
-                          [this](AskPointer) { ++admitted; }, [] {}, [](const std::string&) {}},
+                          [this](AskPointer) { ++admitted; }, [] {}, [this](const std::string& sentence) { books.note(sentence); }},
         options);
     thread = std::thread([this] { loop->run(); });
   }
@@ -107,10 +114,9 @@ class WorldLoopTest : public ::testing::Test {
     loop->stop();
     thread.join();
   }
-  void define(std::uint32_t number, const Vec3& position, bool removed = false) {
-    Shape ball;
-    ball.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 0.5});
-    const std::vector<std::byte> bytes = encode_shape(ball);
+  void define(std::uint32_t number, const Vec3& position, bool removed = false,
+              const Shape& shape = {{Sphere{.center = Vec3::Zero(), .radius_m = 0.5}}, nullptr}) {
+    const std::vector<std::byte> bytes = encode_shape(shape);
     auto sample = std::make_unique<DefinitionSample>();
     sample->publisher = 7;
     sample->incarnation = 1;
@@ -256,6 +262,15 @@ TEST_F(WorldLoopTest, AfterACrashItSaysThatItRecovers) {
   EXPECT_TRUE(loop->recovering());
   EXPECT_TRUE(books.wait([&] { return books.status.state == ServerState::ready; }));
   EXPECT_FALSE(loop->recovering());
+}
+
+// A way so long that its roundings hide everything on it: the step does not look for contacts on it for long, and says so.
+TEST_F(WorldLoopTest, AWayThatCannotBeFollowedIsSaid) {
+  start();
+  define(1, {0, 0, 0}, false, {{}, std::make_shared<const TriangleMesh>(scenes::icosphere(2, 1))});
+  define(2, {-1e300, 0, 0}, false, {{Box{.center = Vec3::Zero(), .half_m = {1, 2, 1}}}, nullptr});
+  move(2, {1e300, 0, 0});
+  EXPECT_TRUE(books.wait([&] { return books.notices.find("could not be followed from pose to pose") != std::string::npos; }));
 }
 
 }  // namespace

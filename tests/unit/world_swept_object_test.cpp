@@ -108,7 +108,7 @@ TEST(WorldSweptObject, ATurningBladeMeetsAWireHalfWay) {
 TEST(WorldSweptObject, ASearchWithoutRoomSaysSo) {
   const Scene scene{scenes::icosphere(4, 1)};
   const ObjectInfo mesh = mesh_object(scenes::icosphere(2, 0.5));
-  const SweptTouch touch = scene.ask(mesh, at({2, 0, 0}), at({-2, 0, 0}), {.most_tests = 3});
+  const SweptTouch touch = scene.ask(mesh, at({2, 0, 0}), at({-2, 0, 0}), {.most_looks = 3});
   EXPECT_TRUE(touch.undecided);
   EXPECT_TRUE(scene.ask(mesh, at({2, 0, 0}), at({-2, 0, 0})).yes);
 }

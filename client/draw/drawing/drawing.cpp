@@ -16,7 +16,8 @@ constexpr double kNormal_px = 26;
 constexpr double kHatchSpacing_px = 2.6;
 
 const Ink& ink_of(LineKind kind) {
-  static const Ink kInks[kLineKindCount] = {{"silhouette", kInk, 2.2}, {"boundary", kInk, 1.5}, {"crease", kInk, 1.1}, {"material", kInk, 0.7}};
+  static const Ink kInks[kLineKindCount] = {
+      {"silhouette", kInk, 2.2}, {"boundary", kInk, 1.5}, {"crease", kInk, 1.1}, {"material", kInk, 0.7}};
   return kInks[static_cast<std::size_t>(kind)];
 }
 
@@ -46,7 +47,9 @@ void add_strokes(const Drawing& drawing, bool seen, const Ink* ink, std::vector<
       if (static_cast<int>(segment.kind) != kind || piece.is_seen != seen) continue;
       const Spot from = spot_at(segment, piece.from);
       const Spot to = spot_at(segment, piece.to);
-      const bool follows = line == segment.line && !strokes.empty() && std::hypot(strokes.back().points.back()[0] - from[0], strokes.back().points.back()[1] - from[1]) < 1e-6;
+      const bool follows =
+          line == segment.line && !strokes.empty() &&
+          std::hypot(strokes.back().points.back()[0] - from[0], strokes.back().points.back()[1] - from[1]) < 1e-6;
       if (!follows) strokes.push_back({{from}, ink != nullptr ? *ink : ink_of(segment.kind)});
       strokes.back().points.push_back(to);
       line = segment.line;
@@ -75,7 +78,8 @@ void add_tones(const ShownObjects& shown, const DrawOptions& options, Rays& rays
   }
   Pixels pixels{map.width, map.height, map.numbers, {}};
   for (int i = 0; i < tone.tones; ++i) {
-    pixels.colors.push_back(tone.tones == 1 ? kPaper : mixed("#8d877a", "#fffefb", static_cast<double>(i) / (tone.tones - 1)));
+    pixels.colors.push_back(tone.tones == 1 ? kPaper
+                                            : mixed("#8d877a", "#fffefb", static_cast<double>(i) / (tone.tones - 1)));
   }
   for (int i = 0; tone.clearance && i < tone.clearance->bands; ++i) {
     const double share = static_cast<double>(i) / std::max(1, tone.clearance->bands - 1);
@@ -94,7 +98,9 @@ void add_line(const Vec3& a, const Vec3& b, const Ink& ink, Drawing& drawing) {
 }
 
 void add_marks(const DrawOptions& options, double scene_m, Drawing& drawing) {
-  const auto is_before = [&](const Vec3& p) { return drawing.camera.is_orthographic() || drawing.camera.project(p).depth_m > 0; };
+  const auto is_before = [&](const Vec3& p) {
+    return drawing.camera.is_orthographic() || drawing.camera.project(p).depth_m > 0;
+  };
   for (const RayMark& ray : options.ray_marks) {
     add_line(ray.origin, ray.end, {"ray", kAccent, 1.2}, drawing);
     if (!ray.is_hit || !is_before(ray.end)) continue;
@@ -126,8 +132,18 @@ double contact_width_px(double depth_m, double scene_m) {
 
 Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays) {
   const std::vector<Vec3> extremes = extreme_points(shown);
-  Drawing drawing{.picture = {}, .camera = Camera::fitted(options.view, extremes), .segments = {}, .pieces = {}, .crossings = {}, .bias_m = 0};
+  Drawing drawing{.picture = {},
+                  .camera = Camera::fitted(options.view, extremes),
+                  .segments = {},
+                  .pieces = {},
+                  .crossings = {},
+                  .bias_m = 0};
   const Camera& camera = drawing.camera;
+  // Not a number for coordinates whose squares are none.
+  if (!(camera.height_px() >= 1 && camera.height_px() <= 4 * camera.width_px())) {
+    throw Error{ErrorCode::bad_input, "the scene is too large to be drawn: its coordinates have no squares in double",
+                "--only draws a part of it"};
+  }
   drawing.picture.width_px = camera.width_px();
   drawing.picture.height_px = camera.height_px();
   drawing.segments = segments_in_picture(feature_lines(shown, camera), camera);
@@ -145,7 +161,8 @@ Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays) 
   } else {
     for (std::uint32_t i = 0; i < drawing.segments.size(); ++i) drawing.pieces.push_back({i, 0, 1, true});
   }
-  if (options.style == Style::toon || options.style == Style::hatched || options.clearance) add_tones(shown, options, rays, drawing);
+  if (options.style == Style::toon || options.style == Style::hatched || options.clearance)
+    add_tones(shown, options, rays, drawing);
   const Ink hidden{"hidden", kHiddenInk, 0.8};
   if (options.style == Style::obscured_line) add_strokes(drawing, false, &hidden, drawing.picture.strokes);
   add_strokes(drawing, true, nullptr, drawing.picture.strokes);

@@ -51,8 +51,8 @@ struct Drawing {
 /// Stroke width of a contact's ring: grows with depth, never twice the same for two depths that differ to the eye.
 double contact_width_px(double depth_m, double scene_m);
 
-/// Draws what is shown; visibility, tones and clearance by the rays. Throws Error. The rays see the newest state each: what
-/// moves meanwhile is drawn where it was.
+/// Draws what is shown; visibility, tones and clearance by the rays. Throws Error. The rays see the newest state each:
+/// what moves meanwhile is drawn where it was.
 Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays);
 
 }  // namespace collided::draw

@@ -11,7 +11,8 @@ using client::ExactVector;
 
 ExactVector exactly(const Vec3& v) { return client::exact({v.x(), v.y(), v.z()}); }
 
-/// Relative to the sum of what its terms may be: three subtractions, a cross product and a scalar product round to less.
+/// Relative to the sum of what its terms may be: three subtractions, a cross product and a scalar product round to
+/// less.
 constexpr double kFilter = 32 * 0x1p-53;
 
 /// The sign of normal . way in double where it is sure.

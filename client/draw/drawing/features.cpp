@@ -11,7 +11,8 @@
 namespace collided::draw {
 namespace {
 
-/// A surface at one pose, with the runs of it that are shown: a scene's parts have one surface, which is looked at once.
+/// A surface at one pose, with the runs of it that are shown: a scene's parts have one surface, which is looked at
+/// once.
 struct PlacedSurface {
   std::shared_ptr<const Surface> surface;
   Pose pose;
@@ -39,7 +40,8 @@ std::vector<PlacedSurface> placed_surfaces(const ShownObjects& shown) {
   }
   std::vector<PlacedSurface> list;
   for (auto& [key, one] : placed) {
-    std::sort(one.runs.begin(), one.runs.end(), [](const auto& a, const auto& b) { return a.first_triangle < b.first_triangle; });
+    std::sort(one.runs.begin(), one.runs.end(),
+              [](const auto& a, const auto& b) { return a.first_triangle < b.first_triangle; });
     list.push_back(std::move(one));
   }
   return list;
@@ -77,7 +79,9 @@ class SurfaceLines {
   static constexpr std::uint32_t kNobody = 0xffffffff;
 
   std::uint32_t shown(std::uint32_t triangle) const { return triangle == kNoTriangle ? kNobody : object_of_[triangle]; }
-  Vec3 place(std::uint32_t vertex) const { return placed_.pose.rotation * surface_.vertices[vertex] + placed_.pose.position; }
+  Vec3 place(std::uint32_t vertex) const {
+    return placed_.pose.rotation * surface_.vertices[vertex] + placed_.pose.position;
+  }
 
   bool faces(std::uint32_t triangle) const {
     const auto& [a, b, c] = surface_.triangles[triangle];
@@ -89,7 +93,8 @@ class SurfaceLines {
     const bool has_two = (edge.kinds & (kBoundaryEdge | kManyEdge)) == 0;
     if (has_two && both_shown) {
       const bool is_turned = (edge.kinds & kTurnedEdge) != 0;
-      if ((facing_[edge.triangles[0]] != 0) != ((facing_[edge.triangles[1]] != 0) != is_turned)) return LineKind::silhouette;
+      if ((facing_[edge.triangles[0]] != 0) != ((facing_[edge.triangles[1]] != 0) != is_turned))
+        return LineKind::silhouette;
     }
     if (!has_two || !both_shown) return LineKind::boundary;
     if ((edge.kinds & kCreaseEdge) != 0) return LineKind::crease;
@@ -106,8 +111,9 @@ class SurfaceLines {
 };
 
 template <class Part>
-constexpr bool kHasOutline = std::is_same_v<Part, SphereShape> || std::is_same_v<Part, BoxShape> || std::is_same_v<Part, CapsuleShape> ||
-                             std::is_same_v<Part, CylinderShape> || std::is_same_v<Part, ConeShape> || std::is_same_v<Part, EllipsoidShape>;
+constexpr bool kHasOutline =
+    std::is_same_v<Part, SphereShape> || std::is_same_v<Part, BoxShape> || std::is_same_v<Part, CapsuleShape> ||
+    std::is_same_v<Part, CylinderShape> || std::is_same_v<Part, ConeShape> || std::is_same_v<Part, EllipsoidShape>;
 
 void add_box_corners(const Vec3& center, const Eigen::Matrix3d& half_axes, std::vector<Vec3>& points) {
   for (int i = 0; i < 8; ++i) {
@@ -150,7 +156,8 @@ std::vector<FeatureLine> feature_lines(const ShownObjects& shown, const Camera& 
     for (const ShapePart& part : shown.objects[i].parts) {
       std::visit(
           [&](const auto& one) {
-            if constexpr (kHasOutline<std::decay_t<decltype(one)>>) add_outline(one, shown.objects[i].pose, camera, i, lines);
+            if constexpr (kHasOutline<std::decay_t<decltype(one)>>)
+              add_outline(one, shown.objects[i].pose, camera, i, lines);
           },
           part);
     }
@@ -168,7 +175,8 @@ std::vector<Vec3> extreme_points(const ShownObjects& shown) {
         for (const std::uint32_t corner : run.surface->triangles[i]) points.push_back(run.surface->vertices[corner]);
       }
     }
-    for (std::size_t i = first; i < points.size(); ++i) points[i] = object.pose.rotation * points[i] + object.pose.position;
+    for (std::size_t i = first; i < points.size(); ++i)
+      points[i] = object.pose.rotation * points[i] + object.pose.position;
   }
   return points;
 }

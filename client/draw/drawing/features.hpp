@@ -29,10 +29,10 @@ inline constexpr double kCurveError_px = 0.1;
 
 /// Every line that the shapes have for this eye.
 ///
-/// Edges of surfaces are silhouettes by the signs of n . (eye - p), exactly decided, so that on a closed mesh silhouettes
-/// are loops. Spheres, capsules, cylinders, cones and ellipsoids have their silhouettes in closed form. An edge to a triangle
-/// of an object that is not shown is a boundary. Half-spaces have no lines. Solids that reach into each other keep their
-/// lines; those along which they meet are not found.
+/// Edges of surfaces are silhouettes by the signs of n . (eye - p), exactly decided, so that on a closed mesh
+/// silhouettes are loops. Spheres, capsules, cylinders, cones and ellipsoids have their silhouettes in closed form. An
+/// edge to a triangle of an object that is not shown is a boundary. Half-spaces have no lines. Solids that reach into
+/// each other keep their lines; those along which they meet are not found.
 ///
 /// shown    asked for with edges
 std::vector<FeatureLine> feature_lines(const ShownObjects& shown, const Camera& camera);

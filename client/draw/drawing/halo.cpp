@@ -83,12 +83,14 @@ std::vector<Crossing> crossings(std::span<const Segment> segments, bool is_ortho
   return found;
 }
 
-std::vector<Piece> haloed_pieces(std::span<const Segment> segments, std::span<const Crossing> crossings, double halo_px) {
+std::vector<Piece> haloed_pieces(std::span<const Segment> segments, std::span<const Crossing> crossings,
+                                 double halo_px) {
   std::vector<std::vector<std::pair<double, double>>> gaps(segments.size());
   for (const Crossing& c : crossings) {
     const Segment& nearer = segments[c.nearer];
     const Segment& farther = segments[c.farther];
-    gaps[c.farther].emplace_back(end_of_halo(nearer, farther, c.at, 0, halo_px), end_of_halo(nearer, farther, c.at, 1, halo_px));
+    gaps[c.farther].emplace_back(end_of_halo(nearer, farther, c.at, 0, halo_px),
+                                 end_of_halo(nearer, farther, c.at, 1, halo_px));
   }
   std::vector<Piece> pieces;
   for (std::uint32_t i = 0; i < segments.size(); ++i) {

@@ -20,6 +20,7 @@ std::vector<Crossing> crossings(std::span<const Segment> segments, bool is_ortho
 
 /// Every segment, without what is behind another one and nearer than halo_px to its image.
 /// source  Appel, Rohlf, Stein, "The Haloed Line Effect for Hidden Line Elimination", 1979
-std::vector<Piece> haloed_pieces(std::span<const Segment> segments, std::span<const Crossing> crossings, double halo_px);
+std::vector<Piece> haloed_pieces(std::span<const Segment> segments, std::span<const Crossing> crossings,
+                                 double halo_px);
 
 }  // namespace collided::draw

@@ -37,8 +37,10 @@ std::vector<std::vector<Spot>> hatching(const ToneMap& map, double spacing_px) {
     // Across the lines, from the corner that comes first to the one that comes last.
     const auto across = [&](double x, double y) { return -along_y * x + along_x * y; };
     const auto along = [&](double x, double y) { return along_x * x + along_y * y; };
-    const auto [low, high] = std::minmax({across(0, 0), across(map.width, 0), across(0, map.height), across(map.width, map.height)});
-    const auto [first, last] = std::minmax({along(0, 0), along(map.width, 0), along(0, map.height), along(map.width, map.height)});
+    const auto [low, high] =
+        std::minmax({across(0, 0), across(map.width, 0), across(0, map.height), across(map.width, map.height)});
+    const auto [first, last] =
+        std::minmax({along(0, 0), along(map.width, 0), along(0, map.height), along(map.width, map.height)});
     for (int line = static_cast<int>(std::floor(low / spacing_px)); line * spacing_px <= high; ++line) {
       const double offset = line * spacing_px;
       const auto spot = [&](double s) { return Spot{s * along_x - offset * along_y, s * along_y + offset * along_x}; };

@@ -10,14 +10,15 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// How far chains run outside of their curve, relative to its size: more than the rounding of all that is computed here.
+/// How far chains run outside of their curve, relative to its size: more than the rounding of all that is computed
+/// here.
 constexpr double kOutside = 1e-9;
 
 Vec3 placed(const Pose& pose, const Vec3& p) { return pose.rotation * p + pose.position; }
 
 /// The eye as a solid sees it: a point, or a direction without end.
 struct Eye {
-  Vec3 place;   // direction towards the eye where it has no place
+  Vec3 place;  // direction towards the eye where it has no place
   bool is_far;
   Vec3 from(const Vec3& p) const { return is_far ? place : Vec3(place - p); }
 };
@@ -53,8 +54,8 @@ std::vector<Vec3> chain(const Arc& arc, const Camera& camera) {
   return points;
 }
 
-/// The circle of a unit sphere about the origin along which it is seen edge-on: center and radius along `toward`; nothing
-/// from inside.
+/// The circle of a unit sphere about the origin along which it is seen edge-on: center and radius along `toward`;
+/// nothing from inside.
 struct SightCircle {
   Vec3 center;
   Vec3 u;
@@ -92,7 +93,8 @@ Axis axis_of(const Vec3& a, const Vec3& b) {
 }
 
 /// Angles about the axis at which a surface with the normal cos u + sin v + slope along faces the eye edge-on.
-std::optional<std::pair<double, double>> edge_on_angles(const Axis& axis, const Vec3& toward_eye, double slope, double lift_m) {
+std::optional<std::pair<double, double>> edge_on_angles(const Axis& axis, const Vec3& toward_eye, double slope,
+                                                        double lift_m) {
   const double x = axis.u.dot(toward_eye);
   const double y = axis.v.dot(toward_eye);
   const double across = std::hypot(x, y);
@@ -198,7 +200,8 @@ void add_outline(const EllipsoidShape& ellipsoid, const Pose& pose, const Camera
   const Vec3 center = placed(pose, ellipsoid.center);
   const Eye eye = eye_of(camera);
   const Vec3 seen = axes.transpose() * eye.from(center);
-  const std::optional<SightCircle> circle = sight_circle({(seen.array() / ellipsoid.half_m.array()).matrix(), eye.is_far});
+  const std::optional<SightCircle> circle =
+      sight_circle({(seen.array() / ellipsoid.half_m.array()).matrix(), eye.is_far});
   if (!circle) return;
   lines.push_back({chain({center + out_of * circle->center, out_of * circle->u, out_of * circle->v}, camera),
                    LineKind::silhouette, object});

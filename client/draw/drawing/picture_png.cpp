@@ -93,13 +93,16 @@ class Raster {
     double right = std::max(a[0], b[0]);
     const double slope = b[1] - a[1];
     if (std::abs(slope) > 1e-9) {
-      const auto x_at = [&](double height) { return a[0] + std::clamp((height - a[1]) / slope, 0.0, 1.0) * (b[0] - a[0]); };
+      const auto x_at = [&](double height) {
+        return a[0] + std::clamp((height - a[1]) / slope, 0.0, 1.0) * (b[0] - a[0]);
+      };
       const double above = x_at(y - reach);
       const double below = x_at(y + reach);
       left = std::min(above, below);
       right = std::max(above, below);
     }
-    return {std::max(0, static_cast<int>(std::floor(left - reach))), std::min(width_ - 1, static_cast<int>(std::ceil(right + reach)))};
+    return {std::max(0, static_cast<int>(std::floor(left - reach))),
+            std::min(width_ - 1, static_cast<int>(std::ceil(right + reach)))};
   }
 
   int width_;
@@ -111,7 +114,8 @@ class Raster {
 };
 
 void cover(Raster& raster, const Stroke& stroke) {
-  for (std::size_t i = 1; i < stroke.points.size(); ++i) raster.cover(stroke.points[i - 1], stroke.points[i], stroke.ink.width_px);
+  for (std::size_t i = 1; i < stroke.points.size(); ++i)
+    raster.cover(stroke.points[i - 1], stroke.points[i], stroke.ink.width_px);
   if (stroke.points.size() == 1) raster.cover(stroke.points[0], stroke.points[0], stroke.ink.width_px);
 }
 
@@ -142,7 +146,8 @@ std::string compressed(const Raster& raster) {
 }  // namespace
 
 std::string as_png(const Picture& picture) {
-  Raster raster(static_cast<int>(std::ceil(picture.width_px)), static_cast<int>(std::ceil(picture.height_px)), picture.is_black_and_white);
+  Raster raster(static_cast<int>(std::ceil(picture.width_px)), static_cast<int>(std::ceil(picture.height_px)),
+                picture.is_black_and_white);
   if (picture.pixels) raster.paint(*picture.pixels);
   for (std::size_t i = 0; i < picture.strokes.size();) {
     const Ink& ink = picture.strokes[i].ink;

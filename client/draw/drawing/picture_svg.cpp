@@ -28,7 +28,8 @@ std::string rectangles(const Pixels& shown, std::uint8_t number) {
       while (x < shown.width && row[x] == row[first]) ++x;
       if (row[first] != number) continue;
       const auto above = open.find({first, x - first});
-      now[{first, x - first}] = above != open.end() ? Run{first, x - first, above->second.y, above->second.height + 1} : Run{first, x - first, y, 1};
+      now[{first, x - first}] = above != open.end() ? Run{first, x - first, above->second.y, above->second.height + 1}
+                                                    : Run{first, x - first, y, 1};
       if (above != open.end()) open.erase(above);
     }
     for (const auto& [key, run] : open) close(run);
@@ -42,7 +43,8 @@ std::string painted_pixels(const Pixels& shown) {
   for (std::size_t i = 0; i < shown.colors.size(); ++i) {
     const std::string path = rectangles(shown, static_cast<std::uint8_t>(i));
     if (path.empty()) continue;
-    body += "<path class=\"tone\" shape-rendering=\"crispEdges\" fill=\"" + shown.colors[i] + "\" d=\"" + path + "\"/>\n";
+    body +=
+        "<path class=\"tone\" shape-rendering=\"crispEdges\" fill=\"" + shown.colors[i] + "\" d=\"" + path + "\"/>\n";
   }
   return body;
 }
@@ -52,14 +54,16 @@ std::string painted_pixels(const Pixels& shown) {
 std::string as_svg(const Picture& picture) {
   const std::string width = pixels(picture.width_px);
   const std::string height = pixels(picture.height_px);
-  std::string body = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height + "\" viewBox=\"0 0 " +
-                     width + ' ' + height + "\">\n<title>" + escaped(picture.title) + "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"" +
+  std::string body = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
+                     "\" viewBox=\"0 0 " + width + ' ' + height + "\">\n<title>" + escaped(picture.title) +
+                     "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"" +
                      (picture.is_black_and_white ? "#ffffff" : kPaper) + "\"/>\n";
   if (picture.pixels) body += painted_pixels(*picture.pixels);
   body += "<g fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
   for (std::size_t i = 0; i < picture.strokes.size();) {
     const Ink& ink = picture.strokes[i].ink;
-    body += "<path class=\"" + escaped(ink.name) + "\" stroke=\"" + ink.color + "\" stroke-width=\"" + pixels(ink.width_px) + "\" d=\"";
+    body += "<path class=\"" + escaped(ink.name) + "\" stroke=\"" + ink.color + "\" stroke-width=\"" +
+            pixels(ink.width_px) + "\" d=\"";
     for (; i < picture.strokes.size() && picture.strokes[i].ink == ink; ++i) {
       const std::vector<Spot>& points = picture.strokes[i].points;
       for (std::size_t k = 0; k < points.size(); ++k) body += (k == 0 ? 'M' : 'L') + spot(points[k]);
@@ -67,8 +71,9 @@ std::string as_svg(const Picture& picture) {
     body += "\"/>\n";
   }
   for (const Ring& ring : picture.rings) {
-    body += "<circle class=\"" + escaped(ring.ink.name) + "\" cx=\"" + pixels(ring.center[0]) + "\" cy=\"" + pixels(ring.center[1]) +
-            "\" r=\"" + pixels(ring.radius_px) + "\" stroke=\"" + ring.ink.color + "\" stroke-width=\"" + pixels(ring.ink.width_px) + "\"/>\n";
+    body += "<circle class=\"" + escaped(ring.ink.name) + "\" cx=\"" + pixels(ring.center[0]) + "\" cy=\"" +
+            pixels(ring.center[1]) + "\" r=\"" + pixels(ring.radius_px) + "\" stroke=\"" + ring.ink.color +
+            "\" stroke-width=\"" + pixels(ring.ink.width_px) + "\"/>\n";
   }
   return body + "</g>\n</svg>\n";
 }

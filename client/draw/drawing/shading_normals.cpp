@@ -27,7 +27,8 @@ std::vector<std::uint32_t> first_at_place(const std::vector<Vec3>& vertices) {
 
 }  // namespace
 
-ShadingNormals::ShadingNormals(const ShownObjects& shown, double crease_cosine) : shown_(shown), crease_cosine_(crease_cosine) {
+ShadingNormals::ShadingNormals(const ShownObjects& shown, double crease_cosine)
+    : shown_(shown), crease_cosine_(crease_cosine) {
   for (std::uint32_t i = 0; i < shown.objects.size(); ++i) object_of_id_[shown.objects[i].id] = i;
 }
 

@@ -26,10 +26,10 @@ class ShadingNormals {
 
  private:
   struct Corners {
-    std::vector<std::uint32_t> point_of;    // of each vertex the first at its place
-    std::vector<std::uint32_t> first;       // of each point its first triangle in `triangles`; one more for the end
+    std::vector<std::uint32_t> point_of;  // of each vertex the first at its place
+    std::vector<std::uint32_t> first;     // of each point its first triangle in `triangles`; one more for the end
     std::vector<std::uint32_t> triangles;
-    std::vector<Vec3> normals;              // of each triangle, as long as twice its area
+    std::vector<Vec3> normals;  // of each triangle, as long as twice its area
   };
   const Corners& corners_of(const Surface& surface);
 

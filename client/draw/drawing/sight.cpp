@@ -31,7 +31,8 @@ struct Bracket {
   double length_px;
 };
 
-std::vector<Bracket> brackets_of(std::span<const Segment> segments, const std::vector<Samples>& all, const std::vector<std::uint8_t>& seen) {
+std::vector<Bracket> brackets_of(std::span<const Segment> segments, const std::vector<Samples>& all,
+                                 const std::vector<std::uint8_t>& seen) {
   std::vector<Bracket> brackets;
   for (const Samples& samples : all) {
     for (int i = 1; i < samples.count; ++i) {
@@ -39,14 +40,18 @@ std::vector<Bracket> brackets_of(std::span<const Segment> segments, const std::v
       if (seen[k] == seen[k - 1]) continue;
       const double before = (i - 0.5) / samples.count;
       const double after = (i + 0.5) / samples.count;
-      brackets.push_back({samples.segment, seen[k] != 0 ? after : before, seen[k] != 0 ? before : after, segments[samples.segment].length_px()});
+      brackets.push_back({samples.segment, seen[k] != 0 ? after : before, seen[k] != 0 ? before : after,
+                          segments[samples.segment].length_px()});
     }
   }
   return brackets;
 }
 
-void halve(std::vector<Bracket>& brackets, std::span<const Segment> segments, const Camera& camera, Rays& rays, const SightOptions& options) {
-  const auto is_wide = [&](const Bracket& b) { return std::abs(b.seen_at - b.hidden_at) * b.length_px > options.precision_px; };
+void halve(std::vector<Bracket>& brackets, std::span<const Segment> segments, const Camera& camera, Rays& rays,
+           const SightOptions& options) {
+  const auto is_wide = [&](const Bracket& b) {
+    return std::abs(b.seen_at - b.hidden_at) * b.length_px > options.precision_px;
+  };
   while (true) {
     std::vector<RayQuestion> questions;
     std::vector<std::size_t> whose;
@@ -137,13 +142,15 @@ RayQuestion sight_of(const Vec3& point, const Camera& camera, double bias_px) {
   return camera.sight(point, std::max(bias_px * camera.pixel_m(point), rounding_m));
 }
 
-std::vector<Piece> seen_pieces(std::span<const Segment> segments, const Camera& camera, Rays& rays, const SightOptions& options) {
+std::vector<Piece> seen_pieces(std::span<const Segment> segments, const Camera& camera, Rays& rays,
+                               const SightOptions& options) {
   std::vector<Samples> all;
   std::vector<RayQuestion> questions;
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
     const int count = std::max(1, static_cast<int>(std::ceil(segments[i].length_px() / options.spacing_px)));
     all.push_back({i, questions.size(), count});
-    for (int k = 0; k < count; ++k) questions.push_back(sight_of(segments[i].at(camera, (k + 0.5) / count), camera, options.bias_px));
+    for (int k = 0; k < count; ++k)
+      questions.push_back(sight_of(segments[i].at(camera, (k + 0.5) / count), camera, options.bias_px));
   }
   const std::vector<std::uint8_t> seen = rays.are_free(questions);
   std::vector<Bracket> brackets = brackets_of(segments, all, seen);

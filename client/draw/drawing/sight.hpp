@@ -60,16 +60,16 @@ struct Piece {
 };
 
 struct SightOptions {
-  double spacing_px = 1;     // between samples: what is seen or hidden for less may be missed
-  double precision_px = 0.1; // of where it changes
-  double bias_px = 0.01;     // of the point that is looked at, towards the eye
+  double spacing_px = 1;      // between samples: what is seen or hidden for less may be missed
+  double precision_px = 0.1;  // of where it changes
+  double bias_px = 0.01;      // of the point that is looked at, towards the eye
 };
 
-/// Which pieces the eye sees: samples along every segment, and where two neighbours differ, the place between by bisection.
-/// A sample is seen when the ray from it, less the bias, to the eye meets nothing. What the server leaves undecided counts
-/// as seen.
-/// cost  a ray a sample, and log2(spacing / precision) a change
-std::vector<Piece> seen_pieces(std::span<const Segment> segments, const Camera& camera, Rays& rays, const SightOptions& options = {});
+/// Which pieces the eye sees: samples along every segment, and where two neighbours differ, the place between by
+/// bisection. A sample is seen when the ray from it, less the bias, to the eye meets nothing. What the server leaves
+/// undecided counts as seen. cost  a ray a sample, and log2(spacing / precision) a change
+std::vector<Piece> seen_pieces(std::span<const Segment> segments, const Camera& camera, Rays& rays,
+                               const SightOptions& options = {});
 
 /// The ray that decides about a point: from bias_px before it to the eye, or further where rounding needs more.
 RayQuestion sight_of(const Vec3& point, const Camera& camera, double bias_px);

@@ -115,7 +115,9 @@ class Caster {
     std::array<const Pixel*, 4> p{};
     for (std::size_t i = 0; i < 4; ++i) p[i] = &pixels_[index(corner[i].first, corner[i].second)];
     for (std::size_t i = 1; i < 4; ++i) {
-      if (p[i]->object != p[0]->object || number_of(*p[i]) != number_of(*p[0]) || std::abs(p[i]->light - p[0]->light) > 0.3F) return false;
+      if (p[i]->object != p[0]->object || number_of(*p[i]) != number_of(*p[0]) ||
+          std::abs(p[i]->light - p[0]->light) > 0.3F)
+        return false;
     }
     for (int y = cell.y; y <= corner[3].second; ++y) {
       for (int x = cell.x; x <= corner[3].first; ++x) {
@@ -130,10 +132,13 @@ class Caster {
         const float u = static_cast<float>(x - cell.x) / static_cast<float>(step);
         const float v = static_cast<float>(y - cell.y) / static_cast<float>(step);
         const auto mixed = [&](float Pixel::*value) {
-          return (1 - v) * ((1 - u) * low_left.*value + u * low_right.*value) + v * ((1 - u) * high_left.*value + u * high_right.*value);
+          return (1 - v) * ((1 - u) * low_left.*value + u * low_right.*value) +
+                 v * ((1 - u) * high_left.*value + u * high_right.*value);
         };
-        pixel = {false, low_left.object, low_left.object == ShadingNormals::kNobody && low_left.light < 0 ? ToneMap::kNothing : mixed(&Pixel::light),
-                 mixed(&Pixel::clearance_m)};
+        pixel = {
+            false, low_left.object,
+            low_left.object == ShadingNormals::kNobody && low_left.light < 0 ? ToneMap::kNothing : mixed(&Pixel::light),
+            mixed(&Pixel::clearance_m)};
       }
     }
     return true;
@@ -142,7 +147,8 @@ class Caster {
   void look(const std::vector<std::size_t>& asked) {
     std::vector<RayQuestion> questions;
     for (const std::size_t i : asked) {
-      questions.push_back(camera_.through(static_cast<double>(i % width_) + 0.5, static_cast<double>(i / width_) + 0.5));
+      questions.push_back(
+          camera_.through(static_cast<double>(i % width_) + 0.5, static_cast<double>(i / width_) + 0.5));
     }
     const std::vector<Answer> answers = rays_.first_hits(questions);
     std::vector<NearQuestion> measured;
@@ -163,7 +169,8 @@ class Caster {
     const std::vector<Answer> nearest = rays_.nearest(measured, options_.clearance->name_glob);
     for (std::size_t k = 0; k < whose.size(); ++k) {
       const bool is_near = !nearest[k].hits.empty();
-      pixels_[whose[k]].clearance_m = static_cast<float>(is_near ? nearest[k].hits.front().distance_m : options_.clearance->reach_m);
+      pixels_[whose[k]].clearance_m =
+          static_cast<float>(is_near ? nearest[k].hits.front().distance_m : options_.clearance->reach_m);
     }
   }
 
@@ -181,7 +188,8 @@ class Caster {
 
 int tone_of(double light, int tones) { return std::clamp(static_cast<int>(light * tones), 0, tones - 1); }
 
-ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const Segment> lines, const ToneOptions& options, Rays& rays) {
+ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const Segment> lines,
+                   const ToneOptions& options, Rays& rays) {
   Caster caster(shown, camera, options, rays);
   caster.mark(lines);
   caster.cast();

@@ -41,11 +41,13 @@ int tone_of(double light, int tones);
 /// Rays through every fourth pixel, and through those between wherever four neighbours differ or a line runs: so tones
 /// change where n . l crosses a threshold, to the pixel, as long as what is round is larger than some pixels.
 /// lines  of the picture: their pixels are all looked through
-ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const Segment> lines, const ToneOptions& options, Rays& rays);
+ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const Segment> lines,
+                   const ToneOptions& options, Rays& rays);
 
-/// One hatching line after the other, broken where it is too light for it: 16 lines from light to dark, the second 8 across
-/// the first, each drawn wherever the tone is darker than its own threshold. So there is never less ink where it is darker.
-/// source  Praun, Hoppe, Webb, Finkelstein, "Real-Time Hatching", 2001 (tonal art maps: what light tones have, dark ones keep)
+/// One hatching line after the other, broken where it is too light for it: 16 lines from light to dark, the second 8
+/// across the first, each drawn wherever the tone is darker than its own threshold. So there is never less ink where it
+/// is darker. source  Praun, Hoppe, Webb, Finkelstein, "Real-Time Hatching", 2001 (tonal art maps: what light tones
+/// have, dark ones keep)
 std::vector<std::vector<Spot>> hatching(const ToneMap& map, double spacing_px);
 
 }  // namespace collided::draw

@@ -62,6 +62,8 @@ struct Done {};
 // ---- questions -----------------------------------------------------------------------------------------------------
 
 enum class Pick { closest, any, all };
+/// Of a server that cannot answer all: low questions are refused first, high ones never.
+enum class Importance { normal, low, high };
 
 /// direction  finite, non-zero, any length; length_m in [0, inf]
 struct RayQuestion {
@@ -104,6 +106,7 @@ struct AskOptions {
   std::chrono::nanoseconds deadline{0};             // 0: none; later answers are undecided (deadline)
   std::chrono::nanoseconds timeout{2'000'000'000};  // how long the caller waits
   bool fresh = false;                 // answer after this connection's own last write
+  Importance importance = Importance::normal;
 };
 
 enum class Verdict { miss, hit, undecided, invalid };
@@ -631,6 +634,15 @@ class Client {
   Result<std::string> command(std::string_view name, std::string_view json_arguments,
                               const Shape& shape = {}, std::chrono::nanoseconds timeout = std::chrono::seconds(10),
                               std::function<void(double)> progress = {});
+
+  /// Sends a file's bytes, for a server that cannot read the file itself, and has them loaded as a scene: the server reads
+  /// them in a process that may do nothing else. file_name: letters, digits, dot, dash and underscore, with the ending that says
+  /// the format; json_arguments and the answer: those of the command load. A file that names other files comes without them.
+  /// progress is called with a fraction in [0, 1]: of what is sent up to a half, then of what is read; the timeout is for each
+  /// step of it. Up to 1 GiB.
+  Result<std::string> upload(std::span<const std::byte> bytes, std::string_view file_name, std::string_view json_arguments = {},
+                             std::chrono::nanoseconds timeout = std::chrono::seconds(10),
+                             std::function<void(double)> progress = {});
 
   /// The newest status heard.
   Result<ServerStatus> status();

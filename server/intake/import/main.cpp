@@ -1,42 +1,25 @@
+#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <charconv>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <new>
 #include <string_view>
 
 #include "server/intake/import/assimp_scene.hpp"
+#include "server/intake/import/sandbox.hpp"
 #include "server/intake/scene_file.hpp"
 
-// collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--strict]
+// collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--up y|z] [--radius-m R] [--mend-m WIDTH]
+//                 [--strict]
 //
-// Turns a file in any format that Assimp reads into a .cscene file. A process of its own, because Assimp is large,
-// works in single precision and has been broken by crafted files: whatever happens to it here, the server lives on.
+// Turns a file of foreign bytes into a .cscene file: one in a format that is read here, or in any other that Assimp reads. A
+// process of its own, which may do nothing but that (sandbox.hpp): whatever happens to it here, the server lives on.
 
 namespace {
-
-constexpr rlim_t kMemoryBytes = rlim_t{8} << 30;
-constexpr rlim_t kProcessorSeconds = 600;
-constexpr rlim_t kOutputBytes = rlim_t{2} << 30;
-
-void limit(int resource, rlim_t amount) {
-  const rlimit both{amount, amount};
-  ::setrlimit(static_cast<__rlimit_resource_t>(resource), &both);
-}
-
-void limit_ourselves() {
-#ifndef __SANITIZE_ADDRESS__  // which maps terabytes that it never touches
-  limit(RLIMIT_AS, kMemoryBytes);
-#endif
-  limit(RLIMIT_CPU, kProcessorSeconds);
-  limit(RLIMIT_FSIZE, kOutputBytes);
-  limit(RLIMIT_CORE, 0);
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-}
 
 struct Arguments {
   std::string input;
@@ -50,24 +33,28 @@ bool parse(std::string_view text, Number& number) {
   return error == std::errc{} && stop == text.data() + text.size();
 }
 
-bool parse(int argument_count, char** arguments, Arguments& parsed) {
-  if (argument_count < 3) {
-    return false;
+bool parse_option(std::string_view option, std::string_view value, collided::LoadOptions& options) {
+  if (option == "--name") {
+    options.name = value;
+    return true;
   }
+  if (option == "--max-triangles") return parse(value, options.max_triangles);
+  if (option == "--unit-m") return parse(value, options.unit_m);
+  if (option == "--radius-m") return parse(value, options.radius_m);
+  if (option == "--mend-m") return parse(value, options.mend_m.emplace());
+  options.up = value.empty() ? '\0' : value[0];
+  return option == "--up" && (value == "y" || value == "z");
+}
+
+bool parse(int argument_count, char** arguments, Arguments& parsed) {
+  if (argument_count < 3) return false;
   parsed.input = arguments[1];
   parsed.output = arguments[2];
   for (int i = 3; i < argument_count; ++i) {
     const std::string_view option = arguments[i];
-    const std::string_view value = i + 1 < argument_count ? arguments[i + 1] : "";
     if (option == "--strict") {
       parsed.options.strict = true;
-      continue;
-    }
-    ++i;
-    if (option == "--name") {
-      parsed.options.name = value;
-    } else if (option == "--max-triangles" ? !parse(value, parsed.options.max_triangles)
-                                           : option != "--unit-m" || !parse(value, parsed.options.unit_m)) {
+    } else if (++i == argument_count || !parse_option(option, arguments[i], parsed.options)) {
       return false;
     }
   }
@@ -80,27 +67,46 @@ void print(const char* head, const std::vector<std::string>& lines) {
   }
 }
 
-}  // namespace
+collided::Scene read(const Arguments& arguments, collided::LoadReport& report) {
+  if (collided::is_read_here(arguments.input)) return collided::load_scene(arguments.input, arguments.options, report);
+  return collided::read_with_assimp(arguments.input, arguments.options, report);
+}
 
-int main(int argument_count, char** arguments) {
-  limit_ourselves();
-  Arguments parsed;
-  if (!parse(argument_count, arguments, parsed)) {
-    std::fputs("collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--strict]\n", stderr);
-    return 2;
-  }
+int convert(const Arguments& arguments, int output) {
   try {
     collided::LoadReport report;
-    collided::save_scene(parsed.output, collided::read_with_assimp(parsed.input, parsed.options, report));
+    collided::save_scene(output, "scene.cscene", read(arguments, report));
+    print("placed", report.placed);
+    print("note", report.notes);
     print("mended", report.mended);
     print("refused", report.refused);
     print("warning", report.warnings);
-    return 0;
+    return std::fflush(stdout) == 0 ? 0 : 1;
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "it needs more than %llu GiB of memory\n",
-                 static_cast<unsigned long long>(kMemoryBytes >> 30));
+    std::fprintf(stderr, "it needs more than %llu GiB of memory\n", collided::sandbox_memory_bytes() >> 30);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
   }
   return 1;
+}
+
+}  // namespace
+
+int main(int argument_count, char** argument_list) {
+  Arguments arguments;
+  if (!parse(argument_count, argument_list, arguments)) {
+    std::fputs("collided-import INPUT OUTPUT [--name NAME] [--max-triangles N] [--unit-m METRES] [--up y|z] [--radius-m R] "
+               "[--mend-m WIDTH] [--strict]\n", stderr);
+    return 2;
+  }
+  const int output = ::open(arguments.output.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (output < 0) {
+    std::fprintf(stderr, "%s: %s\n", arguments.output.c_str(), std::strerror(errno));
+    return 1;
+  }
+  if (const std::string why = collided::enter_sandbox(output); !why.empty()) {
+    std::fprintf(stderr, "%s\n", why.c_str());
+    return 1;
+  }
+  return convert(arguments, output);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <random>
 #include <thread>
 
@@ -41,7 +42,7 @@ struct ServingSide {
     EXPECT_TRUE(world.step(clock.now_ns(), 1, {}));
     publishers.stepped();
     test::count_new_listeners(true);
-    listeners.emplace(participant, test::own_namespace(), clock, inbox, answering);
+    listeners.emplace(participant, test::own_namespace(), clock, inbox, answering, &flight);
     test::count_new_listeners(false);
   }
   void define(std::uint32_t number) {
@@ -59,6 +60,8 @@ struct ServingSide {
     EXPECT_EQ(publishers.define(sample, clock.now_ns()), Applied::done);
   }
 
+  ~ServingSide() { std::filesystem::remove(flight.stem() + "_test.mcap"); }
+
   World world{WorldOptions{}};
   WorldClock clock;
   Fences fences;
@@ -70,8 +73,11 @@ struct ServingSide {
   dds::Participant participant{test::far_side()};
   dds::Topic<wire::Reply> reply_topic{participant, test::own_namespace()};
   std::atomic<bool> planted{false};
+  // As every server has one: what it notes is counted with the rest.
+  FlightRecorder flight{test::own_namespace(), 60'000'000'000,
+                        (std::filesystem::temp_directory_path() / ("allocation_" + test::own_namespace())).string()};
   Answering answering{world, clock, fences, leases, counts, audit, reply_topic,
-                      AnsweringOptions{.server = 1, .epoch = 1, .threads = 1, .recovering = [this] { return allocate(); }},
+                      AnsweringOptions{.server = 1, .epoch = 1, .threads = 1, .recovering = [this] { return allocate(); }, .flight = &flight},
                       [](CommandAsk) {}};
   std::optional<Listeners> listeners;
 
@@ -188,6 +194,7 @@ TEST_F(Allocation, NoneForASingleQuestionOfAnyKind) {
     EXPECT_EQ(counts.listener_writes + counts.worker_writes, 200U);
     EXPECT_LE(counts.locks, most_locks(counts.worker_writes)) << "none where the reading thread answers";
   }
+  EXPECT_GE(serving_.flight.write("test", 60'000'000'000).messages, 4U * 200U * 2U) << "each was noted, and its answer";
 }
 
 TEST_F(Allocation, NoneForABatchOfAThousandRays) {

@@ -17,34 +17,17 @@
 
 #include "collided/client.hpp"
 #include "tests/service/child_process.hpp"
+#include "tests/service/endurance/measuring.hpp"
 
 namespace collided::testing_support {
 namespace {
 
 using namespace std::chrono_literals;
-using SteadyClock = std::chrono::steady_clock;
 using Pair = std::pair<std::string, std::string>;
 
 constexpr int kBalls = 12;
 constexpr double kRadius_m = 0.5;
 constexpr auto kPatience = 20s;
-
-double ms_since(SteadyClock::time_point start) {
-  return std::chrono::duration<double, std::milli>(SteadyClock::now() - start).count();
-}
-
-double percentile(std::vector<double> values, double part) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(part * static_cast<double>(values.size())))];
-}
-
-template <class T>
-T value_of(Result<T> result, const char* what) {
-  if (result) return std::move(*result);
-  std::fprintf(stderr, "kill_loop: %s: %s\n", what, result.error().message.c_str());
-  std::exit(2);
-}
 
 /// What one subscriber was told.
 class Subscriber {

@@ -1,0 +1,214 @@
+#include "client/library/recorded_run.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "idl/commands.hpp"
+
+namespace collided::client {
+namespace {
+
+using recording::Recorded;
+using wire_contract::QueryKind;
+using wire_contract::ReplyStatus;
+namespace names = wire_contract::command;
+
+/// It is taken into memory.
+constexpr std::uint64_t kMostFileBytes = std::uint64_t{4} << 30;
+
+/// A text of JSON from outside, or null.
+nlohmann::json parsed(std::string_view text) { return nlohmann::json::parse(text, nullptr, false); }
+
+std::string word_of(const nlohmann::json& object, const char* key) {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  return object.is_object() && found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// How many messages the file begins with; nothing where it does not say so.
+std::optional<std::uint64_t> opening_messages(const mcap::Contents& contents) {
+  const auto entries = contents.metadata.find("recording");
+  std::uint64_t count = 0;
+  if (entries == contents.metadata.end()) return std::nullopt;
+  const auto found = entries->second.find("opening_messages");
+  if (found != entries->second.end()) std::from_chars(found->second.data(), found->second.data() + found->second.size(), count);
+  return count;
+}
+
+class Sorting {
+ public:
+  explicit Sorting(RecordedRun& run) : run_(run) {}
+
+  void sort(const mcap::Contents& contents) {
+    run_.has_opening = opening_messages(contents).has_value();
+    std::uint64_t left = opening_messages(contents).value_or(0);
+    for (const mcap::Message& message : contents.messages) {
+      const auto topic = recording::recorded_topic(contents.channels.at(message.head.channel), contents);
+      if (topic) run_.items.push_back({*topic, message.head.log_time, message.data, left > 0});
+      left -= left > 0 ? 1 : 0;
+    }
+    std::stable_sort(run_.items.begin(), run_.items.end(), [](const RecordedItem& a, const RecordedItem& b) {
+      return a.opening != b.opening ? a.opening : a.log_time < b.log_time;
+    });
+    // A reply may have come before its question did: they are on topics of their own.
+    for (const bool replies : {false, true}) {
+      for (std::size_t i = 0; i < run_.items.size(); ++i) {
+        if ((run_.items[i].topic == Recorded::reply) == replies) look_at(i);
+      }
+    }
+    settle_requests();
+    if (broken_ > 0) run_.warnings.push_back(std::to_string(broken_) + " messages hold no sample of their topic; left out");
+  }
+
+ private:
+  struct Request {
+    std::map<std::uint32_t, std::size_t> questions;  // by chunk
+    std::vector<std::size_t> replies;
+    std::uint32_t chunk_count = 0;
+    std::uint8_t kind = 0;
+    std::set<std::uint32_t> answered;  // chunks
+    std::optional<StateNumber> state;
+    std::string text;  // of a command's reply
+    bool refused = false;
+    bool opening = false;
+  };
+
+  void look_at(std::size_t index) {
+    const RecordedItem& item = run_.items[index];
+    switch (item.topic) {
+      case Recorded::object: return read(item, definition_, [&] {
+        if (item.opening) note_opening(definition_->publisher, definition_->sequence_number);
+      });
+      case Recorded::pose: return read(item, batch_, [&] {
+        if (item.opening) note_opening(batch_->publisher, batch_->sequence_number);
+      });
+      case Recorded::query: return read(item, query_, [&] { take_query(index); });
+      case Recorded::reply: return read(item, reply_, [&] { take_reply(index); });
+      case Recorded::status: return read(item, status_, [&] {
+        run_.scenes = status_->scenes;
+        take_state();
+      });
+      case Recorded::step: return read(item, status_, [&] { take_state(); });
+      default: return;
+    }
+  }
+
+  template <class T, class Then>
+  void read(const RecordedItem& item, dds::Sample<T>& sample, const Then& then) {
+    if (wire::read_cdr(item.data, sample)) {
+      then();
+    } else {
+      ++broken_;
+    }
+  }
+
+  void note_opening(std::uint64_t publisher, std::uint64_t sequence) {
+    std::uint64_t& through = run_.opening_through[publisher];
+    through = std::max(through, sequence);
+  }
+
+  void take_state() {
+    RecordedState state;
+    const auto publishers = dds::view(status_->publishers);
+    const auto applied = dds::view(status_->applied_sequences);
+    const auto states = dds::view(status_->publisher_states);
+    for (std::size_t i = 0; i < std::min({publishers.size(), applied.size(), states.size()}); ++i) {
+      state.applied[publishers[i]] = applied[i];
+      if (states[i] == static_cast<std::uint8_t>(wire_contract::PublisherState::lost)) state.lost.insert(publishers[i]);
+    }
+    // Of one version the newest word: samples that changed nothing and losses without an object come after it was made.
+    run_.states[{status_->epoch, status_->version}] = std::move(state);
+  }
+
+  void take_query(std::size_t index) {
+    if (query_->kind == static_cast<std::uint8_t>(QueryKind::hello)) return;
+    if (query_->kind == static_cast<std::uint8_t>(QueryKind::command) && !is_change(query_->text)) return;
+    Request& request = requests_[{query_->client, query_->request}];
+    request.questions.emplace(query_->chunk_index, index);
+    request.chunk_count = query_->chunk_count;
+    request.kind = query_->kind;
+    request.opening = run_.items[index].opening;
+    if (request.opening) settle_opening(request);
+  }
+
+  /// What was added before the recording has no reply in it, and more than one may have the number of the other.
+  void settle_opening(Request& request) {
+    run_.commands[{0, 0}].push_back(request.questions.begin()->second);
+    requests_.erase({query_->client, query_->request});
+  }
+
+  bool is_change(const char* text) {
+    const std::string what = word_of(parsed(text), "command");
+    if (what == names::kLoad || what == names::kClear) ++run_.changing_files;
+    return what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe;
+  }
+
+  void take_reply(std::size_t index) {
+    const auto found = requests_.find({reply_->client, reply_->request});
+    if (found == requests_.end() || reply_->status == static_cast<std::uint8_t>(ReplyStatus::progress)) return;
+    Request& request = found->second;
+    request.refused = request.refused || reply_->status == static_cast<std::uint8_t>(ReplyStatus::refused);
+    request.replies.push_back(index);
+    request.answered.insert(reply_->chunk_index);
+    request.state = {reply_->epoch, reply_->version};
+    const auto text = dds::view(reply_->text);
+    request.text.append(text.begin(), text.end());
+  }
+
+  void settle_requests() {
+    for (auto& [who, request] : requests_) {
+      const bool command = request.kind == static_cast<std::uint8_t>(QueryKind::command);
+      const bool whole = request.state && request.questions.size() == request.chunk_count &&
+                         (command || request.answered.size() == request.chunk_count);
+      if (request.refused) continue;
+      if (!whole) {
+        ++run_.unanswered;
+      } else if (command) {
+        // The state that it made is in its answer; the reply's own may be a later one.
+        const nlohmann::json answer = parsed(request.text);
+        const auto version = answer.is_object() ? answer.find("version") : answer.end();
+        const bool told = answer.is_object() && version != answer.end() && version->is_number_unsigned();
+        const std::uint64_t made = told ? version->get<std::uint64_t>() : request.state->second;
+        run_.commands[{request.state->first, made}].push_back(request.questions.begin()->second);
+      } else {
+        RecordedRequest about{.questions = {}, .replies = request.replies};
+        for (const auto& [chunk, index] : request.questions) about.questions.push_back(index);
+        run_.requests[*request.state].push_back(std::move(about));
+      }
+    }
+  }
+
+  RecordedRun& run_;
+  dds::Sample<wire::Definition> definition_;
+  dds::Sample<wire::PoseBatch> batch_;
+  dds::Sample<wire::Query> query_;
+  dds::Sample<wire::Reply> reply_;
+  dds::Sample<wire::Status> status_;
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Request> requests_;  // client, number
+  std::uint64_t broken_ = 0;
+};
+
+}  // namespace
+
+RecordedRun read_run(const std::string& path) { return read_run(mcap::read_file(path, kMostFileBytes), path); }
+
+RecordedRun read_run(std::vector<std::byte> bytes, const std::string& name) {
+  RecordedRun run;
+  run.bytes = std::move(bytes);
+  const mcap::Contents contents = mcap::read(run.bytes);
+  if (!contents.is_mcap) throw std::runtime_error(name + ": is no MCAP file. Nothing was replayed");
+  const auto say = [&](std::uint64_t count, const char* what) {
+    if (count > 0) run.warnings.push_back(name + ": " + std::to_string(count) + what);
+  };
+  if (!contents.damage.empty()) run.warnings.push_back(name + ": " + contents.damage);
+  say(contents.bad_chunks, " chunks are damaged; left out");
+  say(contents.compressed_chunks, " chunks are compressed, which is not read here; left out");
+  say(contents.lost_messages, " messages are of no known channel; left out");
+  Sorting(run).sort(contents);
+  if (run.items.empty()) throw std::runtime_error(name + ": holds nothing of a collision server. Nothing was replayed");
+  return run;
+}
+
+}  // namespace collided::client

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "idl/cdr.hpp"
+#include "idl/recording/recorded_topics.hpp"
+
+namespace collided::client {
+
+/// Samples on their way from DDS's thread to the disk, as bytes.
+///
+/// limit    kMostBytes wait; what comes beyond is dropped and counted
+/// threads  any puts; one takes
+class RecordingQueue {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+  static constexpr std::size_t kTopics = recording::kRecordedTopics.size();
+
+  struct Entry {
+    recording::Recorded topic{};
+    std::uint64_t log_time = 0;
+    std::uint64_t publish_time = 0;
+    std::size_t begin = 0, size = 0;  // in the bytes
+  };
+  struct Batch {
+    std::vector<Entry> entries;
+    std::vector<std::byte> bytes;
+  };
+
+  template <class T>
+  void put(recording::Recorded topic, const T& sample, std::uint64_t log_time, std::uint64_t publish_time) {
+    const std::size_t size = wire::cdr_size(sample);
+    const std::lock_guard lock(mutex_);
+    const std::size_t begin = waiting_.bytes.size();
+    if (begin + size > kMostBytes) {
+      ++dropped_[static_cast<std::size_t>(topic) - 1];
+      return;
+    }
+    waiting_.bytes.resize(begin + size);
+    wire::write_cdr(sample, std::span(waiting_.bytes).subspan(begin));
+    waiting_.entries.push_back({topic, log_time, publish_time, begin, size});
+    if (begin + size >= kWakeBytes) came_.notify_one();
+  }
+
+  /// Swaps what waits into `batch`, once there is much of it, after `wait`, or when woken.
+  void take(Batch& batch, std::chrono::nanoseconds wait);
+  void wake();
+  /// By topic, from 0.
+  std::array<std::uint64_t, kTopics> dropped() const;
+
+ private:
+  static constexpr std::size_t kWakeBytes = std::size_t{1} << 20;
+  mutable std::mutex mutex_;
+  std::condition_variable came_;
+  bool woken_ = false;
+  Batch waiting_;
+  std::array<std::uint64_t, kTopics> dropped_{};
+};
+
+}  // namespace collided::client

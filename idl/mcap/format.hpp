@@ -1,0 +1,122 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string_view>
+#include <vector>
+
+/// The layout of MCAP files (https://mcap.dev/spec, version 0): records of an opcode, a length and a content; messages in
+/// chunks; a summary at the end. All numbers are little-endian.
+namespace collided::mcap {
+
+inline constexpr std::array<unsigned char, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+
+enum class Opcode : std::uint8_t {
+  header = 1,
+  footer,
+  schema,
+  channel,
+  message,
+  chunk,
+  message_index,
+  chunk_index,
+  attachment,
+  attachment_index,
+  statistics,
+  metadata,
+  metadata_index,
+  summary_offset,
+  data_end
+};
+
+inline constexpr std::size_t kRecordPrefixBytes = 9;    // opcode, length
+inline constexpr std::size_t kMessagePrefixBytes = 31;  // and channel, number, two times
+inline constexpr std::size_t kChunkPrefixBytes = 49;    // and two times, size, checksum, no compression, size
+
+/// What a message says of itself.
+struct MessageHead {
+  std::uint16_t channel = 0;
+  std::uint32_t number = 0;      // of the channel's messages
+  std::uint64_t log_time = 0;    // ns since 1970: when it was recorded
+  std::uint64_t publish_time = 0;  // and when it was sent
+};
+
+namespace detail {
+template <class Number>
+std::byte* put(std::byte* out, Number number) {
+  std::memcpy(out, &number, sizeof number);
+  return out + sizeof number;
+}
+}  // namespace detail
+
+/// Fixed-size beginnings of records, written where the caller says: safe in a signal handler.
+/// out  kMessagePrefixBytes; the message's data follows
+inline void put_message_prefix(std::byte* out, const MessageHead& head, std::uint64_t data_bytes) {
+  out = detail::put(out, Opcode::message);
+  out = detail::put(out, kMessagePrefixBytes - kRecordPrefixBytes + data_bytes);
+  out = detail::put(out, head.channel);
+  out = detail::put(out, head.number);
+  out = detail::put(out, head.log_time);
+  detail::put(out, head.publish_time);
+}
+
+/// out  kChunkPrefixBytes; the chunk's records follow, uncompressed
+/// crc  of the records; 0: not known
+inline void put_chunk_prefix(std::byte* out, std::uint64_t first_time, std::uint64_t last_time, std::uint64_t records_bytes,
+                             std::uint32_t crc) {
+  out = detail::put(out, Opcode::chunk);
+  out = detail::put(out, kChunkPrefixBytes - kRecordPrefixBytes + records_bytes);
+  out = detail::put(out, first_time);
+  out = detail::put(out, last_time);
+  out = detail::put(out, records_bytes);
+  out = detail::put(out, crc);
+  out = detail::put(out, std::uint32_t{0});  // the compression's name is empty
+  detail::put(out, records_bytes);
+}
+
+/// Bytes of a record as they are put together.
+class Bytes {
+ public:
+  template <class Number>
+  void number(Number value) {
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + sizeof value);
+    std::memcpy(bytes_.data() + at, &value, sizeof value);
+  }
+  void raw(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+  void text(std::string_view text) {
+    number(static_cast<std::uint32_t>(text.size()));
+    raw(std::as_bytes(std::span(text)));
+  }
+  /// A record's opcode, and room for its length; end() fills that in, with what is still to come counted too.
+  std::size_t begin(Opcode opcode) {
+    number(opcode);
+    number(std::uint64_t{0});
+    return bytes_.size();
+  }
+  void end(std::size_t begin, std::size_t to_come = 0) {
+    patch(begin - 8, static_cast<std::uint64_t>(bytes_.size() - begin + to_come));
+  }
+  /// A length in bytes of what stands between, for arrays and maps.
+  std::size_t begin_list() {
+    number(std::uint32_t{0});
+    return bytes_.size();
+  }
+  void end_list(std::size_t begin) { patch(begin - 4, static_cast<std::uint32_t>(bytes_.size() - begin)); }
+
+  std::span<const std::byte> all() const { return bytes_; }
+  std::size_t size() const { return bytes_.size(); }
+  void clear() { bytes_.clear(); }
+
+ private:
+  template <class Number>
+  void patch(std::size_t at, Number value) {
+    std::memcpy(bytes_.data() + at, &value, sizeof value);
+  }
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace collided::mcap

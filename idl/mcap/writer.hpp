@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "idl/mcap/format.hpp"
+#include "idl/mcap/output.hpp"
+
+namespace collided::mcap {
+
+/// A channel as a file describes it. Messages are of `encoding`, schemas of `schema_encoding` (names of the MCAP registry).
+struct ChannelDescription {
+  std::string topic;
+  std::string encoding;
+  std::string schema_name;
+  std::string schema_encoding;
+  std::string schema;
+  std::vector<std::pair<std::string, std::string>> metadata = {};
+};
+
+/// The beginning of a file: magic, header, schemas and channels, numbered from 1 in their order.
+void put_opening(Bytes& bytes, std::string_view library, const std::vector<ChannelDescription>& channels);
+
+/// Writes an MCAP file chunk by chunk, each with its checksum and index; close() adds the summary. A file that was not
+/// closed is whole up to its last chunk.
+///
+/// limits   a chunk is written once it holds kChunkBytes, or at flush(); memory: that much, and 16 bytes a message for the
+///          indexes of the chunk at work, 100 bytes a chunk for the summary
+/// errors   after the output has refused a piece nothing more is written but what close() still can; see failed()
+/// threads  one
+class Writer {
+ public:
+  static constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+
+  Writer(Output& output, std::string_view library, std::vector<ChannelDescription> channels);
+
+  /// channel  number in the order of the descriptions, from 1
+  void write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::span<const std::byte> data);
+  /// What waits becomes a chunk.
+  void flush();
+  /// Text that belongs to the whole file, in a record of its own.
+  void metadata(std::string_view name, const std::vector<std::pair<std::string, std::string>>& entries);
+  /// False: the output took no end, so readers will find none.
+  bool close();
+
+  bool failed() const { return failed_; }
+  /// Given to write(); of these, those in chunks that the output refused are not in the file.
+  std::uint64_t messages() const { return messages_; }
+  std::uint64_t messages_written() const { return messages_written_; }
+
+ private:
+  struct ChunkEntry {
+    std::uint64_t first_time, last_time, start, length, records_bytes, index_bytes;
+    std::vector<std::pair<std::uint16_t, std::uint64_t>> index_offsets;
+  };
+  struct MetadataEntry {
+    std::uint64_t start, length;
+    std::string name;
+  };
+  bool append(const Bytes& bytes);
+  void put_message_indexes(Bytes& bytes, ChunkEntry& entry) const;
+  void put_summary(Bytes& bytes) const;
+  void put_statistics(Bytes& bytes) const;
+  void put_chunk_indexes(Bytes& bytes) const;
+
+  Output& output_;
+  std::vector<ChannelDescription> channels_;
+  std::uint64_t written_bytes_ = 0;
+  bool failed_ = false;
+  std::uint64_t messages_ = 0;
+  std::uint64_t messages_written_ = 0;
+  std::uint64_t first_time_ = 0, last_time_ = 0;
+  std::map<std::uint16_t, std::uint64_t> counts_;  // written, by channel
+  std::vector<std::uint32_t> numbers_;             // of the next message, by channel
+  std::vector<ChunkEntry> chunks_;
+  std::vector<MetadataEntry> metadata_;
+
+  // The chunk at work.
+  Bytes records_;
+  std::uint64_t chunk_messages_ = 0;
+  std::uint64_t chunk_first_ = 0, chunk_last_ = 0;
+  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_index_;  // time, offset
+  Bytes piece_;
+};
+
+}  // namespace collided::mcap

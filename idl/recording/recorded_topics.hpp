@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "idl/mcap/reader.hpp"
+#include "idl/mcap/writer.hpp"
+#include "idl/topics.hpp"
+
+/// What a recording holds: each topic of a namespace is a channel of an MCAP file, its messages the CDR bytes of cdr.hpp,
+/// its schema the text of collided.idl. Written by `collide record` and by the server's flight recorder.
+namespace collided::recording {
+
+/// The channel's number in files that are written here.
+enum class Recorded : std::uint16_t { object = 1, pose, query, reply, event, contact, probe, status, step };
+
+struct RecordedTopic {
+  Recorded what;
+  const wire_contract::TopicQos& row;
+  const char* type;  // in collided.idl
+};
+
+inline constexpr std::array<RecordedTopic, 9> kRecordedTopics{{
+    {Recorded::object, wire_contract::kObjectTopic, "collided::wire::Definition"},
+    {Recorded::pose, wire_contract::kPoseTopic, "collided::wire::PoseBatch"},
+    {Recorded::query, wire_contract::kQueryTopic, "collided::wire::Query"},
+    {Recorded::reply, wire_contract::kReplyTopic, "collided::wire::Reply"},
+    {Recorded::event, wire_contract::kEventTopic, "collided::wire::EventFrame"},
+    {Recorded::contact, wire_contract::kContactTopic, "collided::wire::ContactShard"},
+    {Recorded::probe, wire_contract::kProbeTopic, "collided::wire::ProbeFrame"},
+    {Recorded::status, wire_contract::kStatusTopic, "collided::wire::Status"},
+    {Recorded::step, wire_contract::kStepTopic, "collided::wire::Status"},
+}};
+
+/// The channels of a namespace, in the order of kRecordedTopics.
+std::vector<mcap::ChannelDescription> channels_of(std::string_view name_space);
+
+/// Which topic a channel of a file is of, by the end of its name and its schema's; nothing for channels of others.
+std::optional<Recorded> recorded_topic(const mcap::Channel& channel, const mcap::Contents& contents);
+
+/// "collided 0.1.0", as files name their writer.
+std::string library_name();
+
+}  // namespace collided::recording

@@ -1,0 +1,9 @@
+#include "server/intake/import/assimp_scene.hpp"
+
+namespace collided {
+
+Scene read_with_assimp(const std::string&, const LoadOptions&, LoadReport&) {
+  throw LoadError("this build has no Assimp, which alone reads this format");
+}
+
+}  // namespace collided

@@ -1,0 +1,219 @@
+#include "server/service/flight_opening.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "idl/commands.hpp"
+#include "idl/mcap/format.hpp"
+
+namespace collided::service {
+namespace {
+
+using recording::Recorded;
+using wire_contract::kPoseNumbers;
+namespace names = wire_contract::command;
+
+template <class T>
+std::vector<std::byte> bytes_of(const T& sample) {
+  std::vector<std::byte> bytes(wire::cdr_size(sample));
+  wire::write_cdr(sample, bytes);
+  return bytes;
+}
+
+template <class T>
+void fold_as(FlightOpening& opening, std::span<const std::byte> data) {
+  dds::Sample<T> sample;
+  if (wire::read_cdr(data, sample)) opening.fold(*sample);
+}
+
+}  // namespace
+
+void FlightOpening::fold(std::span<const std::byte> records) {
+  while (records.size() >= mcap::kMessagePrefixBytes) {
+    std::uint64_t length = 0;
+    std::uint16_t channel = 0;
+    std::memcpy(&length, records.data() + 1, sizeof length);
+    std::memcpy(&channel, records.data() + mcap::kRecordPrefixBytes, sizeof channel);
+    const std::size_t whole = mcap::kRecordPrefixBytes + length;
+    const std::span<const std::byte> data = records.first(whole).subspan(mcap::kMessagePrefixBytes);
+    switch (static_cast<Recorded>(channel)) {
+      case Recorded::object: fold_as<wire::Definition>(*this, data); break;
+      case Recorded::pose: fold_as<wire::PoseBatch>(*this, data); break;
+      case Recorded::query: fold_as<wire::Query>(*this, data); break;
+      case Recorded::status: fold_as<wire::Status>(*this, data); break;
+      default: break;
+    }
+    records = records.subspan(whole);
+  }
+}
+
+/// The publisher's newest life; null for a sample of an earlier one, or where there are too many.
+FlightOpening::Publisher* FlightOpening::meet(std::uint64_t id, std::uint64_t incarnation) {
+  constexpr std::size_t kMostPublishers = 1'000;
+  const bool known = publishers_.count(id) > 0;
+  if (!known && publishers_.size() >= kMostPublishers) {
+    ++left_out_;
+    return nullptr;
+  }
+  Publisher& publisher = publishers_[id];
+  if (incarnation < publisher.incarnation) return nullptr;
+  if (incarnation > publisher.incarnation) {
+    forget(publisher);
+    publisher = {};
+    publisher.incarnation = incarnation;
+  }
+  return &publisher;
+}
+
+void FlightOpening::forget(Publisher& publisher) {
+  for (const auto& [number, defined] : publisher.objects) bytes_ -= defined.bytes.size();
+  objects_ -= publisher.objects.size();
+  poses_ -= publisher.poses.size();
+}
+
+bool FlightOpening::has_room(std::size_t bytes) {
+  const bool room = bytes_ + bytes <= kMostBytes;
+  left_out_ += room ? 0 : 1;
+  return room;
+}
+
+void FlightOpening::fold(const wire::Definition& definition) {
+  Publisher* publisher = meet(definition.publisher, definition.incarnation);
+  if (publisher == nullptr) return;
+  publisher->last_sequence = std::max<std::uint64_t>(publisher->last_sequence, definition.sequence_number);
+  publisher->definitions_through = std::max<std::uint64_t>(publisher->definitions_through, definition.sequence_number);
+  const auto found = publisher->objects.find(definition.object_number);
+  if (found != publisher->objects.end()) {
+    if (found->second.sequence > definition.sequence_number) return;
+    bytes_ -= found->second.bytes.size();
+    --objects_;
+    publisher->objects.erase(found);
+  }
+  const auto posed = publisher->poses.find(definition.object_number);
+  if (posed != publisher->poses.end() && posed->second.sequence < definition.sequence_number) {
+    publisher->poses.erase(posed);
+    --poses_;
+  }
+  if (definition.removed) return;
+  std::vector<std::byte> bytes = bytes_of(definition);
+  if (objects_ >= kMostObjects || !has_room(bytes.size())) return;
+  bytes_ += bytes.size();
+  ++objects_;
+  publisher->objects[definition.object_number] = {definition.sequence_number, definition.lost_policy, std::move(bytes)};
+}
+
+void FlightOpening::fold(const wire::PoseBatch& batch) {
+  Publisher* publisher = meet(batch.publisher, batch.incarnation);
+  const auto numbers = dds::view(batch.object_numbers);
+  const auto poses = dds::view(batch.poses);
+  if (publisher == nullptr || poses.size() != numbers.size() * kPoseNumbers) return;
+  publisher->last_sequence = std::max<std::uint64_t>(publisher->last_sequence, batch.sequence_number);
+  publisher->source_time_ns = std::max<std::int64_t>(publisher->source_time_ns, batch.source_time_ns);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    // Poses may come before what they are of: definitions are on a topic of their own.
+    const auto defined = publisher->objects.find(numbers[i]);
+    if (defined != publisher->objects.end() && defined->second.sequence > batch.sequence_number) continue;
+    if (poses_ >= 2 * kMostObjects && publisher->poses.count(numbers[i]) == 0) {
+      ++left_out_;
+      continue;
+    }
+    const auto [place, is_new] = publisher->poses.try_emplace(numbers[i]);
+    Posed& posed = place->second;
+    poses_ += is_new ? 1 : 0;
+    if (posed.sequence > batch.sequence_number) continue;
+    posed.sequence = batch.sequence_number;
+    std::copy_n(poses.begin() + static_cast<std::ptrdiff_t>(i * kPoseNumbers), kPoseNumbers, posed.pose.begin());
+  }
+}
+
+void FlightOpening::drop_commands_of(const std::string& what, const std::string& name) {
+  std::erase_if(commands_, [&](const Command& command) {
+    const bool drop = command.what == what && command.name == name;
+    bytes_ -= drop ? command.bytes.size() : 0;
+    return drop;
+  });
+}
+
+/// Commands that change the world, the newest of each object: adding and moving over and over takes no more room.
+void FlightOpening::fold(const wire::Query& query) {
+  if (query.kind != static_cast<std::uint8_t>(wire_contract::QueryKind::command)) return;
+  const nlohmann::json text = nlohmann::json::parse(query.text, nullptr, false);
+  if (!text.is_object() || !text.contains("command") || !text["command"].is_string()) return;
+  const std::string what = text["command"];
+  const bool changes = what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe ||
+                       what == names::kLoad || what == names::kClear;
+  if (!changes) return;
+  const bool named = text.contains("name") && text["name"].is_string();
+  const std::string name = named ? text["name"].get<std::string>() : std::string();
+  const bool is_glob = name.find_first_of("*?[") != std::string::npos;
+  if (what == names::kRemove && !is_glob) {
+    const std::size_t before = commands_.size();
+    drop_commands_of(names::kMove, name);
+    drop_commands_of(names::kAdd, name);
+    if (commands_.size() < before) return;
+  }
+  if (what == names::kMove || what == names::kProbe) drop_commands_of(what, name);
+  std::vector<std::byte> bytes = bytes_of(query);
+  if (!has_room(bytes.size())) return;
+  bytes_ += bytes.size();
+  commands_.push_back({name, what, std::move(bytes)});
+}
+
+/// A lost publisher's objects are gone where it wished so.
+void FlightOpening::fold(const wire::Status& status) {
+  const auto ids = dds::view(status.publishers);
+  const auto states = dds::view(status.publisher_states);
+  for (std::size_t i = 0; i < std::min(ids.size(), states.size()); ++i) {
+    const auto found = publishers_.find(ids[i]);
+    const bool lost = states[i] == static_cast<std::uint8_t>(wire_contract::PublisherState::lost);
+    if (!lost || found == publishers_.end()) continue;
+    std::erase_if(found->second.objects, [&](const auto& object) {
+      const bool gone = object.second.lost_policy == static_cast<std::uint8_t>(wire_contract::LostPolicy::remove);
+      if (gone) {
+        bytes_ -= object.second.bytes.size();
+        --objects_;
+        poses_ -= found->second.poses.erase(object.first);
+      }
+      return gone;
+    });
+  }
+}
+
+void FlightOpening::write(const std::function<void(Recorded, std::span<const std::byte>)>& put) const {
+  for (const auto& [id, publisher] : publishers_) {
+    // In the order in which they were defined: ties between objects are broken by their age.
+    std::map<std::uint64_t, const Defined*> by_age;
+    for (const auto& [number, defined] : publisher.objects) by_age[defined.sequence] = &defined;
+    for (const auto& [sequence, defined] : by_age) put(Recorded::object, defined->bytes);
+  }
+  for (const auto& [id, publisher] : publishers_) {
+    if (publisher.objects.empty()) continue;
+    dds::Sample<wire::PoseBatch> batch;
+    batch->publisher = id;
+    batch->incarnation = publisher.incarnation;
+    batch->sequence_number = publisher.last_sequence;
+    batch->definitions_through = publisher.definitions_through;
+    batch->source_time_ns = publisher.source_time_ns;
+    batch->flags = wire_contract::kTeleported;
+    std::vector<std::uint32_t> numbers;
+    std::vector<double> poses;
+    const auto send = [&] {
+      dds::borrow(batch->object_numbers, numbers);
+      dds::borrow(batch->poses, poses);
+      put(Recorded::pose, bytes_of(*batch));
+      numbers.clear();
+      poses.clear();
+    };
+    for (const auto& [number, posed] : publisher.poses) {
+      if (publisher.objects.count(number) == 0) continue;
+      numbers.push_back(number);
+      poses.insert(poses.end(), posed.pose.begin(), posed.pose.end());
+      if (numbers.size() == wire_contract::kMaxPosesPerBatch) send();
+    }
+    send();  // an empty one too: it carries the newest sample's number
+  }
+  for (const Command& command : commands_) put(Recorded::query, command.bytes);
+}
+
+}  // namespace collided::service

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+namespace collided::service {
+
+/// The newest records, in blocks of memory that are used again and again; what leaves is shown once more. Memory is taken
+/// as it is needed, at most kBlocks * kBlockBytes.
+///
+/// threads  one; for_each_block() also from a signal handler of that process, while nobody adds
+class FlightWindow {
+ public:
+  static constexpr std::size_t kBlocks = 32;
+  static constexpr std::size_t kBlockBytes = std::size_t{2} << 20;  // any message fits, with as much again
+
+  /// leave  called with the records of the oldest block before its memory is used again
+  FlightWindow(std::uint64_t window_ns, std::function<void(std::span<const std::byte>)> leave)
+      : window_ns_(window_ns), leave_(std::move(leave)) {}
+
+  /// record  of an MCAP message, as flight_ring.hpp makes it, at most a block
+  void add(std::span<const std::byte> record, std::uint64_t log_time);
+  /// Lets go what is older than the window.
+  void expire(std::uint64_t now);
+
+  /// Oldest first: see(records, first log time, last log time).
+  template <class See>
+  void for_each_block(See&& see) const {
+    const std::size_t first = first_.load(std::memory_order_acquire);
+    const std::size_t count = count_.load(std::memory_order_acquire);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Block& block = blocks_[(first + i) % kBlocks];
+      const std::size_t used = block.used.load(std::memory_order_acquire);
+      if (used > 0) see(std::span<const std::byte>(block.bytes.get(), used), block.first_time, block.last_time);
+    }
+  }
+
+ private:
+  struct Block {
+    std::unique_ptr<std::byte[]> bytes;
+    std::atomic<std::size_t> used{0};
+    std::uint64_t first_time = 0, last_time = 0;
+  };
+  Block& newest() { return blocks_[(first_ + count_ - 1) % kBlocks]; }
+  void open_block(std::uint64_t log_time);
+  void drop_oldest();
+
+  const std::uint64_t window_ns_;
+  std::function<void(std::span<const std::byte>)> leave_;
+  std::array<Block, kBlocks> blocks_;
+  std::atomic<std::size_t> first_{0}, count_{0};
+};
+
+}  // namespace collided::service

@@ -1,0 +1,45 @@
+#include "tests/cli/fake_client.hpp"
+
+namespace collided {
+
+struct Recording::State {};
+Recording::Recording(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Recording::~Recording() = default;
+Recording::Recording(Recording&&) noexcept = default;
+Recording& Recording::operator=(Recording&&) noexcept = default;
+RecordingCounts Recording::counts() const { return fake::server().recording; }
+Result<RecordingCounts> Recording::finish() {
+  if (fake::server().recording_error) return *fake::server().recording_error;
+  return fake::server().recording;
+}
+
+Result<Recording> record(const ConnectOptions& options, const std::string& path) {
+  fake::server().connected_with = options;
+  if (fake::server().connect_error) return *fake::server().connect_error;
+  fake::server().recorded_to = path;
+  return Recording(std::make_unique<Recording::State>());
+}
+
+Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono::nanoseconds last, const std::string& path) {
+  fake::server().connected_with = options;
+  fake::server().fetched = last;
+  fake::server().recorded_to = path;
+  return std::uint64_t{1'234'567};
+}
+
+Result<ReplayReport> replay(const ConnectOptions& connect, const ReplayOptions& options) {
+  fake::Server& server = fake::server();
+  server.connected_with = connect;
+  server.replayed_with = options;
+  if (server.replays.empty()) return Error{ErrorCode::bad_input, options.path + ": is no MCAP file. Nothing was replayed", ""};
+  const ReplayReport report = server.replays.front();
+  if (server.replays.size() > 1) server.replays.pop_front();
+  return report;
+}
+
+std::vector<Finding> diagnose(const ConnectOptions& options) {
+  fake::server().connected_with = options;
+  return fake::server().findings;
+}
+
+}  // namespace collided

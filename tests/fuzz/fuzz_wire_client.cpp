@@ -1,0 +1,160 @@
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+
+#include "client/library/answer_decoding.hpp"
+#include "client/library/asked_again.hpp"
+#include "client/library/watch_decoding.hpp"
+#include "tests/fuzz/fuzz_target.hpp"
+#include "tests/fuzz/framed.hpp"
+
+// What a server, or whoever speaks like one, may send to a client: replies, and everything that a watch hears. Nothing of it
+// makes a watch tell of an end without a beginning.
+
+namespace {
+
+using namespace collided;
+
+class Listener {
+ public:
+  void hear(std::uint8_t kind, std::span<const std::byte> bytes) {
+    now_ += std::chrono::milliseconds(kind >= 128 ? 400 : 1);
+    switch (kind % 5) {
+      case 0: return hear_frame(bytes, false);
+      case 1: return hear_frame(bytes, true);
+      case 2: return hear_shard(bytes);
+      case 3: return hear_status(bytes);
+      default: return hear_reply(bytes);
+    }
+  }
+
+ private:
+  void hear_frame(std::span<const std::byte> bytes, bool persisted) {
+    dds::Sample<wire::EventFrame> frame;
+    if (!wire::read_cdr(bytes, frame)) return;
+    if (const auto heard = client::decode(*frame, names_)) persisted ? state_.hear_persisted(*heard) : state_.hear(*heard, now_);
+  }
+  void hear_shard(std::span<const std::byte> bytes) {
+    dds::Sample<wire::ContactShard> shard;
+    if (!wire::read_cdr(bytes, shard)) return;
+    if (const auto heard = client::decode(*shard, names_)) state_.hear(*heard, now_);
+  }
+  void hear_status(std::span<const std::byte> bytes) {
+    dds::Sample<wire::Status> status;
+    if (!wire::read_cdr(bytes, status)) return;
+    state_.hear(client::decode(*status), now_);
+    pulse_.hear(status);
+    fuzz::require(pulse_.status().has_value(), "a status is one");
+  }
+  void hear_reply(std::span<const std::byte> bytes) {
+    dds::Sample<wire::Reply> reply;
+    if (!wire::read_cdr(bytes, reply)) return;
+    static_cast<void>(collector_.add(*reply));
+    std::map<std::uint64_t, client::ComparedAnswer> answers;
+    static_cast<void>(client::add_answers(*reply, answers));
+  }
+  void emit(const Event& event) {
+    // Numbers of objects belong to one life of a server, names outlive it.
+    const std::pair<std::string, std::string> pair = std::minmax(event.a, event.b);
+    if (event.what == What::ended) {
+      fuzz::require(open_.erase(pair) == 1, "what ends has begun");
+    } else if (event.what != What::persisted) {
+      fuzz::require(open_.insert(pair).second, "nothing begins twice");
+    }
+  }
+
+  client::Clock::time_point now_{std::chrono::milliseconds(1'000)};
+  std::set<std::pair<std::string, std::string>> open_;
+  client::Names names_;
+  client::ServerPulse pulse_;
+  client::WatchState state_{[this](const Event& event) { emit(event); }};
+  client::AnswerCollector collector_{5, 1'000, names_};
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Listener listener;
+  collided::fuzz::for_each_frame(std::as_bytes(std::span(data, size)), [&](std::uint8_t kind, std::span<const std::byte> bytes) { listener.hear(kind, bytes); });
+  return 0;
+}
+
+std::vector<std::string> fuzz_seeds() {
+  using namespace collided;
+  const std::vector<std::uint64_t> a{1}, b{2}, episodes{1};
+  const std::vector<std::uint64_t> ids{1, 2};
+  const std::vector<std::string> both{"crate", "shelf"};
+  const std::vector<std::uint8_t> names = wire_contract::pack_names(both), began{0}, ended{2}, none{0}, separated{1};
+  const std::vector<std::uint8_t> shard{wire_contract::contact_shard(1, 2)};
+  const std::vector<std::uint32_t> triangles{7};
+  const std::vector<double> event_numbers(wire_contract::kEventNumbers, 0.5), contact_numbers(wire_contract::kContactNumbers, 0.5), hit_numbers(wire_contract::kHitNumbers, 1.5);
+  const std::vector<std::int64_t> began_ns{5};
+
+  dds::Sample<wire::EventFrame> frame;
+  frame->server = frame->epoch = frame->first_sequence = 1;
+  dds::borrow(frame->kinds, began);
+  dds::borrow(frame->reasons, none);
+  dds::borrow(frame->shards, shard);
+  dds::borrow(frame->a, a);
+  dds::borrow(frame->b, b);
+  dds::borrow(frame->a_triangles, triangles);
+  dds::borrow(frame->b_triangles, triangles);
+  dds::borrow(frame->episodes, episodes);
+  dds::borrow(frame->numbers, event_numbers);
+  dds::borrow(frame->named_ids, ids);
+  dds::borrow(frame->names, names);
+
+  dds::Sample<wire::ContactShard> contacts;
+  contacts->server = contacts->epoch = contacts->as_of_sequence = 1;
+  contacts->shard = shard[0];
+  dds::borrow(contacts->a, a);
+  dds::borrow(contacts->b, b);
+  dds::borrow(contacts->a_triangles, triangles);
+  dds::borrow(contacts->b_triangles, triangles);
+  dds::borrow(contacts->episodes, episodes);
+  dds::borrow(contacts->began_ns, began_ns);
+  dds::borrow(contacts->numbers, contact_numbers);
+  dds::borrow(contacts->named_ids, ids);
+  dds::borrow(contacts->names, names);
+
+  dds::Sample<wire::Status> status;
+  status->server = status->epoch = 1;
+  status->state = static_cast<std::uint8_t>(wire_contract::ServerState::ready);
+
+  dds::Sample<wire::Reply> reply;
+  reply->server = reply->epoch = 1;
+  reply->chunk_count = 1;
+  const std::vector<std::uint8_t> verdicts{1, 0, 0, 2, 0}, reasons{0, 0, 0, 1, 0}, levels(5, 0);
+  const std::vector<std::uint32_t> hit_counts{1, 0, 0, 0, 0}, nodes(5, 3);
+  dds::borrow(reply->answers, verdicts);
+  dds::borrow(reply->reasons, reasons);
+  dds::borrow(reply->levels, levels);
+  dds::borrow(reply->hit_counts, hit_counts);
+  dds::borrow(reply->nodes, nodes);
+  dds::borrow(reply->exact_tests, nodes);
+  dds::borrow(reply->objects, a);
+  dds::borrow(reply->triangles, triangles);
+  dds::borrow(reply->hit_flags, none);
+  dds::borrow(reply->numbers, hit_numbers);
+  dds::borrow(reply->named_ids, ids);
+  dds::borrow(reply->names, names);
+
+  std::string whole, late;
+  fuzz::append_frame(whole, 3, *status);
+  fuzz::append_frame(whole, 0, *frame);
+  fuzz::append_frame(whole, 1, *frame);
+  status->last_event_sequence = 1;
+  status->contact_count = 1;
+  status->contact_hash = wire_contract::contact_hash(1, 2, 1);
+  fuzz::append_frame(late, 2, *contacts);
+  fuzz::append_frame(late, 3, *status);
+  frame->first_sequence = 2;
+  dds::borrow(frame->kinds, ended);
+  dds::borrow(frame->reasons, separated);
+  fuzz::append_frame(whole, 0, *frame);
+  fuzz::append_frame(late, 128, *frame);
+  std::string answer;
+  fuzz::append_frame(answer, 4, *reply);
+  return {whole, late, whole + late, answer};
+}

@@ -1,0 +1,319 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "idl/mcap/reader.hpp"
+#include "server/service/flight_recorder.hpp"
+#include "tests/oracle/seed.hpp"
+
+namespace collided::service {
+namespace {
+
+using recording::Recorded;
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "flight_XXXXXX").string();
+    EXPECT_NE(mkdtemp(name.data()), nullptr);
+    path_ = name;
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::string stem() const { return path_ + "/server"; }
+
+ private:
+  std::string path_;
+};
+
+/// Of `count` objects numbered from 0, all at x.
+dds::Sample<wire::PoseBatch> batch(std::uint64_t publisher, std::uint64_t sequence, std::uint32_t count, double x) {
+  dds::Sample<wire::PoseBatch> sample;
+  sample->publisher = publisher;
+  sample->incarnation = 1;
+  sample->sequence_number = sequence;
+  std::vector<std::uint32_t> numbers(count);
+  std::vector<double> poses;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    numbers[i] = i;
+    poses.insert(poses.end(), {x, 0, 0, 1, 0, 0, 0});
+  }
+  dds::borrow(sample->object_numbers, numbers);
+  dds::borrow(sample->poses, poses);
+  std::vector<std::byte> bytes(wire::cdr_size(*sample));
+  wire::write_cdr(*sample, bytes);
+  dds::Sample<wire::PoseBatch> owner;  // of its sequences
+  EXPECT_TRUE(wire::read_cdr(std::span<const std::byte>(bytes), owner));
+  dds::borrow(sample->object_numbers, std::span<const std::uint32_t>());
+  dds::borrow(sample->poses, std::span<const double>());
+  return owner;
+}
+
+dds::Sample<wire::Definition> definition(std::uint64_t publisher, std::uint32_t number, std::uint64_t sequence, bool removed = false) {
+  dds::Sample<wire::Definition> sample;
+  sample->publisher = publisher;
+  sample->object_number = number;
+  sample->incarnation = 1;
+  sample->sequence_number = sequence;
+  sample->removed = removed;
+  EXPECT_TRUE(dds::set_text(sample->name, "object " + std::to_string(number)));
+  return sample;
+}
+
+dds::Sample<wire::Query> command(const std::string& text) {
+  dds::Sample<wire::Query> sample;
+  sample->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
+  sample->chunk_count = 1;
+  EXPECT_TRUE(dds::set_text(sample->text, text));
+  return sample;
+}
+
+// Several threads put into a ring that wraps many times, one drains: what comes out is what each put, in its order.
+TEST(FlightRing, SeveralThreadsPutAndNothingIsMissingOrMadeUp) {
+  constexpr std::size_t kThreads = 4;
+  constexpr std::uint64_t kEach = 2'000;
+  constexpr std::uint64_t kMostAhead = 100;  // of at most 600 bytes each: room for all of them
+  FlightRing ring(1 << 17);
+  std::atomic<std::size_t> running{kThreads};
+  std::atomic<std::uint64_t> put{0}, seen{0};
+  std::vector<std::thread> threads;
+  for (std::size_t thread = 0; thread < kThreads; ++thread) {
+    threads.emplace_back([&, thread] {
+      dds::Sample<wire::EventFrame> sample;
+      std::vector<double> numbers;
+      for (std::uint64_t i = 0; i < kEach; ++i) {
+        sample->server = thread;
+        sample->first_sequence = i;
+        numbers.assign(i % 50, static_cast<double>(i));
+        dds::borrow(sample->numbers, numbers);
+        while (put.load() - seen.load() > kMostAhead) std::this_thread::yield();
+        ring.put(5, *sample, i, thread);
+        ++put;
+      }
+      dds::borrow(sample->numbers, std::span<const double>());
+      --running;
+    });
+  }
+  std::map<std::uint64_t, std::uint64_t> next;
+  std::uint64_t wrong = 0;
+  const auto drain = [&] {
+    ring.drain([&](std::span<const std::byte> record) {
+      dds::Sample<wire::EventFrame> sample;
+      ++seen;
+      if (!wire::read_cdr(record.subspan(mcap::kMessagePrefixBytes), sample)) {
+        ++wrong;
+        return;
+      }
+      const auto numbers = dds::view(sample->numbers);
+      const bool whole = numbers.size() == sample->first_sequence % 50 &&
+                         std::all_of(numbers.begin(), numbers.end(), [&](double number) { return number == static_cast<double>(sample->first_sequence); });
+      const bool in_order = sample->first_sequence == next[sample->server];
+      wrong += whole && in_order ? 0 : 1;
+      next[sample->server] = sample->first_sequence + 1;
+    });
+  };
+  while (running > 0) drain();
+  for (std::thread& thread : threads) thread.join();
+  drain();
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_EQ(seen, kThreads * kEach);
+  EXPECT_EQ(ring.dropped(), 0U);
+}
+
+TEST(FlightRing, AFullRingDropsAndCounts) {
+  FlightRing ring(1 << 12);
+  const dds::Sample<wire::Definition> sample = definition(1, 1, 1);
+  for (int i = 0; i < 100; ++i) ring.put(1, *sample, 0, 0);
+  std::uint64_t seen = 0;
+  ring.drain([&](std::span<const std::byte>) { ++seen; });
+  EXPECT_GT(seen, 10U);
+  EXPECT_EQ(seen + ring.dropped(), 100U);
+  ring.put(1, *sample, 0, 0);
+  ring.drain([&](std::span<const std::byte>) { ++seen; });
+  EXPECT_EQ(seen + ring.dropped(), 101U) << "room is free again";
+}
+
+TEST(FlightWindow, WhatIsOldLeavesOnceAndInOrder) {
+  std::vector<std::uint64_t> left;
+  FlightWindow window(160, [&](std::span<const std::byte> records) {
+    while (!records.empty()) {
+      std::uint64_t value = 0;
+      std::memcpy(&value, records.data(), sizeof value);
+      left.push_back(value);
+      records = records.subspan(sizeof value);
+    }
+  });
+  for (std::uint64_t time = 1; time <= 1'000; ++time) {
+    window.add(std::as_bytes(std::span(&time, 1)), time);
+    window.expire(time);
+  }
+  std::uint64_t oldest_kept = 0, kept = 0;
+  window.for_each_block([&](std::span<const std::byte> records, std::uint64_t first, std::uint64_t) {
+    if (oldest_kept == 0) oldest_kept = first;
+    kept += records.size() / sizeof(std::uint64_t);
+  });
+  EXPECT_GE(kept, 160U);
+  EXPECT_LE(kept, 160U + 2 * 160 / 16);
+  ASSERT_EQ(left.size() + kept, 1'000U);
+  for (std::size_t i = 0; i < left.size(); ++i) ASSERT_EQ(left[i], i + 1);
+  EXPECT_EQ(oldest_kept, left.size() + 1);
+}
+
+// Memory is bounded: megabytes beyond it push out the oldest, however young.
+TEST(FlightWindow, ABusyWindowIsShorterAndNoLarger) {
+  std::uint64_t left = 0;
+  FlightWindow window(1'000'000, [&](std::span<const std::byte> records) { left += records.size(); });
+  const std::vector<std::byte> record(1 << 20);
+  for (std::uint64_t i = 0; i < 100; ++i) window.add(record, 1);
+  std::uint64_t kept = 0;
+  window.for_each_block([&](std::span<const std::byte> records, std::uint64_t, std::uint64_t) { kept += records.size(); });
+  EXPECT_EQ(left + kept, 100U << 20);
+  EXPECT_LE(kept, FlightWindow::kBlocks * FlightWindow::kBlockBytes);
+}
+
+struct Written {
+  std::map<std::uint32_t, std::uint64_t> objects;                // sequence by number
+  std::map<std::uint32_t, double> x;                             // of the newest pose
+  std::vector<std::string> commands;
+  std::uint64_t newest = 0;
+};
+Written written(const FlightOpening& opening) {
+  Written all;
+  opening.write([&](Recorded topic, std::span<const std::byte> data) {
+    dds::Sample<wire::Definition> definition;
+    dds::Sample<wire::PoseBatch> poses;
+    dds::Sample<wire::Query> query;
+    if (topic == Recorded::object && wire::read_cdr(data, definition)) all.objects[definition->object_number] = definition->sequence_number;
+    if (topic == Recorded::pose && wire::read_cdr(data, poses)) {
+      all.newest = poses->sequence_number;
+      for (std::uint32_t i = 0; i < poses->object_numbers._length; ++i) all.x[poses->object_numbers._buffer[i]] = poses->poses._buffer[7 * i];
+    }
+    if (topic == Recorded::query && wire::read_cdr(data, query)) all.commands.emplace_back(query->text);
+  });
+  return all;
+}
+
+TEST(FlightOpening, IsTheNewestOfEachObjectWhateverTheOrder) {
+  FlightOpening opening;
+  opening.fold(*definition(7, 0, 1));
+  opening.fold(*definition(7, 1, 2));
+  opening.fold(*definition(7, 2, 3));
+  opening.fold(*batch(7, 5, 3, 5));
+  opening.fold(*batch(7, 4, 3, 4));  // late
+  opening.fold(*definition(7, 1, 6, true));
+  opening.fold(*batch(7, 7, 2, 7));
+  const Written all = written(opening);
+  EXPECT_EQ(all.objects, (std::map<std::uint32_t, std::uint64_t>{{0, 1}, {2, 3}}));
+  EXPECT_EQ(all.x, (std::map<std::uint32_t, double>{{0, 7}, {2, 5}}));
+  EXPECT_EQ(all.newest, 7U);
+}
+
+// Definitions and poses are on topics of their own, either may overtake the other.
+TEST(FlightOpening, APoseMayComeBeforeItsObject) {
+  FlightOpening opening;
+  opening.fold(*batch(7, 2, 2, 4));
+  opening.fold(*definition(7, 0, 1));
+  opening.fold(*definition(7, 1, 3));  // anew, after the pose
+  const Written all = written(opening);
+  EXPECT_EQ(all.objects, (std::map<std::uint32_t, std::uint64_t>{{0, 1}, {1, 3}}));
+  EXPECT_EQ(all.x, (std::map<std::uint32_t, double>{{0, 4}}));
+}
+
+TEST(FlightOpening, ANewLifeOfAPublisherReplacesTheOld) {
+  FlightOpening opening;
+  opening.fold(*definition(7, 0, 9));
+  dds::Sample<wire::Definition> next = definition(7, 1, 1);
+  next->incarnation = 2;
+  opening.fold(*next);
+  opening.fold(*definition(7, 3, 10));  // of the old life
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{1, 1}}));
+}
+
+TEST(FlightOpening, ALostPublishersObjectsGoAsItWished) {
+  FlightOpening opening;
+  dds::Sample<wire::Definition> kept = definition(7, 1, 2);
+  kept->lost_policy = static_cast<std::uint8_t>(wire_contract::LostPolicy::freeze);
+  opening.fold(*definition(7, 0, 1));
+  opening.fold(*kept);
+  dds::Sample<wire::Status> status;
+  const std::vector<std::uint64_t> publishers{7};
+  const std::vector<std::uint8_t> states{static_cast<std::uint8_t>(wire_contract::PublisherState::lost)};
+  dds::borrow(status->publishers, publishers);
+  dds::borrow(status->publisher_states, states);
+  opening.fold(*status);
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{1, 2}}));
+}
+
+TEST(FlightOpening, CommandsThatUndoEachOtherTakeNoRoom) {
+  FlightOpening opening;
+  for (int i = 0; i < 10; ++i) {
+    opening.fold(*command(R"({"command":"add","name":"crate"})"));
+    opening.fold(*command(R"({"command":"move","name":"crate","pose":[1]})"));
+    opening.fold(*command(R"({"command":"move","name":"crate","pose":[2]})"));
+    opening.fold(*command(R"({"command":"list"})"));
+    if (i < 9) opening.fold(*command(R"({"command":"remove","name":"crate"})"));
+  }
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})", R"({"command":"move","name":"crate","pose":[2]})"}));
+}
+
+// What has left the window comes back as the state that the file begins with.
+TEST(FlightRecorder, AFileBeginsWithTheStateBeforeItsWindow) {
+  const Folder folder;
+  FlightRecorder recorder("hall", 60'000'000'000, folder.stem());
+  recorder.note(Recorded::object, *definition(7, 0, 1));
+  recorder.note(Recorded::pose, *batch(7, 2, 1, 0.5));
+  const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(300)); };
+  wait();  // so that the two lie before the last 0.2 s
+  recorder.note(Recorded::pose, *batch(7, 3, 1, 0.75));
+  const FlightFile file = recorder.write("a", 200'000'000);
+  const std::vector<std::byte> bytes = mcap::read_file(file.path, 1 << 20);
+  const mcap::Contents contents = mcap::read(bytes);
+  ASSERT_TRUE(contents.complete);
+  EXPECT_EQ(contents.metadata.at("recording").at("opening_messages"), "2");
+  ASSERT_EQ(contents.messages.size(), 3U);
+  EXPECT_EQ(contents.channels.at(contents.messages[0].head.channel).topic, "hall/object");
+  dds::Sample<wire::PoseBatch> before, after;
+  ASSERT_TRUE(wire::read_cdr(contents.messages[1].data, before));
+  ASSERT_TRUE(wire::read_cdr(contents.messages[2].data, after));
+  EXPECT_EQ(before->poses._buffer[0], 0.5);
+  EXPECT_EQ(after->poses._buffer[0], 0.75);
+  EXPECT_EQ(file.dropped, 0U);
+}
+
+TEST(FlightRecorder, WithoutAFolderItSaysSo) {
+  FlightRecorder recorder("hall", 1'000'000'000, "");
+  EXPECT_THROW(recorder.write("a", 1), std::runtime_error);
+}
+
+// The thread that fails may hold anything: what was noted until then is in the file all the same, up to the last sample.
+TEST(FlightRecorderDeathTest, AFatalSignalLeavesAFile) {
+  const Folder folder;
+  EXPECT_DEATH(
+      {
+        FlightRecorder recorder("hall", 60'000'000'000, folder.stem());
+        recorder.write_at_fatal_signals();
+        for (std::uint64_t i = 1; i <= 100; ++i) recorder.note(Recorded::pose, *batch(7, i, 10, 1));
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        recorder.note(Recorded::pose, *batch(7, 101, 10, 1));
+        std::raise(SIGSEGV);
+      },
+      "");
+  const std::vector<std::byte> bytes = mcap::read_file(folder.stem() + "_crash.mcap", 1 << 20);
+  const mcap::Contents contents = mcap::read(bytes);
+  EXPECT_TRUE(contents.is_mcap);
+  EXPECT_EQ(contents.bad_chunks, 0U);
+  ASSERT_EQ(contents.messages.size(), 101U);
+  dds::Sample<wire::PoseBatch> last;
+  ASSERT_TRUE(wire::read_cdr(contents.messages.back().data, last));
+  EXPECT_EQ(last->sequence_number, 101U);
+}
+
+}  // namespace
+}  // namespace collided::service

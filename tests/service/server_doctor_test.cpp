@@ -1,0 +1,171 @@
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "collided/diagnosis.hpp"
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using testing_support::ChildProcess;
+
+class ServerDoctor : public testing_support::ServerTest {
+ protected:
+  /// By what they are about.
+  std::map<std::string, Finding> findings(std::chrono::nanoseconds wait = 5s, const std::string& interface = "lo") {
+    std::map<std::string, Finding> all;
+    for (const Finding& finding : diagnose({.domain = domain_, .interface = interface, .wait = wait})) all[finding.about] = finding;
+    return all;
+  }
+  /// `collide doctor` in a shell, after some words that set the scene.
+  Ended doctor(const std::string& before = {}) {
+    const std::string line = before + " exec '" + COLLIDED_CLI + "' --domain " + std::to_string(domain_) + " doctor --fields health,about,text,remedy";
+    ChildProcess process({"/bin/bash", "-c", line}, folder_.path(), "doctor");
+    const int code = process.wait(60s);
+    return {code, process.output(), process.errors()};
+  }
+};
+
+TEST_F(ServerDoctor, AHealthyServerIsAllRight) {
+  ChildProcess& server = start();
+  const std::map<std::string, Finding> all = findings();
+  for (const char* about : {"interface", "places", "server", "clock", "round_trip"}) {
+    ASSERT_EQ(all.count(about), 1U) << about;
+    EXPECT_EQ(all.at(about).health, Health::ok) << all.at(about).text;
+    EXPECT_EQ(all.at(about).remedy, "");
+  }
+  EXPECT_NE(all.at("server").text.find("(pid " + std::to_string(server.pid()) + ")"), std::string::npos) << all.at("server").text;
+  EXPECT_NE(all.at("round_trip").text.find("1000 of 1000 back"), std::string::npos) << all.at("round_trip").text;
+  EXPECT_EQ(doctor().code, 0);
+}
+
+TEST_F(ServerDoctor, WithoutAServerItSaysWhichOnesThereAre) {
+  start({"--namespace", "other"});
+  const std::map<std::string, Finding> all = findings(200ms);
+  ASSERT_EQ(all.count("server"), 1U);
+  EXPECT_EQ(all.at("server").health, Health::fail);
+  EXPECT_EQ(all.at("server").text, "no collided answered in 200 ms on domain " + std::to_string(domain_) + ", namespace 'collided'");
+  EXPECT_NE(all.at("server").remedy.find("on this machine: pid " + std::to_string(servers_[0]->pid()) + ": collided --domain "), std::string::npos)
+      << all.at("server").remedy;
+  EXPECT_NE(all.at("server").remedy.find("--namespace other"), std::string::npos);
+  EXPECT_EQ(doctor("COLLIDED_NAMESPACE=nobody").code, 4);
+}
+
+// The second one starts while the first is held, so that neither knows of the other.
+TEST_F(ServerDoctor, TwoServersOfOneNamespaceAreFound) {
+  ChildProcess& first = start();
+  first.signal(SIGSTOP);
+  const testing_support::ScratchFolder elsewhere;
+  ChildProcess second({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--state-dir", elsewhere.path()}, elsewhere.path(), "second");
+  ASSERT_TRUE(second.says("ready:", 20s)) << second.errors();
+  first.signal(SIGCONT);
+  const std::map<std::string, Finding> all = findings();
+  ASSERT_EQ(all.count("server"), 1U);
+  EXPECT_EQ(all.at("server").health, Health::fail) << all.at("server").text;
+  EXPECT_TRUE(all.at("server").text.starts_with("2 servers share namespace 'collided' (pid ")) << all.at("server").text;
+  for (const ChildProcess* server : {static_cast<const ChildProcess*>(&first), static_cast<const ChildProcess*>(&second)}) {
+    EXPECT_NE(all.at("server").text.find(std::to_string(server->pid())), std::string::npos);
+  }
+  EXPECT_EQ(doctor().code, 1);
+}
+
+TEST_F(ServerDoctor, AnInterfaceThatIsNotThereIsNamedWithThoseThatAre) {
+  const std::map<std::string, Finding> all = findings(100ms, "eth_none");
+  ASSERT_EQ(all.count("interface"), 1U);
+  EXPECT_EQ(all.at("interface").health, Health::fail);
+  EXPECT_EQ(all.at("interface").text, "this machine has no interface 'eth_none'");
+  EXPECT_TRUE(all.at("interface").remedy.starts_with("--interface one of: ")) << all.at("interface").remedy;
+  EXPECT_NE(all.at("interface").remedy.find("lo"), std::string::npos);
+}
+
+/// Holds the ports of a domain's participants on this machine, as so many programs would.
+class TakenPlaces {
+ public:
+  explicit TakenPlaces(int domain) : domain_(domain) {}
+  ~TakenPlaces() {
+    for (const int socket : sockets_) ::close(socket);
+  }
+  void take(unsigned count) {
+    while (sockets_.size() < count) {
+      const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+      sockaddr_in address{};
+      address.sin_family = AF_INET;
+      address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      address.sin_port = htons(static_cast<std::uint16_t>(7'410 + 250 * domain_ + 2 * static_cast<int>(sockets_.size())));
+      ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+      sockets_.push_back(socket);
+    }
+  }
+
+ private:
+  int domain_;
+  std::vector<int> sockets_;
+};
+
+TEST_F(ServerDoctor, WhenNoPlaceIsLeftNoServerCanStart) {
+  EXPECT_EQ(findings(100ms).at("places").health, Health::ok);
+  TakenPlaces places(domain_);
+  places.take(100);
+  EXPECT_EQ(findings(100ms).at("places").health, Health::warn);
+  places.take(121);
+  const Finding full = findings(100ms).at("places");
+  EXPECT_EQ(full.health, Health::fail);
+  EXPECT_NE(full.text.find("121 of 121 places"), std::string::npos) << full.text;
+  const Ended refused = run({"--domain", std::to_string(domain_), "--state-dir", folder_.path()});
+  EXPECT_EQ(refused.code, 2) << "and that is so";
+}
+
+TEST_F(ServerDoctor, AServersClockThatIsOffIsToldWithItsSign) {
+#ifdef COLLIDED_SHIFTED_CLOCK
+  std::int64_t shift_ns = 0;
+  const auto bytes = [&] { return std::string(reinterpret_cast<const char*>(&shift_ns), sizeof shift_ns); };
+  const std::string file = folder_.write("shift", bytes());
+  // The server alone gets it.
+  ::setenv("LD_PRELOAD", COLLIDED_SHIFTED_CLOCK, 1);
+  ::setenv("COLLIDED_CLOCK_SHIFT", file.c_str(), 1);
+  start();
+  ::unsetenv("LD_PRELOAD");
+  ::unsetenv("COLLIDED_CLOCK_SHIFT");
+  shift_ns = 90'000'000'000;
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary) << bytes() << std::flush;
+  const std::map<std::string, Finding> all = findings();
+  ASSERT_EQ(all.count("clock"), 1U);
+  EXPECT_EQ(all.at("clock").health, Health::warn);
+  EXPECT_EQ(all.at("clock").text.find("the server's clock is "), 0U) << all.at("clock").text;
+  EXPECT_NE(all.at("clock").text.find(" ahead; times"), std::string::npos) << all.at("clock").text;
+#else
+  GTEST_SKIP() << "sanitizers want to be loaded first";
+#endif
+}
+
+// A limit of the kernel's, replaced for one process in a mount namespace of its own.
+TEST_F(ServerDoctor, SmallBuffersAreToldWithTheCommandThatRaisesThem) {
+  const std::string small = folder_.write("rmem_max", "212992\n");
+  const std::string mounted = "unshare -m bash -c 'mount --bind " + small + " /proc/sys/net/core/rmem_max";
+  ChildProcess probe({"/bin/bash", "-c", mounted + "'"}, folder_.path(), "probe");
+  if (probe.wait(10s) != 0) GTEST_SKIP() << "no mount namespaces here: " << probe.errors();
+  start();
+  const std::string line = mounted + " && exec " + COLLIDED_CLI + " --domain " + std::to_string(domain_) + " doctor --fields health,about,text,remedy'";
+  ChildProcess process({"/bin/bash", "-c", line}, folder_.path(), "doctor");
+  EXPECT_EQ(process.wait(60s), 0) << "a warning is no failure";
+  EXPECT_NE(process.output().find("warn\tbuffer\treceive buffer up to 212992 B; bursts above 1774 poses may drop\tsysctl -w net.core.rmem_max=8388608"),
+            std::string::npos)
+      << process.output();
+}
+
+TEST_F(ServerDoctor, AConfigurationOfDdsItselfIsTold) {
+  start();
+  const Ended ended = doctor("CYCLONEDDS_URI='<Domain id=\"any\"><Discovery><ExternalDomainId>" + std::to_string(domain_) +
+                             "</ExternalDomainId><Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery></Domain>'");
+  EXPECT_NE(ended.output.find("warn\tconfiguration\tCYCLONEDDS_URI is set"), std::string::npos) << ended.output << ended.errors;
+}
+
+}  // namespace
+}  // namespace collided

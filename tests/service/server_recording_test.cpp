@@ -1,0 +1,283 @@
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "collided/recording.hpp"
+#include "idl/cdr.hpp"
+#include "idl/mcap/reader.hpp"
+#include "tests/oracle/seed.hpp"
+#include "tests/service/server_fixture.hpp"
+#include "tests/service/wire_network.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using testing_support::ChildProcess;
+
+class ServerRecording : public testing_support::ServerTest {
+ protected:
+  std::string path(const std::string& name) const { return folder_.path() + "/" + name; }
+  std::string domain() const { return std::to_string(domain_); }
+  ConnectOptions here() const { return {.domain = domain_, .name_space = "collided", .wait = 10s}; }
+
+  /// `collide record`, which a process that is connected already could not do.
+  ChildProcess& record_beside(const std::string& file, const std::vector<std::string>& more = {}, const std::string& before = {}) {
+    std::vector<std::string> words{COLLIDED_CLI, "--domain", domain(), "record", file};
+    words.insert(words.end(), more.begin(), more.end());
+    if (!before.empty()) {
+      std::string line = before;
+      for (const std::string& word : words) line += " '" + word + "'";
+      words = {"/bin/bash", "-c", line};
+    }
+    children_.push_back(std::make_unique<ChildProcess>(words, folder_.path(), "record" + std::to_string(children_.size())));
+    return *children_.back();
+  }
+  /// Until so many samples of the topic are in chunks on the disk.
+  static bool has(const std::string& file, const std::string& topic, std::size_t count) {
+    std::error_code error;
+    if (!std::filesystem::exists(file, error)) return false;
+    const std::vector<std::byte> bytes = mcap::read_file(file, 1 << 30);
+    const mcap::Contents contents = mcap::read(bytes);
+    std::size_t found = 0;
+    for (const mcap::Message& message : contents.messages) found += contents.channels.at(message.head.channel).topic == topic ? 1 : 0;
+    return found >= count;
+  }
+  /// Until the answers to so many questions are.
+  static bool has_answers(const std::string& file, std::size_t count) {
+    const std::vector<std::byte> bytes = mcap::read_file(file, 1 << 30);
+    const mcap::Contents contents = mcap::read(bytes);
+    std::size_t found = 0;
+    for (const mcap::Message& message : contents.messages) {
+      dds::Sample<wire::Reply> reply;
+      const bool is_reply = contents.channels.at(message.head.channel).topic == "collided/reply";
+      if (is_reply && wire::read_cdr(message.data, reply)) found += reply->answers._length;
+    }
+    return found >= count;
+  }
+  static bool listens(const std::string& file) { return test::eventually([&] { return has(file, "collided/status", 1); }, 20s); }
+
+  /// A run with something of everything: balls that move at random, one that was there before and rests, one that is
+  /// removed, questions of every kind between, commands.
+  void live_through(Client& client, Publisher& publisher, int rounds) {
+    std::mt19937_64 random = oracle::seeded(3);
+    std::uniform_real_distribution<double> x(0, 9), turn(-1, 1);
+    std::vector<Publisher::Object> balls;
+    for (int i = 0; i < 5; ++i) balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(x(random), x(random), 1)));
+    EXPECT_TRUE(client.command("add", R"({"name":"post","pose":[3,3,1,1,0,0,0]})", {BoxShape{.half_m = {0.1, 0.1, 1}}}));
+    for (int round = 0; round < rounds; ++round) {
+      for (const Publisher::Object ball : balls) EXPECT_TRUE(publisher.move(ball, at(x(random), x(random), 1 + turn(random))));
+      EXPECT_TRUE(publisher.flush());
+      std::vector<RayQuestion> rays;
+      for (int i = 0; i < 20; ++i) rays.push_back({{x(random), x(random), 1}, {turn(random), turn(random), 0.1 * turn(random)}});
+      EXPECT_TRUE(client.ask(std::span<const RayQuestion>(rays), {.pick = round % 2 == 0 ? Pick::all : Pick::closest}));
+      EXPECT_TRUE(client.ask(NearQuestion{{x(random), x(random), 1}}, {.fresh = true}));
+      EXPECT_TRUE(client.ask(SphereQuestion{{x(random), x(random), 1}, 1.5}));
+      const std::vector<SweepQuestion> ways{{at(x(random), x(random), 1), at(x(random), x(random), 1)}};
+      EXPECT_TRUE(client.sweep({SphereShape{.radius_m = 0.2}}, ways));
+      if (round == rounds / 2) {
+        EXPECT_TRUE(publisher.remove(balls.back()));
+        balls.pop_back();
+        EXPECT_TRUE(client.command("move", R"({"name":"post","pose":[6,6,1,1,0,0,0]})"));
+      }
+    }
+  }
+
+  std::vector<std::unique_ptr<ChildProcess>> children_;
+};
+
+// A recording of one server's life, asked of another: every answer has the same bits. The other is changed then, by one box
+// in the way, and answers are told that differ.
+TEST_F(ServerRecording, EveryAnswerIsTheSameAgain) {
+  start();
+  const std::string file = path("run.mcap");
+  {
+    Client client = connect();
+    Publisher before = publish(client, "before");
+    const Publisher::Object resting = add_ball(before, "resting", at(1, 1, 1));
+    move(before, resting, at(4, 4, 1));  // its newest pose lies before the recording
+    ASSERT_TRUE(before.wait_applied(5s));
+    std::atomic<bool> done{false};
+    std::thread alive([&] {
+      while (!done) {
+        EXPECT_TRUE(before.keep_alive());
+        std::this_thread::sleep_for(100ms);
+      }
+    });
+    ChildProcess& recorder = record_beside(file);
+    ASSERT_TRUE(listens(file));
+    Publisher publisher = publish(client, "moving");
+    live_through(client, publisher, 20);
+    EXPECT_TRUE(test::eventually([&] { return has_answers(file, 20U * 23U); }, 20s));
+    recorder.signal(SIGINT);
+    EXPECT_EQ(recorder.wait(10s), 0) << recorder.errors();
+    EXPECT_NE(recorder.errors().find(" 0 lost"), std::string::npos) << recorder.errors();
+    done = true;
+    alive.join();
+  }
+  servers_.back()->signal(SIGTERM);
+  EXPECT_EQ(servers_.back()->wait(15s), 0);
+  start({}, "again");
+  const Result<ReplayReport> again = replay(here(), {.path = file, .ask = true});
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->questions, 20U * 23U);
+  EXPECT_EQ(again->equal, again->questions);
+  for (const std::string& difference : again->differences) ADD_FAILURE() << difference;
+  for (const std::string& warning : again->warnings) ADD_FAILURE() << warning;
+  EXPECT_EQ(again->not_compared, 0U);
+  EXPECT_EQ(again->commands, 2U);
+
+  Client client = connect();
+  ASSERT_TRUE(client.command("remove", R"({"name":"post"})"));
+  ASSERT_TRUE(client.command("add", R"({"name":"screen","pose":[5,5,1,1,0,0,0]})", {BoxShape{.half_m = {0.05, 3, 1}}}));
+  const Result<ReplayReport> other = replay(here(), {.path = file, .ask = true});
+  ASSERT_TRUE(other) << other.error().message;
+  EXPECT_LT(other->equal, other->questions);
+  ASSERT_FALSE(other->differences.empty());
+  EXPECT_NE(other->differences.front().find(": then "), std::string::npos);
+}
+
+// What the server itself remembered says the same, from before anybody thought of recording.
+TEST_F(ServerRecording, TheFlightRecorderHasItAll) {
+  start();
+  const std::string file = path("last.mcap");
+  {
+    Client client = connect();
+    Publisher publisher = publish(client, "moving");
+    live_through(client, publisher, 10);
+    const Result<std::uint64_t> bytes = fetch_recording(here(), 20s, file);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    EXPECT_EQ(*bytes, std::filesystem::file_size(file));
+  }
+  servers_.back()->signal(SIGTERM);
+  EXPECT_EQ(servers_.back()->wait(15s), 0);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    EXPECT_TRUE(entry.path().extension() != ".mcap" || entry.path() == file) << entry.path() << " was left behind";
+  }
+  start({}, "again");
+  const Result<ReplayReport> again = replay(here(), {.path = file, .ask = true});
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->questions, 10U * 23U);
+  EXPECT_EQ(again->equal, again->questions);
+  for (const std::string& difference : again->differences) ADD_FAILURE() << difference;
+  EXPECT_EQ(again->not_compared, 0U);
+}
+
+// In time: the poses come as they came, so the same contacts begin and end.
+TEST_F(ServerRecording, PosesComeAgainInTime) {
+  start();
+  const std::string file = path("run.mcap");
+  {
+    Client client = connect();
+    Publisher publisher = publish(client, "moving");
+    const Publisher::Object ball = add_ball(publisher, "ball", at(4, 4, 2));
+    for (const double z : {1.0, 0.05, 1.0}) {
+      move(publisher, ball, at(4, 4, z));
+      ASSERT_TRUE(publisher.wait_applied(5s));
+      std::this_thread::sleep_for(100ms);
+    }
+    ASSERT_TRUE(fetch_recording(here(), 20s, file));
+  }
+  Client client = connect();
+  Watch contacts = watch(client);
+  const auto begin = std::chrono::steady_clock::now();
+  const Result<ReplayReport> again = replay(here(), {.path = file, .rate = 0.5});
+  const auto took = std::chrono::steady_clock::now() - begin;
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->samples, 1U + 3U) << "a definition and three poses";
+  EXPECT_GE(took, 400ms) << "0.2 s and more at half the rate";
+  const Event began = next(contacts);
+  EXPECT_EQ(began.what, What::began);
+  EXPECT_EQ(next(contacts).what, What::ended);
+}
+
+TEST_F(ServerRecording, AKilledRecordingIsReadUpToItsLastChunk) {
+  start();
+  const std::string file = path("killed.mcap");
+  ChildProcess& recorder = record_beside(file);
+  ASSERT_TRUE(listens(file));
+  recorder.signal(SIGKILL);
+  EXPECT_EQ(recorder.wait(5s), 128 + SIGKILL);
+  const Result<ReplayReport> report = replay(here(), {.path = file});
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_FALSE(report->warnings.empty());
+  EXPECT_NE(report->warnings.front().find("its writer was stopped"), std::string::npos) << report->warnings.front();
+}
+
+// A limit of the file's size stands for a disk that is full.
+TEST_F(ServerRecording, AFullDiskIsSaidAndWhatWasWrittenStays) {
+  start();
+  const std::string file = path("full.mcap");
+  ChildProcess& recorder = record_beside(file, {}, "trap '' XFSZ; ulimit -f 3000;");  // kB
+  ASSERT_TRUE(listens(file));
+  {
+    Client client = connect();
+    Publisher publisher = publish(client, "moving");
+    std::vector<Publisher::Object> balls;
+    for (int i = 0; i < 100; ++i) balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(20 + i, 0, 0)));
+    const auto end = std::chrono::steady_clock::now() + 20s;
+    while (recorder.wait(0ms) == -1 && std::chrono::steady_clock::now() < end) {
+      for (std::size_t i = 0; i < balls.size(); ++i) EXPECT_TRUE(publisher.move(balls[i], at(20.0 + static_cast<double>(i), 1, 0)));
+      EXPECT_TRUE(publisher.flush());
+      std::this_thread::sleep_for(5ms);
+    }
+  }
+  EXPECT_EQ(recorder.wait(1s), 5);
+  EXPECT_NE(recorder.errors().find("recording stopped: " + file + ": File too large"), std::string::npos) << recorder.errors();
+  EXPECT_NE(recorder.errors().find("what was written before can be read"), std::string::npos) << recorder.errors();
+  const Result<ReplayReport> report = replay(here(), {.path = file, .rate = 100});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_GT(report->samples, 100U);
+}
+
+TEST_F(ServerRecording, ASignalWritesTheFlightRecorder) {
+  ChildProcess& server = start();
+  server.signal(SIGUSR1);
+  ASSERT_TRUE(test::eventually([&] { return server.errors().find("flight recorder: ") != std::string::npos; }, 10s));
+  const std::string said = server.errors();
+  const std::size_t begin = said.find(folder_.path(), said.find("flight recorder: "));
+  ASSERT_NE(begin, std::string::npos) << said;
+  const std::string file = said.substr(begin, said.find(".mcap", begin) + 5 - begin);
+  const std::vector<std::byte> bytes = mcap::read_file(file, 1 << 30);
+  EXPECT_TRUE(mcap::read(bytes).complete);
+}
+
+TEST_F(ServerRecording, AServerThatFailsLeavesAFile) {
+  ChildProcess& server = start();
+  {
+    Client client = connect();
+    EXPECT_TRUE(client.ask(RayQuestion{{0, 0, 5}, {0, 0, -1}}));
+  }
+  server.signal(SIGSEGV);
+  EXPECT_EQ(server.wait(10s), 128 + SIGSEGV);
+  std::string file;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    if (entry.path().string().ends_with("_crash.mcap")) file = entry.path();
+  }
+  ASSERT_NE(file, "");
+  EXPECT_TRUE(has(file, "collided/query", 2)) << "hello and a ray";
+  EXPECT_TRUE(has(file, "collided/reply", 2));
+}
+
+TEST_F(ServerRecording, WithoutAFlightRecorderTheServerSaysSo) {
+  start({"--flight-recorder", "off"});
+  const Result<std::uint64_t> bytes = fetch_recording(here(), 20s, path("last.mcap"));
+  ASSERT_FALSE(bytes);
+  EXPECT_EQ(bytes.error().code, ErrorCode::refused);
+  EXPECT_NE(bytes.error().message.find("keeps no flight recorder"), std::string::npos);
+}
+
+TEST_F(ServerRecording, OtherFilesAreRefused) {
+  const auto refused = [&](const std::string& file) {
+    const Result<ReplayReport> report = replay(here(), {.path = file});
+    EXPECT_FALSE(report);
+    return report ? std::string() : report.error().message;
+  };
+  EXPECT_NE(refused(folder_.write("poses.csv", "t,name,x\n")).find("is no MCAP file. Nothing was replayed"), std::string::npos);
+  EXPECT_NE(refused(path("missing.mcap")).find("No such file"), std::string::npos);
+  EXPECT_NE(refused(folder_.path()).find("is no file"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace collided

@@ -1,0 +1,84 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "idl/question_class.hpp"
+#include "tests/service/server_process.hpp"
+#include "tests/service/server_wire_asker.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using testing_support::WireAsker;
+using wire_contract::QueryKind;
+using wire_contract::QuestionClass;
+using wire_contract::ReplyStatus;
+
+class ServerWireOverload : public testing_support::ServerProcess {
+ protected:
+  static dds::Sample<wire::Query> near(const std::vector<double>& numbers, QuestionClass importance) {
+    dds::Sample<wire::Query> query;
+    query->kind = static_cast<std::uint8_t>(QueryKind::near);
+    query->mode = wire_contract::mode_byte(wire_contract::RayMode::closest, importance);
+    query->mask = 0xffffffff;
+    query->max_hits = 1;
+    dds::borrow(query->numbers, numbers);
+    return query;
+  }
+  static std::optional<WireAsker::Heard> ask(WireAsker& asker, QuestionClass importance) {
+    const std::vector<double> point{0, 0, 3, 100};
+    dds::Sample<wire::Query> query = near(point, importance);
+    return asker.ask(*query, 20s);
+  }
+  static bool is(const std::optional<WireAsker::Heard>& heard, ReplyStatus status) {
+    return heard && heard->status == static_cast<std::uint8_t>(status);
+  }
+};
+
+// A client sends ten times what one thread can answer. Another's questions of the low class are refused, aloud; its
+// other ones, and what it commands, are dealt with meanwhile; and once the flood is over so is all of that.
+TEST_F(ServerWireOverload, LowQuestionsAreRefusedFirstAndHighOnesNever) {
+  testing_support::ChildProcess& server = start({"--threads", "1"});
+  WireAsker flooder(domain_, 0x1111);
+  WireAsker quiet(domain_, 0x2222, domain_ + 1'000);
+  ASSERT_TRUE(flooder.greet() && quiet.greet());
+  std::vector<double> many;
+  for (int i = 0; i < 200; ++i) many.insert(many.end(), {0.005 * i, 0.5, 1.0 + 0.005 * i, 100});
+  bool is_refused = false;
+  const auto give_up = std::chrono::steady_clock::now() + 30s;
+  while (!is_refused && std::chrono::steady_clock::now() < give_up) {
+    for (int i = 0; i < 1'000; ++i) {
+      dds::Sample<wire::Query> query = near(many, QuestionClass::normal);
+      flooder.send(*query);
+    }
+    flooder.forget_replies();
+    const auto low = ask(quiet, QuestionClass::low);
+    is_refused = is(low, ReplyStatus::refused) && low->text.find("low class") != std::string::npos;
+  }
+  ASSERT_TRUE(is_refused) << server.errors();
+  EXPECT_TRUE(is(ask(quiet, QuestionClass::normal), ReplyStatus::ok));
+  EXPECT_TRUE(is(ask(quiet, QuestionClass::high), ReplyStatus::ok));
+  EXPECT_TRUE(is(ask(flooder, QuestionClass::high), ReplyStatus::ok)) << "whoever asks";
+  dds::Sample<wire::Query> list;
+  list->kind = static_cast<std::uint8_t>(QueryKind::command);
+  ASSERT_TRUE(dds::set_text(list->text, R"({"command": "list"})"));
+  EXPECT_TRUE(is(quiet.ask(*list, 20s), ReplyStatus::ok));
+  EXPECT_NE(server.errors().find("questions of the low class are refused"), std::string::npos) << server.errors();
+  const auto until = std::chrono::steady_clock::now() + 60s;
+  while (!is(ask(quiet, QuestionClass::low), ReplyStatus::ok) && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(50ms);
+  EXPECT_TRUE(is(ask(quiet, QuestionClass::low), ReplyStatus::ok)) << server.errors();
+}
+
+TEST_F(ServerWireOverload, AClassThatIsNoneIsRefused) {
+  start();
+  WireAsker asker(domain_);
+  ASSERT_TRUE(asker.greet());
+  const auto heard = ask(asker, static_cast<QuestionClass>(3));
+  ASSERT_TRUE(is(heard, ReplyStatus::refused));
+  EXPECT_NE(heard->text.find("question class 3"), std::string::npos) << heard->text;
+}
+
+}  // namespace
+}  // namespace collided

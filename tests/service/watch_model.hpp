@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "client/library/watch_state.hpp"
+
+namespace collided::test {
+
+using client::HeardBookmark;
+using client::HeardFrame;
+using client::HeardShard;
+using client::ServerLife;
+using Pair = std::pair<std::uint64_t, std::uint64_t>;
+
+/// A server's contacts, told as a real one tells them. Names of a pair stay from life to life; ids change.
+class Model {
+ public:
+  explicit Model(std::uint64_t epoch) : life_{1, epoch} {}
+
+  HeardFrame began(Pair pair) {
+    contacts_[pair] = ++sequence_;
+    return frame(What::began, Why::none, pair, sequence_);
+  }
+  HeardFrame ended(Pair pair, Why why = Why::separated) {
+    const std::uint64_t episode = contacts_.at(pair);
+    contacts_.erase(pair);
+    ++sequence_;
+    return frame(What::ended, why, pair, episode);
+  }
+  HeardFrame persisted(Pair pair) const {
+    HeardFrame heard = frame(What::persisted, Why::none, pair, contacts_.at(pair));
+    heard.first_sequence = 0;
+    return heard;
+  }
+  HeardShard shard(Pair pair) const { return shard(shard_of(pair)); }
+  HeardShard shard(std::uint8_t number) const {
+    HeardShard shard{life_, number, sequence_, {}};
+    for (const auto& [pair, episode] : contacts_) {
+      if (shard_of(pair) == number) {
+        shard.contacts.push_back(event(What::open, Why::none, pair, episode));
+      }
+    }
+    return shard;
+  }
+  HeardBookmark bookmark(bool settled = true) const {
+    HeardBookmark bookmark{life_, sequence_, static_cast<std::uint32_t>(contacts_.size()), 0, {}, settled};
+    for (const auto& [pair, episode] : contacts_) {
+      bookmark.contact_hash += wire_contract::contact_hash(id(pair.first), id(pair.second), episode);
+    }
+    return bookmark;
+  }
+  const std::map<Pair, std::uint64_t>& contacts() const { return contacts_; }
+  std::uint8_t shard_of(Pair pair) const { return wire_contract::contact_shard(id(pair.first), id(pair.second)); }
+
+ private:
+  std::uint64_t id(std::uint64_t object) const { return object + life_.epoch * 1'000; }
+  Event event(What what, Why why, Pair pair, std::uint64_t episode) const {
+    Event made;
+    made.what = what;
+    made.why = why;
+    made.a = std::to_string(pair.first);
+    made.b = std::to_string(pair.second);
+    made.a_id = id(pair.first);
+    made.b_id = id(pair.second);
+    made.episode = episode;
+    return made;
+  }
+  HeardFrame frame(What what, Why why, Pair pair, std::uint64_t episode) const {
+    return {life_, sequence_, {{event(what, why, pair, episode), shard_of(pair)}}};
+  }
+
+  ServerLife life_;
+  std::map<Pair, std::uint64_t> contacts_;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace collided::test
