@@ -100,8 +100,8 @@ class DrawCommand : public Command {
     }
     options.view.width_px = width_.empty() ? (term_ ? 2 * kTerminalColumns : 1200)
                                            : static_cast<double>(parse_count(width_, 1)) * (term_ ? 2 : 1);
-    if (options.view.width_px < 16 || options.view.width_px > 10'000)
-      throw bad_use("--width " + width_ + " is not from 16 to 10000");
+    if (options.view.width_px < 16 || options.view.width_px > 4'000)
+      throw bad_use("--width " + width_ + " is not from 16 to 4000");
     if (term_ && from_.empty()) plan_view(options.view);
     options.crease_cosine = std::cos(parse_finite(crease_, Measure::angle));
     options.tones = static_cast<int>(std::min<std::uint64_t>(parse_count(tones_, 2), 32));

@@ -57,6 +57,8 @@ const std::vector<Verb>& verbs() {
       {"draw", "Look", "a technical drawing of what is there, by the server's own rays", "draw -o FILE.svg|FILE.png\ndraw --term",
        "draw -o scene.svg\ndraw --style obscured-line --from 6 -8 5 --at 0 0 0.5 -o scene.png\ndraw --style toon --ray 0 0 5  0 0 -1 -o scene.svg\ndraw --term --width 100",
        make_draw},
+      {"view", "Look", "the running world as a page in the browser", "view\nview --save FILE", "view\nview --port 0 --for 10min\nview --save run.html --last 30s",
+       make_view},
       {"add", "Change", "put an object into the world", "add NAME SHAPE NUMBERS [--at X Y Z]",
        "add crate box 0.4 0.4 0.4 --at 1 2 0.2 --rpy 0 0 30deg\nadd ball sphere 5cm --at 0 0 1", make_add},
       {"move", "Change", "move an object that no publisher owns", "move NAME X Y Z", "move crate 1.2 2 0.2\nmove crate 0 0 1cm --by", make_move},

@@ -62,6 +62,20 @@ struct Bars {
   double width = 860;
 };
 
+/// One strip a row, cut into parts one after the other: what a whole is made of. Each part has its share written in it where
+/// there is room; the whole is written behind.
+struct Strips {
+  std::string title;
+  std::vector<std::string> parts{};
+  struct Row {
+    std::string name;
+    std::vector<double> values{};  // one a part, none below 0
+    std::string whole{};
+  };
+  std::vector<Row> rows{};
+  double width = 860;
+};
+
 /// Cells coloured by the logarithm of their value, each with its text; empty cells are hatched as "no data".
 struct HeatMap {
   std::string title;
@@ -82,6 +96,7 @@ struct HeatMap {
 
 std::string svg(const Plot& plot);
 std::string svg(const Bars& bars);
+std::string svg(const Strips& strips);
 std::string svg(const HeatMap& map);
 
 }  // namespace collided::draw

@@ -29,7 +29,9 @@ Result<std::optional<std::string>> fetch(Connection& connection, const char* com
   const char* name = command_name;
   std::optional<std::uint64_t> total;
   do {
-    const Result<std::string> text = command(connection, name, arguments.dump(), {}, timeout, {});
+    // A name that is not text must not throw here: the server finds nothing by it.
+    const std::string written = arguments.dump(-1, ' ', false, json::error_handler_t::replace);
+    const Result<std::string> text = command(connection, name, written, {}, timeout, {});
     if (!text) return text.error();
     std::string flaw;
     const std::optional<Page> page = decode_page(*text, flaw);

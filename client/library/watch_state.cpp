@@ -25,6 +25,14 @@ Event as_open(const Event& event) {
   return open;
 }
 
+/// News of a contact under the names that it was told with: a shard too large to carry names left them out.
+Event named_as(const Event& told, Event news) {
+  news.a = told.a;
+  news.b = told.b;
+  news.began = told.began;
+  return news;
+}
+
 }  // namespace
 
 // ---- which server -----------------------------------------------------------------------------------------------------
@@ -117,7 +125,9 @@ void WatchState::apply_began(const Event& event) {
     }
     doubt();
     emit_missed(held->second, What::ended, Why::none, event.sequence);
-  } else if (carry_over(event)) {
+    release(held);
+  }
+  if (carry_over(event)) {
     return;
   }
   end_namesake(event);
@@ -152,7 +162,9 @@ void WatchState::end_namesake(const Event& event) {
 }
 
 void WatchState::apply_ended(const Event& event) {
-  carry_over(event);
+  if (!held_.contains(pair_of(event))) {
+    carry_over(event);
+  }
   auto held = held_.find(pair_of(event));
   if (held == held_.end() || held->second.episode != event.episode) {
     doubt();
@@ -165,8 +177,7 @@ void WatchState::apply_ended(const Event& event) {
     hold(as_open(event));
     held = held_.find(pair_of(event));
   }
-  Event ended = event;
-  ended.began = held->second.began;
+  Event ended = named_as(held->second, event);
   release(held);
   emit_(ended);
 }
@@ -180,9 +191,8 @@ void WatchState::hear_persisted(const HeardFrame& frame) {
     if (entry.event.what != What::persisted || held == held_.end() || held->second.episode != entry.event.episode) {
       continue;
     }
-    Event persisted = entry.event;
+    Event persisted = named_as(held->second, entry.event);
     persisted.epoch = frame.from.epoch;
-    persisted.began = held->second.began;
     persisted.sequence = applied_;
     emit_(persisted);
   }
@@ -325,6 +335,7 @@ void WatchState::adopt_first() {
   const std::uint64_t at = bookmark_->last_event_sequence;
   mode_ = Mode::in_step;
   for (const auto& [pair, contact] : state_at(at)) {
+    end_namesake(contact);
     hold(contact);
     emit_missed(contact, What::open, Why::none, at);
   }
@@ -356,6 +367,7 @@ void WatchState::adopt_differences() {
   }
   for (const auto& [pair, contact] : state) {
     if (!held_.contains(pair) && !carry_over(contact)) {
+      end_namesake(contact);
       emit_missed(contact, What::began, Why::none, at);
       hold(contact);
     }

@@ -27,6 +27,8 @@ struct OpenFile {
   throw LoadError(fmt::format("{}: {}. Nothing was loaded.", name, what));
 }
 
+std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)); }
+
 }  // namespace
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
@@ -63,7 +65,12 @@ FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& 
 
 void FileBytes::copy(int file, const std::string& name, const LoadOptions& options) {
   constexpr std::size_t kPieceBytes = std::size_t{32} << 20;
-  copy_ = std::make_unique_for_overwrite<char[]>(byte_count_);
+  void* const memory = ::mmap(nullptr, byte_count_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) {
+    refuse_file(name, fmt::format("no memory for its {} bytes: {}", byte_count_, std::strerror(errno)));
+  }
+  copy_ = {static_cast<char*>(memory), Unmap{byte_count_}};
+  ::madvise(memory, byte_count_, MADV_HUGEPAGE);
   std::size_t done = 0;
   while (done < byte_count_) {
     if (options.cancelled && options.cancelled()) {
@@ -82,9 +89,18 @@ void FileBytes::copy(int file, const std::string& name, const LoadOptions& optio
   data_ = copy_.get();
 }
 
+void FileBytes::Unmap::operator()(char* memory) const { ::munmap(memory, byte_count); }
+
+void FileBytes::give_back(std::span<const char> piece) const {
+  if (!copy_) return;
+  const std::size_t page = page_bytes();
+  const auto first = static_cast<std::size_t>(piece.data() - copy_.get() + static_cast<std::ptrdiff_t>(page) - 1) / page * page;
+  const std::size_t end = static_cast<std::size_t>(piece.data() + piece.size() - copy_.get()) / page * page;
+  if (first < end) ::madvise(copy_.get() + first, end - first, MADV_DONTNEED);
+}
+
 void FileBytes::forget_before(std::size_t byte) {
-  const auto page_bytes = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  const std::size_t forgotten = byte / page_bytes * page_bytes;
+  const std::size_t forgotten = byte / page_bytes() * page_bytes();
   if (map_ == nullptr || forgotten <= forgotten_bytes_) {
     return;
   }

@@ -14,7 +14,7 @@ class FileBytes {
  public:
   enum class Access { copied, mapped };
 
-  /// access   copied: nothing that later happens to the file matters. mapped: no copy, for files that are only ever
+  /// access   copied: nothing that happens to the file once this is made matters. mapped: no copy, for files that are only ever
   ///          replaced by rename, as save_scene does; one that is cut short in place would end the process.
   /// throws   LoadError for what is not a regular file, is unreadable or larger than options.max_file_bytes
   FileBytes(const std::string& path, Access access, const LoadOptions& options);
@@ -24,14 +24,23 @@ class FileBytes {
 
   std::span<const char> bytes() const { return {data_, byte_count_}; }
 
-  /// Gives the whole pages of a mapping before that byte back; they must not be read any more.
+  /// Gives the whole pages of a mapped file before that byte back; they must not be read any more.
   void forget_before(std::size_t byte);
+
+  /// Gives the whole pages inside a piece of a copy back; they must not be read any more.
+  /// threads   any, for pieces that do not overlap
+  void give_back(std::span<const char> piece) const;
 
  private:
   void copy(int file, const std::string& name, const LoadOptions& options);
 
-  std::unique_ptr<char[]> copy_;
-  void* map_ = nullptr;
+  struct Unmap {
+    std::size_t byte_count;
+    void operator()(char* memory) const;
+  };
+
+  std::unique_ptr<char[], Unmap> copy_;  // mapped rather than allocated, so that pages can go as soon as they are read
+  void* map_ = nullptr;                  // of the file
   const char* data_ = nullptr;
   std::size_t byte_count_ = 0;
   std::size_t forgotten_bytes_ = 0;

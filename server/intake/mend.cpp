@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <unordered_map>
+#include <utility>
+#include <memory>
 #include <numeric>
 
 #include "server/intake/disjoint_sets.hpp"
@@ -196,6 +199,56 @@ MendReport mend(Scene& scene, double crack_m) {
     scene.collapses = {};
   }
   return mended.report;
+}
+
+namespace {
+
+/// A mesh that several objects may have.
+struct MendedShared {
+  std::shared_ptr<const TriangleMesh> mesh;
+  CutTriangles cut;
+};
+
+MendedShared mend_shared(const SceneObject& object, double crack_m, MendReport& report) {
+  const auto came_count = static_cast<std::uint32_t>(object.shape.mesh->triangles.size());
+  MendedMesh mended = mend(*object.shape.mesh, crack_m);
+  report = mended.report;
+  if (!report.did_anything()) return {object.shape.mesh, object.cut};
+  std::vector<std::uint32_t> piece_of;
+  if (object.cut.piece_of) piece_of = *object.cut.piece_of;
+  for (std::size_t i = came_count; i < mended.origin.size(); ++i) {
+    piece_of.push_back(object.cut.told(mended.origin[i], came_count));
+  }
+  CutTriangles cut;
+  if (!piece_of.empty()) cut.piece_of = std::make_shared<const std::vector<std::uint32_t>>(std::move(piece_of));
+  return {std::make_shared<const TriangleMesh>(std::move(mended.mesh)), std::move(cut)};
+}
+
+}  // namespace
+
+std::vector<std::string> mend_objects(Scene& scene, double crack_m) {
+  std::unordered_map<const TriangleMesh*, MendedShared> done;
+  std::vector<std::shared_ptr<const TriangleMesh>> came;  // so that no new mesh has the address of an old one
+  std::vector<std::string> lines;
+  std::size_t untouched_count = 0;
+  for (SceneObject& object : scene.objects) {
+    if (!object.shape.mesh) continue;
+    const auto [entry, is_new] = done.try_emplace(object.shape.mesh.get());
+    if (is_new) {
+      MendReport report;
+      entry->second = mend_shared(object, crack_m, report);
+      untouched_count += report.did_anything() ? 0 : 1;
+      if (report.did_anything() || report.unseen_point_count > 0) {
+        for (const std::string& line : sentences(report)) lines.push_back(object.name + ": " + line);
+      }
+    }
+    if (entry->second.mesh == object.shape.mesh) continue;
+    came.push_back(std::exchange(object.shape.mesh, entry->second.mesh));
+    object.cut = entry->second.cut;
+    object.index = {};
+  }
+  if (untouched_count > 0) lines.push_back(fmt::format("nothing of the meshes of {} objects: no T-vertex and no crack", untouched_count));
+  return lines;
 }
 
 std::vector<std::string> sentences(const MendReport& report) {

@@ -40,9 +40,13 @@ struct MendedMesh {
 /// cost      that of finding seams, once for each round; three rounds are usual
 MendedMesh mend(TriangleMesh mesh, double crack_m);
 
-/// The same for a scene's static mesh, whose parts then tell of the pieces (CutTriangles), with sentences for the user.
-/// Meshes of objects are left as they are.
+/// The same for a scene's static mesh, whose parts then tell of the pieces (CutTriangles).
 MendReport mend(Scene& scene, double crack_m);
 std::vector<std::string> sentences(const MendReport& report);
+
+/// The same for the meshes of the scene's objects, each by itself and once where several share it.
+///
+/// returns   sentences for the user, each with the name of the object; nothing where no object has a mesh
+std::vector<std::string> mend_objects(Scene& scene, double crack_m);
 
 }  // namespace collided

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
+#include "server/intake/limits.hpp"
 #include "server/intake/text_cursor.hpp"
 
 namespace collided {
@@ -65,12 +67,14 @@ class ChunkParser {
 
   void parse_face() {
     const std::size_t first_corner = chunk_.corners.size();
+    const std::uint32_t first_line = cursor_.lines_passed();
     while (!cursor_.at_line_end()) {
       parse_corner();
     }
     const std::size_t corner_count = chunk_.corners.size() - first_corner;
     if (corner_count < 3) {
       chunk_.corners.resize(first_corner);
+      if (!chunk_.is_relative.empty()) chunk_.is_relative.resize(first_corner);
       ++chunk_.short_faces;
       if (reading_.options.strict) {
         refuse_line(reading_, line_, fmt::format("face of {} corners, at least 3 are needed", corner_count));
@@ -82,7 +86,7 @@ class ChunkParser {
       check_triangle_count(reading_, chunk_.triangle_count);
     }
     chunk_.face_corner_counts.push_back(static_cast<std::uint32_t>(corner_count));
-    chunk_.face_bytes.push_back(static_cast<std::uint32_t>(line_ - chunk_.text.data()));
+    chunk_.face_lines.push_back(first_line);
   }
 
   // v, v/t, v//n or v/t/n. Texture and normal numbers are read as numbers and not used.
@@ -99,17 +103,37 @@ class ChunkParser {
     if (!cursor_.at_blank_or_end()) {
       cursor_.complain("corner is not of the form v, v/t, v//n or v/t/n");
     }
+    if (number > 0) {
+      add_absolute(number - 1);
+    } else {
+      add_relative(number);
+    }
+  }
+
+  void add_absolute(std::int64_t index) {
+    if (index > static_cast<std::int64_t>(kMaxVertices)) {
+      refuse_line(reading_, line_, fmt::format("vertex number {}, limit {}", index + 1, kMaxVertices));
+    }
+    chunk_.corners.push_back(static_cast<std::uint32_t>(index));
+    if (!chunk_.is_relative.empty()) chunk_.is_relative.push_back(false);
+  }
+
+  /// Back from the last vertex: kept from the chunk's first one on, until it is known how many were before that.
+  void add_relative(std::int64_t number) {
     const auto here = static_cast<std::int64_t>(chunk_.vertices.size());
-    // Numbers beyond these bounds name no vertex of any file; they are kept as such for the complaint.
-    const std::int64_t bounded = std::clamp(number, -kObjRelative / 2, kObjRelative / 2);
-    chunk_.corners.push_back(number > 0 ? bounded - 1 : here + bounded - kObjRelative);
+    if (number < -std::int64_t{std::numeric_limits<std::int32_t>::max()}) {
+      refuse_line(reading_, line_, fmt::format("vertex number {}, limit {}", number, -std::numeric_limits<std::int32_t>::max()));
+    }
+    chunk_.is_relative.resize(chunk_.corners.size(), false);
+    chunk_.is_relative.push_back(true);
+    chunk_.corners.push_back(static_cast<std::uint32_t>(static_cast<std::int32_t>(here + number)));
   }
 
   bool is_slash_next() const { return !cursor_.at_file_end() && *cursor_.place() == '/'; }
 
   void parse_rare(std::string_view keyword) {
     const auto mark = [&](ObjMark::Kind kind) {
-      chunk_.marks.push_back({kind, chunk_.face_corner_counts.size(), cursor_.rest_of_line()});
+      chunk_.marks.push_back({kind, chunk_.face_corner_counts.size(), std::string(cursor_.rest_of_line())});
     };
     if (keyword == "o") {
       mark(ObjMark::Kind::object);
@@ -122,7 +146,7 @@ class ChunkParser {
     } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {
       ++chunk_.curve_lines;
     } else if (std::find(std::begin(kPassedOver), std::end(kPassedOver), keyword) == std::end(kPassedOver)) {
-      chunk_.first_unknown_line = chunk_.unknown_lines++ == 0 ? line_ : chunk_.first_unknown_line;
+      if (chunk_.unknown_lines++ == 0) chunk_.first_unknown_line = 1 + chunk_.lines_before + cursor_.lines_passed();
     }
   }
 
@@ -146,6 +170,7 @@ std::vector<ObjChunk> split_obj(const Reading& reading) {
   constexpr std::size_t kChunkBytes = std::size_t{2} << 20;
   const std::string_view text(reading.begin(), reading.bytes.size());
   std::vector<ObjChunk> chunks;
+  std::int64_t lines_before = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     std::size_t newline = text.find('\n', std::min(begin + kChunkBytes, text.size()));
     while (newline != std::string_view::npos && is_joined(text, newline)) {
@@ -155,17 +180,26 @@ std::vector<ObjChunk> split_obj(const Reading& reading) {
     if (end - begin > kMaxObjChunkBytes) {
       refuse_byte(reading, begin, fmt::format("line of {} bytes, limit {}", end - begin, kMaxObjChunkBytes));
     }
-    chunks.push_back({.text = text.substr(begin, end - begin)});
+    chunks.push_back({.text = text.substr(begin, end - begin), .lines_before = lines_before});
+    lines_before += std::count(text.begin() + static_cast<std::ptrdiff_t>(begin), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
     begin = end;
   }
   return chunks;
 }
 
 void parse_obj_chunk(const Reading& reading, ObjChunk& chunk) {
+  const Reading piece{.file = reading.file, .bytes = chunk.text, .options = reading.options, .report = reading.report,
+                      .lines_before = chunk.lines_before};
   // A typical line has 25 bytes; half are vertices in clouds, a third in closed meshes.
   chunk.vertices.reserve(chunk.text.size() / 75);
   chunk.corners.reserve(chunk.text.size() / 12);
-  ChunkParser(reading, chunk).parse();
+  ChunkParser(piece, chunk).parse();
+  chunk.vertices.shrink_to_fit();
+  chunk.corners.shrink_to_fit();
+  chunk.face_corner_counts.shrink_to_fit();
+  chunk.face_lines.shrink_to_fit();
+  if (reading.give_back) reading.give_back(chunk.text);
+  chunk.text = {};
 }
 
 }  // namespace collided

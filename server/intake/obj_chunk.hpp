@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,16 +14,19 @@ struct ObjMark {
   enum class Kind { object, group, material };
   Kind kind;
   std::size_t face_index;  // the first face of the chunk after the line
-  std::string_view name;
+  std::string name;
 };
 
-/// A run of whole lines of an OBJ file, taken in by itself: vertex numbers are still those of the file.
+/// A run of whole lines of an OBJ file, taken in by itself: vertex numbers are still those of the file. Once it is
+/// parsed, nothing here needs the text any more.
 struct ObjChunk {
   std::string_view text;
+  std::int64_t lines_before = 0;
   std::vector<Vec3> vertices{};
-  std::vector<std::int64_t> corners{};  // see kObjRelative
+  std::vector<std::uint32_t> corners{};            // as is_relative says
+  std::vector<bool> is_relative{};                 // of each corner; empty: none is
   std::vector<std::uint32_t> face_corner_counts{};
-  std::vector<std::uint32_t> face_bytes{};  // where a face begins in the text, for complaints
+  std::vector<std::uint32_t> face_lines{};         // where a face is in the chunk, for complaints
   std::vector<ObjMark> marks{};
   std::uint64_t triangle_count = 0;
   std::uint64_t point_lines = 0;
@@ -30,18 +34,22 @@ struct ObjChunk {
   std::uint64_t weighted_vertices = 0;
   std::uint64_t short_faces = 0;
   std::uint64_t unknown_lines = 0;
-  const char* first_unknown_line = nullptr;
+  std::int64_t first_unknown_line = 0;  // of the file, from 1
+
+  /// The vertex, in the file's numbers from 0, that a corner means; below 0 if it is before the first one.
+  /// vertices_before  in the chunks before this one
+  std::int64_t vertex_of(std::size_t corner, std::int64_t vertices_before) const {
+    if (is_relative.empty() || !is_relative[corner]) return corners[corner];
+    return vertices_before + static_cast<std::int32_t>(corners[corner]);
+  }
 };
 
-/// Vertex numbers from the file's start are kept as 0, 1, ...; those that count back from the last vertex are kept
-/// below zero, as (place in the chunk) - kObjRelative, until it is known how many vertices came before the chunk.
-inline constexpr std::int64_t kObjRelative = std::int64_t{1} << 62;
-
-/// Bytes a chunk may have, so that 32 bits say where a face begins.
+/// Bytes a chunk may have, so that 32 bits number its lines and vertices.
 inline constexpr std::size_t kMaxObjChunkBytes = std::size_t{1} << 31;
 
 /// Splits at line ends, never inside a line that a backslash continues.
 std::vector<ObjChunk> split_obj(const Reading& reading);
+/// Takes a chunk in and gives its text back.
 void parse_obj_chunk(const Reading& reading, ObjChunk& chunk);
 
 }  // namespace collided

@@ -162,7 +162,7 @@ class ObjReader {
       const std::uint32_t corner_count = chunk.face_corner_counts[face];
       corners.clear();
       for (std::size_t i = first_corner; i < first_corner + corner_count; ++i) {
-        corners.push_back(vertex_index(chunk_index, face, chunk.corners[i]));
+        corners.push_back(vertex_index(chunk_index, face, i));
       }
       first_corner += corner_count;
       cut_face(chunk_index, face, corners);
@@ -171,6 +171,9 @@ class ObjReader {
       run->end_triangle = cut.triangles.size();
     }
     chunk.corners = {};
+    chunk.is_relative = {};
+    chunk.face_corner_counts = {};
+    chunk.face_lines = {};
   }
 
   void cut_face(std::size_t chunk_index, std::size_t face, std::span<const std::uint32_t> corners) {
@@ -183,12 +186,12 @@ class ObjReader {
         return;
       case PolygonKind::crossing:
         if (reading_.options.strict) {
-          refuse_line(reading_, face_place(chunk_index, face), "polygon crosses or touches itself");
+          refuse_face(chunk_index, face, "polygon crosses or touches itself");
         }
         cut.crossing.push_back({{corners.begin(), corners.end()}, first_new});
         return;
       case PolygonKind::too_long:
-        refuse_line(reading_, face_place(chunk_index, face),
+        refuse_face(chunk_index, face,
                     fmt::format("polygon of {} corners that crosses or touches itself, limit {}", corners.size(), kMaxConcaveCorners));
     }
   }
@@ -205,18 +208,18 @@ class ObjReader {
     check_vertex_count(reading_, scene_.mesh.vertices.size());
   }
 
-  const char* face_place(std::size_t chunk_index, std::size_t face) const {
-    return chunks_[chunk_index].text.data() + chunks_[chunk_index].face_bytes[face];
+  [[noreturn]] void refuse_face(std::size_t chunk_index, std::size_t face, const std::string& what) const {
+    const ObjChunk& chunk = chunks_[chunk_index];
+    refuse(reading_, fmt::format("line {}: {}", 1 + chunk.lines_before + chunk.face_lines[face], what));
   }
 
-  std::uint32_t vertex_index(std::size_t chunk_index, std::size_t face, std::int64_t corner) const {
+  std::uint32_t vertex_index(std::size_t chunk_index, std::size_t face, std::size_t corner) const {
     const auto vertex_count = static_cast<std::int64_t>(scene_.mesh.vertices.size());
-    const bool is_relative = corner < 0;
-    const std::int64_t index = is_relative ? corner + kObjRelative + first_vertices_[chunk_index] : corner;
+    const std::int64_t index = chunks_[chunk_index].vertex_of(corner, first_vertices_[chunk_index]);
     if (index < 0 || index >= vertex_count) {
-      refuse_line(reading_, face_place(chunk_index, face),
-                  is_relative && index < 0 ? fmt::format("vertex number {} before the first vertex", index)
-                                           : fmt::format("vertex number {} of {}", index + 1, vertex_count));
+      refuse_face(chunk_index, face,
+                  index < 0 ? fmt::format("vertex number {} before the first vertex", index)
+                            : fmt::format("vertex number {} of {}", index + 1, vertex_count));
     }
     return static_cast<std::uint32_t>(index);
   }
@@ -234,12 +237,15 @@ class ObjReader {
       first += std::exchange(part_ends[i], first);
     }
     scene_.mesh.triangles.resize(first);
-    for (const FaceRun& run : runs_) {
-      const auto& from = triangles_[run.chunk_index].triangles;
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      const FaceRun& run = runs_[i];
+      std::vector<TriangleCorners>& from = triangles_[run.chunk_index].triangles;
       std::copy(from.begin() + static_cast<std::ptrdiff_t>(run.first_triangle),
                 from.begin() + static_cast<std::ptrdiff_t>(run.end_triangle),
                 scene_.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(part_ends[run.part_index]));
       part_ends[run.part_index] += run.end_triangle - run.first_triangle;
+      const bool is_last_of_chunk = i + 1 == runs_.size() || runs_[i + 1].chunk_index != run.chunk_index;
+      if (is_last_of_chunk) from = {};
     }
   }
 
@@ -251,8 +257,7 @@ class ObjReader {
       sum.weighted_vertices += chunks_[i].weighted_vertices;
       sum.short_faces += chunks_[i].short_faces;
       sum.unknown_lines += chunks_[i].unknown_lines;
-      sum.first_unknown_line =
-          sum.first_unknown_line == nullptr ? chunks_[i].first_unknown_line : sum.first_unknown_line;
+      if (sum.first_unknown_line == 0) sum.first_unknown_line = chunks_[i].first_unknown_line;
     }
     const auto tell = [](std::vector<std::string>& lines, std::uint64_t count, std::string_view sentence) {
       if (count > 0) {
@@ -264,9 +269,8 @@ class ObjReader {
     tell(lines.refused, sum.curve_lines, "free-form curves and surfaces left out; only polygons are loaded");
     tell(lines.refused, sum.short_faces, "faces of fewer than 3 corners left out");
     if (sum.unknown_lines > 0) {
-      const auto line = 1 + std::count(reading_.begin(), sum.first_unknown_line, '\n');
       lines.refused.push_back(fmt::format("{} lines that begin with no word of OBJ left out, the first is line {}",
-                                          sum.unknown_lines, line));
+                                          sum.unknown_lines, sum.first_unknown_line));
     }
     tell(lines.warnings, sum.weighted_vertices, "vertices with a weight other than 1; the weight is not used");
     counts_.report(lines);

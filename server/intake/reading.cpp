@@ -13,7 +13,7 @@ void refuse(const Reading& reading, const std::string& what) {
 }
 
 void refuse_line(const Reading& reading, const char* place, const std::string& what) {
-  const auto line = 1 + std::count(reading.begin(), std::clamp(place, reading.begin(), reading.end()), '\n');
+  const auto line = 1 + reading.lines_before + std::count(reading.begin(), std::clamp(place, reading.begin(), reading.end()), '\n');
   refuse(reading, fmt::format("line {}: {}", line, what));
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -19,6 +20,10 @@ struct Reading {
   LoadReport& report;
   std::shared_ptr<const void> keeper{};  // of the bytes, where they stay after the reading
   std::string folder{};                  // where the file is; empty: nowhere, so files that it names cannot be read
+  // Gives memory of a piece of the bytes back that is not read again, not even to number a line; empty: nothing to do.
+  // Any thread.
+  std::function<void(std::span<const char>)> give_back{};
+  std::int64_t lines_before = 0;  // of the file, where the bytes are a piece of it
 
   const char* begin() const { return bytes.data(); }
   const char* end() const { return bytes.data() + bytes.size(); }

@@ -202,15 +202,11 @@ void report_oddities(const Reading& reading, const TriangleMesh& mesh) {
 
 /// Mends where that is asked for, and tells what is odd.
 void finish_mesh(const Reading& reading, Scene& scene) {
-  if (reading.options.mend_m && !scene.mesh.triangles.empty()) {
-    const std::vector<std::string> lines = sentences(mend(scene, *reading.options.mend_m));
+  const auto tell = [&](const std::vector<std::string>& lines) {
     reading.report.mended.insert(reading.report.mended.end(), lines.begin(), lines.end());
-  }
-  const bool has_own_meshes = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                          [](const SceneObject& object) { return object.shape.mesh != nullptr; });
-  if (reading.options.mend_m && has_own_meshes) {
-    reading.report.warnings.emplace_back("the meshes of objects are not mended, only what stands still is");
-  }
+  };
+  if (reading.options.mend_m && !scene.mesh.triangles.empty()) tell(sentences(mend(scene, *reading.options.mend_m)));
+  if (reading.options.mend_m) tell(mend_objects(scene, *reading.options.mend_m));
   report_oddities(reading, scene.mesh);
 }
 
@@ -233,6 +229,12 @@ void set_radius(const Reading& reading, SceneObject& cloud) {
   }
 }
 
+/// What is done after the reading needs memory of its own.
+void drop_bytes(Reading& reading) {
+  if (reading.give_back) reading.give_back(reading.bytes);
+  reading.bytes = {};
+}
+
 Scene load(const Format& format, Reading reading) {
   check_options(reading);
   tell_progress(reading, 0);
@@ -243,6 +245,7 @@ Scene load(const Format& format, Reading reading) {
   }
   if (format.content != Content::saved) reading.bytes = without_mark(reading);
   Scene scene = format.read(reading);
+  if (format.content != Content::saved) drop_bytes(reading);
   if (format.content == Content::mesh) check_mesh(reading, scene);
   if (format.content == Content::saved) {
     if (!reading.options.name.empty()) rename_scene(reading, scene, mended_name(reading.options.name));
@@ -302,9 +305,10 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
     const auto access = format.content == Content::saved ? FileBytes::Access::mapped : FileBytes::Access::copied;
     const auto bytes = std::make_shared<FileBytes>(path, access, options);
     const std::string folder = std::filesystem::absolute(path).parent_path().string();
-    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder});
+    const auto give_back = [&](std::span<const char> piece) { bytes->give_back(piece); };
+    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder, give_back});
     // Saved indexes go on using the end of a mapping.
-    bytes->forget_before(table_bytes(bytes->bytes()));
+    if (access == FileBytes::Access::mapped) bytes->forget_before(table_bytes(bytes->bytes()));
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return scene;

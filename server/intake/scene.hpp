@@ -52,6 +52,7 @@ struct SceneObject {
   Pose pose{};
   Filter filter{};
   SavedIndex index{};  // of the shape's mesh
+  CutTriangles cut{};  // of the shape's mesh
 };
 
 /// One loaded file: static triangles in world coordinates, split into parts without gap, and objects with a pose.

@@ -68,8 +68,7 @@ class SceneEncoder {
     for (const Part& part : from.parts) {
       const format::Filter filter = packed(part.filter);
       const auto name = builder_.CreateString(part.name);
-      const auto pieces = !part.cut.piece_of ? flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>{}
-                                                : builder_.CreateVector(*part.cut.piece_of);
+      const auto pieces = piece_numbers(part.cut);
       parts.push_back(
           format::CreatePart(builder_, name, part.first_triangle, part.triangle_count, &filter, pieces));
     }
@@ -80,7 +79,8 @@ class SceneEncoder {
       const format::Vec3 position = packed(object.pose.position);
       const format::Quat rotation = packed(object.pose.rotation);
       const format::Filter filter = packed(object.filter);
-      objects.push_back(format::CreateObject(builder_, name, shape_table, &position, &rotation, &filter));
+      const auto pieces = piece_numbers(object.cut);
+      objects.push_back(format::CreateObject(builder_, name, shape_table, &position, &rotation, &filter, pieces));
     }
     const bool has_mesh = !from.mesh.vertices.empty() || !from.mesh.triangles.empty();
     const auto mesh_table = has_mesh ? mesh(from.mesh) : flatbuffers::Offset<format::Mesh>{};
@@ -103,6 +103,11 @@ class SceneEncoder {
   std::span<std::byte> bytes() { return std::as_writable_bytes(std::span(builder_.GetBufferPointer(), builder_.GetSize())); }
 
  private:
+  flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> piece_numbers(const CutTriangles& cut) {
+    if (!cut.piece_of) return {};
+    return builder_.CreateVector(*cut.piece_of);
+  }
+
   /// A shape's primitives by kind.
   struct Parts {
     std::vector<format::Sphere> spheres;
@@ -171,7 +176,7 @@ inline std::uint64_t encoded_bytes(const Scene& scene) {
     bytes += 128 + part.name.size() + sizeof(std::uint32_t) * part.cut.piece_count();
   }
   for (const SceneObject& object : scene.objects) {
-    bytes += 256 + object.name.size() + encoded_bytes(object.shape);
+    bytes += 256 + object.name.size() + encoded_bytes(object.shape) + sizeof(std::uint32_t) * object.cut.piece_count();
   }
   return bytes;
 }

@@ -449,15 +449,17 @@ class NameCheck {
   std::unordered_set<std::string_view> taken_;
 };
 
-CutTriangles decode_pieces(const format::Part& from) {
+/// from  a part or an object, of triangle_count triangles
+template <class Table>
+CutTriangles decode_pieces(const Table& from, const char* kind, std::uint64_t triangle_count) {
   if (from.piece_of() == nullptr || from.piece_of()->size() == 0) {
     return {};
   }
   std::vector<std::uint32_t> pieces(from.piece_of()->begin(), from.piece_of()->end());
-  const std::uint64_t whole_count = from.triangle_count() - std::min<std::uint64_t>(pieces.size(), from.triangle_count());
+  const std::uint64_t whole_count = triangle_count - std::min<std::uint64_t>(pieces.size(), triangle_count);
   for (const std::uint32_t whole : pieces) {
     if (whole >= whole_count) {
-      throw Flaw{fmt::format("part {} has a piece of triangle {}, allowed are those before {}",
+      throw Flaw{fmt::format("{} {} has a piece of triangle {}, allowed are those before {}", kind,
                              quoted(from.name()->string_view()), whole, whole_count)};
     }
   }
@@ -476,7 +478,7 @@ void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
     }
     covered += part.triangle_count();
     scene.parts.push_back({names.take(*part.name()), part.first_triangle(), part.triangle_count(),
-                           filter_of(part.filter()), decode_pieces(part)});
+                           filter_of(part.filter()), decode_pieces(part, "part", part.triangle_count())});
   }
   if (covered != triangle_count) {
     throw Flaw{fmt::format("parts cover {} of {} triangles", covered, triangle_count)};
@@ -519,7 +521,10 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
       if (object.rotation() != nullptr) {
         pose.rotation = decoder.rotation(*object.rotation(), "rotation");
       }
-      scene.objects.push_back({name, decoder.shape(*object.shape()), pose, filter_of(object.filter())});
+      Shape shape = decoder.shape(*object.shape());
+      const std::size_t triangle_count = shape.mesh ? shape.mesh->triangles.size() : 0;
+      scene.objects.push_back({name, std::move(shape), pose, filter_of(object.filter()), {},
+                               decode_pieces(object, "object", triangle_count)});
     } catch (const Flaw& flaw) {
       throw Flaw{fmt::format("object {}: {}", quoted(name), flaw.what)};
     }

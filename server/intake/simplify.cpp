@@ -9,11 +9,11 @@
 
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/orientation.hpp"
+#include "server/intake/cross_beyond_shared.hpp"
 #include "server/intake/growing_tree.hpp"
 #include "server/intake/quadric.hpp"
 #include "server/intake/shrinking_surface.hpp"
 #include "server/intake/space_order.hpp"
-#include "server/intake/triangle_crossing.hpp"
 #include "server/intake/weld.hpp"
 
 namespace collided {

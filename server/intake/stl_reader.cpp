@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 84;    // 80 of anything, then the triangle count
 constexpr std::size_t kTriangleBytes = 50;  // normal, three corners, two bytes of anything
+constexpr std::size_t kGivenBack = 0x10000;  // triangles after which their bytes are given back
 
 std::uint64_t claimed_triangles(const Reading& reading) {
   return number_at<std::uint32_t>(reading.begin() + 80, std::endian::little);
@@ -83,12 +84,16 @@ Scene read_binary(const Reading& reading) {
   // has half as many as triangles.
   Welder welder(scene.mesh.vertices, count / 2 + 16);
   constexpr std::size_t kTriangles = Welder::kBatch / 3;
+  static_assert(kGivenBack % kTriangles == 0);
   std::array<Vec3, Welder::kBatch> corners;
   for (std::size_t first = 0; first < count; first += kTriangles) {
     const std::size_t end = std::min(first + kTriangles, std::size_t{count});
     for (std::size_t i = first; i < end; ++i) read_corners(reading, i, count, &corners[3 * (i - first)]);
     welder.number(std::span(corners).first(3 * (end - first)), scene.mesh.triangles[first].data());
-    if (first % 0x40000 == 0) {
+    if (first % kGivenBack == 0) {
+      if (first > 0 && reading.give_back) {
+        reading.give_back(reading.bytes.subspan(kHeaderBytes + kTriangleBytes * (first - kGivenBack), kTriangleBytes * kGivenBack));
+      }
       tell_progress(reading, 0.5 * static_cast<double>(first) / static_cast<double>(count));
     }
   }

@@ -46,6 +46,7 @@ void TextCursor::skip_blanks() {
     if (is_blank(*at_)) {
       ++at_;
     } else if (is_continuation()) {
+      ++lines_passed_;
       at_ = static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_))) + 1;
     } else {
       return;
@@ -58,6 +59,7 @@ void TextCursor::next_line() {
     const void* newline = std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_));
     const char* line_begin = at_;
     at_ = newline == nullptr ? end_ : static_cast<const char*>(newline) + 1;
+    ++lines_passed_;
     if (!continued_ || newline == nullptr) {
       return;
     }

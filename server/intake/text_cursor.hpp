@@ -23,6 +23,8 @@ class TextCursor {
         continued_(continued) {}
 
   const char* place() const { return at_; }
+  /// Line ends passed so far.
+  std::uint32_t lines_passed() const { return lines_passed_; }
   bool at_file_end() const { return at_ == end_; }
 
   /// Skips blanks and says whether the line has no further word.
@@ -59,6 +61,7 @@ class TextCursor {
   const Reading* reading_;
   const char* at_;
   const char* end_;
+  std::uint32_t lines_passed_ = 0;
   bool comments_;
   bool continued_;
 };

@@ -19,6 +19,7 @@ struct Options {
   std::vector<std::string> scenes;  // files, loaded in order; none: the embedded scene
   double unit_m = 1;
   char up = 0;  // 0: as the format says
+  std::optional<double> mend_m{};  // of the scenes: as LoadOptions has it
   std::uint32_t max_objects = 0;
   std::uint32_t max_contacts = 0;
   double error_m = 0;            // of questions that ask for none; 0: exact on doubt

@@ -73,6 +73,17 @@ Allowed apply_up(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_mend(Options& options, Values values) {
+  options.mend_m.reset();
+  if (values[0] == "off") return std::nullopt;
+  const std::optional<double> crack = values[0] == "auto" ? 0.0 : parse_length_m(values[0]);
+  if (!crack || (*crack == 0 && values[0] != "auto")) {
+    return "'off', 'auto' or the widest crack to close, such as 0.1mm";
+  }
+  options.mend_m = crack;
+  return std::nullopt;
+}
+
 Allowed apply_max_objects(Options& options, Values values) {
   return apply_whole(options.max_objects, values, 1, 16'000'000);
 }
@@ -179,6 +190,8 @@ constexpr Setting kSettings[] = {
     {"world.scenes", "", "COLLIDED_SCENES", "", "FILES", "scene files, loaded in order", true, apply_scenes},
     {"world.unit", "--unit", "COLLIDED_UNIT", "m", "UNIT", "of the scene files' numbers", false, apply_unit},
     {"world.up", "--up", "COLLIDED_UP", "auto", "AXIS", "of the scene files: y or z; auto: as the format says, else z", false, apply_up},
+    {"world.mend", "--mend", "COLLIDED_MEND", "off", "WIDTH",
+     "of the scene files: join points and cut edges up to so wide a crack, or auto", false, apply_mend},
     {"world.max_objects", "--max-objects", "COLLIDED_MAX_OBJECTS", "100000", "N", "static parts and moving objects",
      false, apply_max_objects},
     {"world.max_contacts", "--max-contacts", "COLLIDED_MAX_CONTACTS", "10000000", "N",

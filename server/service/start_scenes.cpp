@@ -57,6 +57,7 @@ LoadedScene load(const Options& options, const std::string& path) {
   LoadOptions load_options;
   load_options.unit_m = options.unit_m;
   load_options.up = options.up;
+  load_options.mend_m = options.mend_m;
   load_options.cancelled = is_stop_pending;
   load_options.progress = [&](double fraction) { line.show(fraction); };
   return load_and_index(path, load_options);

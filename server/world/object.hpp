@@ -41,8 +41,8 @@ struct ObjectInfo {
   std::shared_ptr<const IndexedParts> parts;  // of the primitives; null: each is asked
   std::shared_ptr<const IndexedMesh> mesh;  // in the object's frame; null for a part of a static scene
   std::uint32_t scene_part = 0xffffffff;    // number of the part where the object is a run of static triangles
-  std::uint32_t part_triangles = 0;
-  CutTriangles cut;                         // as the part has them
+  std::uint32_t part_triangles = 0;         // of the part, or of a mesh whose triangles mending has cut
+  CutTriangles cut;                         // of these
 
   /// What answers call a triangle.
   std::uint32_t told_triangle(std::uint32_t triangle) const { return cut.told(triangle, part_triangles); }

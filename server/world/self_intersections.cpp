@@ -61,26 +61,37 @@ bool meet(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
 
 struct Search {
   const TriangleMesh& mesh;
+  const SearchControl& control;
   std::vector<bool> is_flat;
+  std::uint64_t own_count = 0;  // triangles that have come as a pair with themselves, as each does once
   SelfIntersections result{};
+
+  /// False: called off.
+  bool tell() const {
+    constexpr std::uint64_t kSeldom = 0x4000;
+    if (result.candidate_count % kSeldom != 0) return true;
+    if (control.progress) control.progress(static_cast<double>(own_count) / static_cast<double>(is_flat.size()));
+    return !control.cancelled || !control.cancelled();
+  }
 };
 
 bool take_pair(void* context, std::uint32_t a, std::uint32_t b) {
   Search& search = *static_cast<Search*>(context);
   ++search.result.candidate_count;
+  search.own_count += a == b ? 1 : 0;
   // Each pair comes in both orders.
   if (a < b && !search.is_flat[a] && !search.is_flat[b] && meet(search.mesh, a, b)) {
     search.result.pairs.push_back({a, b});
   }
   search.result.is_complete = search.result.candidate_count < SelfIntersections::kMostCandidates &&
-                              search.result.pairs.size() < SelfIntersections::kMostPairs;
+                              search.result.pairs.size() < SelfIntersections::kMostPairs && search.tell();
   return search.result.is_complete;
 }
 
 }  // namespace
 
-SelfIntersections self_intersections(const TriangleMesh& mesh, const BspTree& tree) {
-  Search search{.mesh = mesh, .is_flat = std::vector<bool>(mesh.triangles.size())};
+SelfIntersections self_intersections(const TriangleMesh& mesh, const BspTree& tree, const SearchControl& control) {
+  Search search{.mesh = mesh, .control = control, .is_flat = std::vector<bool>(mesh.triangles.size())};
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) search.is_flat[i] = has_zero_area(mesh.triangle(i));
   WalkCost cost;
   tree.walk_pairs(tree, Mat3::Identity(), Vec3::Zero(), 0, take_pair, &search, cost);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "server/broad_phase/bsp_tree.hpp"
@@ -19,11 +20,17 @@ struct TrianglePair {
 struct SelfIntersections {
   std::vector<TrianglePair> pairs;  // ascending
   std::uint64_t candidate_count = 0;
-  bool is_complete =
-      true;  // false: ended at kMostPairs or kMostCandidates, so that soups cannot take all memory or for ever
+  // false: cancelled, or ended at kMostPairs or kMostCandidates, so that soups cannot take all memory or for ever
+  bool is_complete = true;
 
   static constexpr std::size_t kMostPairs = 10'000'000;
   static constexpr std::uint64_t kMostCandidates = 1'000'000'000;
+};
+
+/// What a long search is told and asked, now and then.
+struct SearchControl {
+  std::function<void(double)> progress{};  // fraction done in [0, 1]
+  std::function<bool()> cancelled{};       // true ends it with what has been found
 };
 
 /// Every pair of triangles that meet where they should not: exact, touching included. Equal coordinates are one corner.
@@ -33,6 +40,6 @@ struct SelfIntersections {
 /// tree      of the mesh
 /// cost      about 0.6 us a triangle of a clean closed mesh
 /// threads   one; the result does not depend on the tree
-SelfIntersections self_intersections(const TriangleMesh& mesh, const BspTree& tree);
+SelfIntersections self_intersections(const TriangleMesh& mesh, const BspTree& tree, const SearchControl& control = {});
 
 }  // namespace collided

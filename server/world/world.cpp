@@ -196,7 +196,8 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
                                                   .pose = object.pose,
                                                   .filter = object.filter,
                                                   .moving = false,
-                                                  .indexed = i < meshes.size() ? meshes[i] : nullptr});
+                                                  .indexed = i < meshes.size() ? meshes[i] : nullptr,
+                                                  .cut = object.cut});
     assert(std::holds_alternative<ObjectId>(defined) && "names and limits were checked above");
   }
   // What was there before may touch what came: every mover is looked at again.
@@ -247,6 +248,10 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   info->publisher = definition.publisher;
   info->primitives = definition.shape.primitives;
   info->parts = index_parts(info->primitives);
+  if (definition.cut.piece_of) {
+    info->cut = definition.cut;
+    info->part_triangles = static_cast<std::uint32_t>(definition.shape.mesh->triangles.size());
+  }
   s.movable[slot] = id;
   s.lone_spheres[slot] = lone_sphere(*info);
   s.sizes[slot] = size_of(*info);

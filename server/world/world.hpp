@@ -35,6 +35,7 @@ struct ObjectDefinition {
   wire_contract::LostPolicy lost_policy = wire_contract::LostPolicy::remove;
   std::uint64_t publisher = 0;
   std::shared_ptr<const IndexedMesh> indexed{};  // the shape's mesh, where it has its index already
+  CutTriangles cut{};                            // of the shape's mesh
 };
 
 /// Why something was refused, as a sentence for the user.

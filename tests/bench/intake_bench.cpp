@@ -22,6 +22,7 @@
 #include "server/intake/mesh_health.hpp"
 #include "server/intake/reading.hpp"
 #include "server/world/self_intersections.hpp"
+#include "tests/scenes/mesh_files.hpp"
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
@@ -70,59 +71,10 @@ void alone(const std::function<void()>& row) {
   ::waitpid(child, &status, 0);
 }
 
-template <class Number>
-void put(std::string& bytes, Number value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 void write(const std::string& path, const std::string& bytes) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
   std::fwrite(bytes.data(), 1, bytes.size(), file);
   std::fclose(file);
-}
-
-std::string obj(const TriangleMesh& mesh) {
-  std::string text;
-  for (const Vec3& v : mesh.vertices) text += fmt::format("v {:.9g} {:.9g} {:.9g}\n", v[0], v[1], v[2]);
-  for (const TriangleCorners& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-  return text;
-}
-
-std::string off(const TriangleMesh& mesh) {
-  std::string text = fmt::format("OFF\n{} {} 0\n", mesh.vertices.size(), mesh.triangles.size());
-  for (const Vec3& v : mesh.vertices) text += fmt::format("{:.9g} {:.9g} {:.9g}\n", v[0], v[1], v[2]);
-  for (const TriangleCorners& t : mesh.triangles) text += fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
-  return text;
-}
-
-std::string stl(const TriangleMesh& mesh) {
-  std::string bytes(80, '\0');
-  put(bytes, static_cast<std::uint32_t>(mesh.triangles.size()));
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Triangle t = mesh.triangle(i);
-    for (int k = 0; k < 3; ++k) put(bytes, 0.f);
-    for (const Vec3& corner : {t.a, t.b, t.c}) {
-      for (const double number : corner) put(bytes, static_cast<float>(number));
-    }
-    put(bytes, std::uint16_t{0});
-  }
-  return bytes;
-}
-
-std::string ply(const TriangleMesh& mesh) {
-  std::string bytes = fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
-      "z\n"
-      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      mesh.vertices.size(), mesh.triangles.size());
-  for (const Vec3& v : mesh.vertices) {
-    for (const double number : v) put(bytes, number);
-  }
-  for (const TriangleCorners& t : mesh.triangles) {
-    put(bytes, std::uint8_t{3});
-    for (const std::uint32_t corner : t) put(bytes, static_cast<std::int32_t>(corner));
-  }
-  return bytes;
 }
 
 void read_row(const std::string& path, Scene (*read)(const Reading&)) {
@@ -177,10 +129,10 @@ int main() {
   const auto path = [&](const char* ending) { return (folder / (std::string("terrain") + ending)).string(); };
   alone([&] {
     const TriangleMesh mesh = scenes::terrain(kCells, 100, 7);
-    write(path(".obj"), obj(mesh));
-    write(path(".stl"), stl(mesh));
-    write(path(".ply"), ply(mesh));
-    write(path(".off"), off(mesh));
+    write(path(".obj"), scenes::obj_file(mesh));
+    write(path(".stl"), scenes::stl_file(mesh));
+    write(path(".ply"), scenes::ply_file(mesh));
+    write(path(".off"), scenes::off_file(mesh));
   });
   std::printf("reading %u triangles, names, weld report and all\n", 2 * kCells * kCells);
   alone([&] { read_row(path(".obj"), read_obj); });

@@ -145,7 +145,7 @@ TEST_F(DrawVerb, BadUseSaysWhatIsWrongBeforeAnythingIsAsked) {
   EXPECT_EQ(error("-o a.bmp"), "error: draw: 'a.bmp' is neither .svg nor .png");
   EXPECT_EQ(error("-o a.svg --style cubist"), "error: draw: no style 'cubist'");
   EXPECT_EQ(error("-o a.svg --up 0 0 0"), "error: draw: --up 0 0 0 has no direction");
-  EXPECT_EQ(error("-o a.svg --width 3"), "error: draw: --width 3 is not from 16 to 10000");
+  EXPECT_EQ(error("-o a.svg --width 3"), "error: draw: --width 3 is not from 16 to 4000");
   EXPECT_EQ(error("-o a.svg --fov 200deg"), "error: draw: --fov 200deg is not between 0 and 171deg");
   EXPECT_EQ(error("-o a.svg --from 0 0"), "error: draw: '0,0' holds 2 numbers where 3 are needed");
   EXPECT_EQ(error("-o a.svg --ray 0 0 1 0 0"),

@@ -156,6 +156,10 @@ Result<std::size_t> Client::remove_probes(const std::string& name) {
 Result<std::vector<ProbeReading>> Client::probes(const std::string&) {
   return std::vector<ProbeReading>(fake::server().readings.begin(), fake::server().readings.end());
 }
+Result<Poses> Client::poses(std::chrono::nanoseconds) {
+  if (!fake::server().poses) return Error{ErrorCode::refused, "no poses", ""};
+  return fake::server().poses();
+}
 struct ProbeWatch::State {};
 Result<ProbeWatch> Client::watch_probes(const WatchOptions&) {
   return ProbeWatch(std::make_unique<ProbeWatch::State>());

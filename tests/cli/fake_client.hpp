@@ -37,6 +37,7 @@ struct Server {
   std::function<Result<std::string>(const std::string&, const nlohmann::json&, const Shape&)> command;
   std::function<Result<PairAnswer>(const std::string&, const std::string&, const PairOptions&)> pair;
   std::function<Result<ShownObjects>(const ShapesOptions&)> shapes;
+  std::function<Result<Poses>()> poses;
   std::vector<Probe> probes;
   std::deque<ProbeReading> readings;  // also what is followed
   /// Called on every flush, so that a test can send events back.

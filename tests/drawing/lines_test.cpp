@@ -202,6 +202,20 @@ TEST_F(DrawingLines, HaloedLinesHaveAGapAtEachCrossing) {
   }
 }
 
+TEST_F(DrawingLines, WhatCannotBeDrawnIsSaidAndWhatIsOddIsDrawn) {
+  serve({{.name = "far", .shape = {BoxShape{{1e200, 1e200, 1e200}}}}});
+  EXPECT_THROW((void)drawing({}), Error);
+  servers_.clear();
+  serve({{.name = "point", .shape = {SphereShape{0}}},
+         {.name = "flat", .shape = {BoxShape{{1, 0, 0}}}},
+         {.name = "ground", .shape = {HalfSpaceShape{}}}});
+  EXPECT_EQ(drawing({}).segments.size(), 12U) << "edges of a box, however flat";
+  // From the middle of it, upward along what is up, and with everything behind the eye.
+  EXPECT_GT(drawing({.view = {.from = Vec3(0, 0.1, 0)}}).picture.width_px, 0);
+  EXPECT_GT(drawing({.view = {.from = Vec3(0, 0, -3), .at = Vec3(0, 0, 0)}}).segments.size(), 0U);
+  EXPECT_EQ(drawing({.view = {.from = Vec3(0, 5, 0), .at = Vec3(0, 9, 0)}}).segments.size(), 0U);
+}
+
 TEST_F(DrawingLines, ThePictureHoldsEverythingAndRaysGoWhereItWasDrawn) {
   serve({{.name = "ring", .shape = {torus(2, 0.5, 24, 12)}, .pose = {.position = {4e6, -5e5, 10}}}});
   for (const bool is_parallel : {false, true}) {

@@ -1,13 +1,19 @@
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -159,6 +165,111 @@ TEST_F(Files, LinksOfARobotAreCheckedEachAndAnSrdfFileIsTaken) {
   EXPECT_EQ(found["object_meshes"][0]["edges"], 18);
   EXPECT_TRUE(found["warnings"].empty());
   EXPECT_EQ(checked(robot)["warnings"].size(), 1u);
+}
+
+TEST_F(Files, MeshesOfObjectsAreMendedToo) {
+  const std::string robot = write(
+      "r.urdf",
+      R"(<robot name="r"><link name="a"><collision><geometry><mesh filename="panels.obj"/></geometry></collision></link>
+    <link name="b"><collision><geometry><mesh filename="cube.obj"/></geometry></collision></link>
+    <joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>)");
+  write("panels.obj", kPanels);
+  write("cube.obj", kCube);
+  EXPECT_EQ(checked(robot)["object_meshes"][0]["t_vertices"], 1);
+  const json mended = checked(robot + " --mend");
+  EXPECT_EQ(mended["mended"][0], "r/a: 1 T-vertices: the edges cut there");
+  EXPECT_EQ(mended["mended"].back(), "nothing of the meshes of 1 objects: no T-vertex and no crack");
+  const std::string saved = (folder_ / "r.cscene").string();
+  ASSERT_EQ(run("convert " + robot + " " + saved + " --mend").code, 0);
+  for (const json& found : {mended, checked(saved)}) {
+    const json& panels = found["object_meshes"][0];
+    EXPECT_EQ(panels["t_vertices"], 0);
+    EXPECT_EQ(panels["triangles"], 6);
+    // The piece, the sixth triangle of the mesh, is still called by the number of the file's triangle: 4.
+    std::vector<int> named;
+    for (const json& place : panels["findings"]["boundary_edges"]["places"]) named.push_back(place["triangle"]);
+    EXPECT_EQ(*std::max_element(named.begin(), named.end()), 4);
+    EXPECT_EQ(std::count(named.begin(), named.end(), 4), 1);
+  }
+}
+
+/// A program on a terminal of its own, which sees what it writes.
+class OnTerminal {
+ public:
+  explicit OnTerminal(const std::string& words) {
+    pid_ = ::forkpty(&terminal_, nullptr, nullptr, nullptr);
+    if (pid_ == 0) {
+      ::execl("/bin/sh", "sh", "-c", ("exec " + std::string(COLLIDED_FILES_BUILT) + " " + words).c_str(), nullptr);
+      ::_exit(127);
+    }
+  }
+  ~OnTerminal() {
+    ::close(terminal_);
+    if (pid_ > 0) ::waitpid(pid_, nullptr, 0);
+  }
+  OnTerminal(const OnTerminal&) = delete;
+  OnTerminal& operator=(const OnTerminal&) = delete;
+
+  /// False: it ended before it wrote that.
+  bool wait_for(const std::string& text) {
+    std::array<char, 4096> piece{};
+    while (seen_.find(text) == std::string::npos) {
+      const ssize_t got = ::read(terminal_, piece.data(), piece.size());
+      if (got <= 0) return false;
+      seen_.append(piece.data(), static_cast<std::size_t>(got));
+    }
+    return true;
+  }
+  void press_ctrl_c() const { ASSERT_EQ(::write(terminal_, "\x03", 1), 1); }
+  int exit_code() {
+    wait_for("\a never written");
+    int status = 0;
+    ::waitpid(std::exchange(pid_, 0), &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+  const std::string& seen() const { return seen_; }
+
+ private:
+  int terminal_ = -1;
+  pid_t pid_ = 0;
+  std::string seen_;
+};
+
+/// A flat square of 2 * cells^2 triangles as binary STL.
+std::string flat_stl(std::uint32_t cells) {
+  std::string bytes(80, '\0');
+  const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(2 * cells * cells);
+  const auto triangle = [&](std::initializer_list<std::array<std::uint32_t, 2>> corners) {
+    bytes.append(12, '\0');
+    for (const auto& corner : corners) put(std::array<float, 3>{static_cast<float>(corner[0]), static_cast<float>(corner[1]), 0});
+    bytes.append(2, '\0');
+  };
+  for (std::uint32_t y = 0; y < cells; ++y) {
+    for (std::uint32_t x = 0; x < cells; ++x) {
+      triangle({{x, y}, {x + 1, y}, {x + 1, y + 1}});
+      triangle({{x, y}, {x + 1, y + 1}, {x, y + 1}});
+    }
+  }
+  return bytes;
+}
+
+TEST_F(Files, ALongCheckShowsHowFarItIsAndEndsAtCtrlC) {
+  const std::string path = write("flat.stl", flat_stl(900));
+  OnTerminal check("check " + path);
+  ASSERT_TRUE(check.wait_for("checking ")) << check.seen();
+  ASSERT_TRUE(check.wait_for(" s left")) << check.seen();
+  check.press_ctrl_c();
+  EXPECT_EQ(check.exit_code(), 130) << check.seen();
+  EXPECT_NE(check.seen().find("\x1b[Kinterrupted"), std::string::npos) << check.seen();
+  EXPECT_EQ(check.seen().find("bounds"), std::string::npos) << "it went on to the end";
+}
+
+TEST_F(Files, NoProgressGoesIntoAPipe) {
+  const std::string path = write("flat.stl", flat_stl(150));
+  const Ran ran = run("check " + path);
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.text.find('\r'), std::string::npos);
 }
 
 TEST_F(Files, BadOptionsAreRefusedByName) {

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <map>
 #include <set>
+#include <string>
 
 #include "client/library/answer_decoding.hpp"
 #include "client/library/asked_again.hpp"
@@ -53,7 +55,8 @@ class Listener {
     static_cast<void>(client::add_answers(*reply, answers));
   }
   void emit(const Event& event) {
-    const std::pair<std::uint64_t, std::uint64_t> pair{event.a_id, event.b_id};
+    // Numbers of objects belong to one life of a server, names outlive it.
+    const std::pair<std::string, std::string> pair = std::minmax(event.a, event.b);
     if (event.what == What::ended) {
       fuzz::require(open_.erase(pair) == 1, "what ends has begun");
     } else if (event.what != What::persisted) {
@@ -62,7 +65,7 @@ class Listener {
   }
 
   client::Clock::time_point now_{std::chrono::milliseconds(1'000)};
-  std::set<std::pair<std::uint64_t, std::uint64_t>> open_;
+  std::set<std::pair<std::string, std::string>> open_;
   client::Names names_;
   client::ServerPulse pulse_;
   client::WatchState state_{[this](const Event& event) { emit(event); }};

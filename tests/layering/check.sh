@@ -41,6 +41,7 @@ door() { # PATTERN ALLOWED_REGEX NAME
 door '#include [<"]fcl/' '^server/exact_phase/fcl_contact\.cpp$' FCL
 door '#include [<"]dds/' '^idl/dds' 'Cyclone DDS'
 door '#include [<"](flatbuffers/|idl/(scene|geometry)_generated)' '^(server/intake/scene_(file\.cpp|encoder\.hpp)|server/service/geometry_encoding\.cpp|client/library/(shape_encoding|geometry_decoding)\.cpp)$' FlatBuffers
+door '#include <boost/(asio|beast)' '^client/view/web_server\.cpp$' 'Boost.Beast'
 door '#include <assimp/' '^server/intake/import/' Assimp
 echo "$files files, $violations includes against the arrows"
 [[ $files -gt 20 && $violations -eq 0 ]]

@@ -73,6 +73,7 @@ const std::pair<const char*, Study> kStudies[] = {
     {"decisions", report::study_decisions},
     {"index", report::study_index},
     {"growth", report::study_growth},
+    {"stages", report::study_stages},
 };
 
 }  // namespace

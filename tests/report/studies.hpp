@@ -29,6 +29,8 @@ std::vector<Row> study_decisions(const Setting& setting);
 std::vector<Row> study_index(const Setting& setting);
 /// Time against triangles, rays a batch, threads and moving objects.
 std::vector<Row> study_growth(const Setting& setting);
+/// What a step of moving objects spends its time on; n is the contacts that it found.
+std::vector<Row> study_stages(const Setting& setting);
 
 /// The bunny of glmark2-data with its coordinates rounded to float, so that float programs get the same question; an
 /// icosphere where it is not installed.

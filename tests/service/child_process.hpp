@@ -43,7 +43,7 @@ class ScratchFolder {
   std::string path_;
 };
 
-/// A DDS domain that other test processes do not use (from the process id, in 1..230).
+/// A DDS domain from 101 to 200 that no other test process uses while this one lives.
 int own_domain();
 
 }  // namespace collided::testing_support

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -122,13 +123,18 @@ TEST_F(ServerDoctor, WhenNoPlaceIsLeftNoServerCanStart) {
 }
 
 TEST_F(ServerDoctor, AServersClockThatIsOffIsToldWithItsSign) {
-#ifdef COLLIDED_SHIFT_CLOCK
+#ifdef COLLIDED_SHIFTED_CLOCK
+  std::int64_t shift_ns = 0;
+  const auto bytes = [&] { return std::string(reinterpret_cast<const char*>(&shift_ns), sizeof shift_ns); };
+  const std::string file = folder_.write("shift", bytes());
   // The server alone gets it.
-  ::setenv("LD_PRELOAD", COLLIDED_SHIFT_CLOCK, 1);
-  ::setenv("SHIFT_CLOCK_SECONDS", "90", 1);
+  ::setenv("LD_PRELOAD", COLLIDED_SHIFTED_CLOCK, 1);
+  ::setenv("COLLIDED_CLOCK_SHIFT", file.c_str(), 1);
   start();
   ::unsetenv("LD_PRELOAD");
-  ::unsetenv("SHIFT_CLOCK_SECONDS");
+  ::unsetenv("COLLIDED_CLOCK_SHIFT");
+  shift_ns = 90'000'000'000;
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary) << bytes() << std::flush;
   const std::map<std::string, Finding> all = findings();
   ASSERT_EQ(all.count("clock"), 1U);
   EXPECT_EQ(all.at("clock").health, Health::warn);

@@ -2,6 +2,10 @@
 #include <cstdio>
 #include <map>
 
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "client/library/geometry_decoding.hpp"
 #include "tests/service/server_fixture.hpp"
 
 namespace collided {
@@ -229,6 +233,72 @@ TEST_F(ServerShapes, AMeshOfManyPagesComesWhole) {
   }
 }
 
+/// Bytes that a viewer would get, 0 where what it asks for is gone.
+std::uint64_t told_bytes(Client& client, const char* command, const nlohmann::json& arguments) {
+  const Result<std::string> text = client.command(command, arguments.dump());
+  EXPECT_TRUE(text) << text.error().message;
+  std::string flaw;
+  const auto page = client::decode_page(text ? *text : std::string(), flaw);
+  EXPECT_TRUE(page) << flaw;
+  return page ? page->total : 0;
+}
+
+TEST_F(ServerShapes, ASurfaceGoesWithItsObjectAndIsNotTakenForAnotherServers) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "maker");
+  const MeshShape triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}}};
+  const auto object = publisher.add({.name = "leaf", .shape = {triangle}, .when_lost = WhenLost::hold});
+  ASSERT_TRUE(object);
+  ASSERT_TRUE(publisher.flush());
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  const ShownObjects shown = shapes(client, {.only = "leaf"});
+  const std::uint64_t number = shown.objects.at(0).runs.at(0).surface->number;
+  const nlohmann::json wanted{{"surface", number}, {"epoch", shown.epoch}};
+  EXPECT_GT(told_bytes(client, "surface", wanted), 100U);
+  EXPECT_EQ(told_bytes(client, "surface", {{"surface", number}, {"epoch", shown.epoch + 1}}), 0U);
+  EXPECT_EQ(told_bytes(client, "surface", {{"surface", number + 1}, {"epoch", shown.epoch}}), 0U);
+  ASSERT_TRUE(publisher.remove(*object));
+  ASSERT_TRUE(publisher.flush());
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  // States that still hold it are given up as newer ones come.
+  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  Publisher::Object other = add_ball(publisher, "ball", at(0, 0, 9), WhenLost::hold);
+  while (told_bytes(client, "surface", wanted) > 0 && std::chrono::steady_clock::now() < deadline) {
+    move(publisher, other, at(0, 0, 10));
+    ASSERT_TRUE(publisher.wait_applied(5s));
+  }
+  EXPECT_EQ(told_bytes(client, "surface", wanted), 0U);
+}
+
+// Objects with meshes come and go while a viewer asks: it gets whole answers, each of one state.
+TEST_F(ServerShapes, WhoeverAsksWhileObjectsComeAndGoGetsWholeAnswers) {
+  start();
+  Client client = connect();
+  std::atomic<bool> stop{false};
+  std::thread changing([&] {
+    Client own = connect();
+    Publisher publisher = publish(own, "restless");
+    for (int i = 0; !stop; ++i) {
+      const double size = 1 + i % 7;
+      const MeshShape triangle{{{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{{0, 1, 2}}}};
+      const auto object = publisher.add({.name = "leaf", .shape = {triangle}, .pose = at(size, 0, 30)});
+      if (!object || !publisher.flush() || !publisher.remove(*object)) break;
+    }
+  });
+  std::size_t seen = 0;
+  for (int i = 0; i < 200; ++i) {
+    for (const ShownObject& object : shapes(client, {.only = "leaf"}).objects) {
+      ASSERT_EQ(object.runs.size(), 1U);
+      EXPECT_EQ(object.runs[0].surface->vertices.at(1).x(), object.pose.position.x()) << "its own mesh";
+      ++seen;
+    }
+  }
+  stop = true;
+  changing.join();
+  EXPECT_GT(seen, 0U);
+}
+
 TEST_F(ServerShapes, WhatIsNotThereOrNotMeantIsSaid) {
   start();
   Client client = connect();
@@ -239,6 +309,7 @@ TEST_F(ServerShapes, WhatIsNotThereOrNotMeantIsSaid) {
   const Result<std::string> gone = client.command("more", R"({"transfer": 77, "first": 0})");
   ASSERT_TRUE(gone) << "an empty page";
   EXPECT_TRUE(shapes(client, {.only = "no such thing"}).objects.empty());
+  EXPECT_TRUE(shapes(client, {.only = "\xff\xfe"}).objects.empty()) << "no text at all";
 }
 
 }  // namespace

@@ -66,6 +66,27 @@ TEST_F(ServerStart, TheShippedConfigHoldsTheDefaults) {
   EXPECT_EQ(without_origins(shipped.output), without_origins(run({"--print-config"}).output));
 }
 
+// A T-vertex on the long edge of a second panel: kept and not spoken of, or cut and said.
+TEST_F(ServerStart, StartScenesAreMendedWhereThatIsAskedFor) {
+  const std::string panels = folder_.write(
+      "panels.obj", "v 0 0 0\nv 1 0 0\nv 1 .5 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nf 1 2 3\nf 1 3 5\nf 3 4 5\nf 2 6 7\nf 2 7 4\n");
+  const Ended as_it_is = run({"--once", panels});
+  EXPECT_EQ(as_it_is.code, 0) << as_it_is.errors;
+  EXPECT_EQ(as_it_is.output.find("mended"), std::string::npos) << as_it_is.output;
+  EXPECT_NE(as_it_is.output.find("panels: 5 triangles"), std::string::npos) << as_it_is.output;
+  const std::string config = folder_.write("mend.toml", "[world]\nmend = \"0.1mm\"\n");
+  for (const std::vector<std::string>& options : {std::vector<std::string>{"--mend", "auto"}, {"--config", config}}) {
+    std::vector<std::string> words{"--once", panels};
+    words.insert(words.end(), options.begin(), options.end());
+    const Ended mended = run(words);
+    EXPECT_EQ(mended.code, 0) << mended.errors;
+    EXPECT_NE(mended.output.find("mended   1 T-vertices: the edges cut there"), std::string::npos) << mended.output;
+    EXPECT_NE(mended.output.find("panels: 6 triangles"), std::string::npos) << mended.output;
+  }
+  EXPECT_EQ(run({"--once", panels, "--mend", "0"}).errors,
+            "error: world.mend is '0'; allowed: 'off', 'auto' or the widest crack to close, such as 0.1mm (from flag --mend)\n");
+}
+
 TEST_F(ServerStart, OptionErrorsSayWhatIsAllowed) {
   const auto refused = [&](const std::vector<std::string>& options) {
     const Ended ended = run(options);

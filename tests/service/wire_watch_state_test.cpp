@@ -271,6 +271,23 @@ TEST_F(WatchStateTest, WordsOfAnEarlierLifeAreIgnored) {
   EXPECT_TRUE(state_.in_step());
 }
 
+// The server leaves names out of a shard that is too large to carry them; the frame that ends the contact has them.
+TEST_F(WatchStateTest, AContactEndsUnderTheNamesItWasToldWith) {
+  Model server(1);
+  server.began({1, 2});
+  HeardShard unnamed = server.shard({1, 2});
+  unnamed.contacts.front().a = "71";
+  unnamed.contacts.front().b = "72";
+  for (int shard = 0; shard < static_cast<int>(wire_contract::kContactShards); ++shard) {
+    hear(shard == unnamed.shard ? unnamed : server.shard(static_cast<std::uint8_t>(shard)));
+  }
+  hear(server.bookmark());
+  state_.hear_persisted(server.persisted({1, 2}));
+  hear(server.ended({1, 2}));
+  EXPECT_EQ(told(), (Lines{"open 71 72 resync", "persisted 71 72", "ended 71 72"}));
+  EXPECT_TRUE(state_.in_step());
+}
+
 // A clock that was set back between two lives gives the later one the smaller epoch.
 TEST_F(WatchStateTest, SmallerEpochCountsOnceTheOtherIsSilent) {
   Model first(5);

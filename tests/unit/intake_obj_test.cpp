@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <gtest/gtest.h>
 
 #include "tests/unit/intake_loading.hpp"
@@ -131,8 +132,12 @@ TEST(IntakeObj, ComplaintsNameTheLineTheValueAndTheLimit) {
   EXPECT_EQ(complaint("a.obj", head), "a.obj: no triangles (4 vertices). Nothing was loaded.");
   EXPECT_EQ(complaint("a.obj", head + "f 1 2 3 4\nf 1 2 3\n", {.max_triangles = 2}),
             "a.obj: 3 triangles, limit 2. Nothing was loaded.");
-  EXPECT_EQ(complaint("a.obj", head + "f 1 2 9223372036854775807\n").substr(0, 43),
-            "a.obj: line 5: vertex number 23058430092136");
+  EXPECT_EQ(complaint("a.obj", head + "f 1 2 9223372036854775807\n"),
+            "a.obj: line 5: vertex number 9223372036854775807, limit 4294967295. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.obj", head + "f 1 2 4294967297\n"),
+            "a.obj: line 5: vertex number 4294967297, limit 4294967295. Nothing was loaded.");
+  EXPECT_EQ(complaint("a.obj", head + "f 1 2 -4294967293\n"),
+            "a.obj: line 5: vertex number -4294967293, limit -2147483647. Nothing was loaded.");
 }
 
 TEST(IntakeObj, BadCornersAreRefused) {
@@ -166,6 +171,9 @@ TEST(IntakeObj, ManyChunksGiveWhatOneGives) {
   EXPECT_EQ(scene.parts[0].triangle_count, static_cast<unsigned>(kStrips - 2));
   text += "f 1 2 3000000\n";
   EXPECT_NE(complaint("strip.obj", text).find("vertex number 3000000 of 120000"), std::string::npos);
+  const auto line_count = static_cast<long>(std::count(text.begin(), text.end(), '\n'));
+  EXPECT_NE(complaint("strip.obj", text).find("line " + std::to_string(line_count) + ":"), std::string::npos);
+  EXPECT_NE(complaint("strip.obj", text + "v 1 2 \\\nx\n").find("line " + std::to_string(line_count + 2) + ":"), std::string::npos);
 }
 
 }  // namespace

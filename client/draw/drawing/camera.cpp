@@ -13,6 +13,8 @@ constexpr double kLeastAspect = 0.3;
 constexpr double kMostAspect = 1.4;
 /// From above, to the right of the front where z is up: three sides of a box are seen, none of them alike.
 const Vec3 kUsualSide = Vec3(0.5, -1, 0.75).normalized();
+/// Of the angle from the axis to a side: an eye in the middle of things does not see all of them.
+constexpr double kWidestTangent = 1.2;
 /// Multiples of the scene's radius: near enough for perspective to be seen, far enough not to disturb.
 constexpr double kUsualDistance = 3.2;
 
@@ -39,6 +41,12 @@ struct Frame {
     right = std::max(right, x);
     low = std::min(low, y);
     high = std::max(high, y);
+  }
+  void limit(double most) {
+    left = std::clamp(left, -most, most);
+    right = std::clamp(right, -most, most);
+    low = std::clamp(low, -most, most);
+    high = std::clamp(high, -most, most);
   }
 };
 
@@ -79,6 +87,7 @@ Camera Camera::fitted(const View& view, std::span<const Vec3> points) {
   }
   if (view.is_orthographic) camera.nearest_m_ -= radius_m;
   if (!(frame.left <= frame.right)) frame = {-1, 1, -0.75, 0.75};
+  if (!view.is_orthographic) frame.limit(kWidestTangent);
   if (view.field_of_view_rad && !view.is_orthographic) {
     const double half = std::tan(*view.field_of_view_rad / 2);
     frame = {-half, half, -0.75 * half, 0.75 * half};

@@ -139,6 +139,11 @@ Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays) 
                   .crossings = {},
                   .bias_m = 0};
   const Camera& camera = drawing.camera;
+  // Not a number for coordinates whose squares are none.
+  if (!(camera.height_px() >= 1 && camera.height_px() <= 4 * camera.width_px())) {
+    throw Error{ErrorCode::bad_input, "the scene is too large to be drawn: its coordinates have no squares in double",
+                "--only draws a part of it"};
+  }
   drawing.picture.width_px = camera.width_px();
   drawing.picture.height_px = camera.height_px();
   drawing.segments = segments_in_picture(feature_lines(shown, camera), camera);

@@ -8,6 +8,8 @@
 
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/aabb.hpp"
+#include "server/intake/files/interrupt.hpp"
+#include "server/intake/files/progress_line.hpp"
 #include "server/intake/files/simplifying.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/scene_index.hpp"
@@ -47,7 +49,8 @@ void move_to_origin(Scene& scene, const Vec3& origin) {
 }
 
 void save_index(const TriangleMesh& mesh, BspForm form, BspReport& sum, SavedIndex& index) {
-  const BspTree tree = BspTree::build(mesh, {.progress = {}, .cancelled = {}, .form = form});
+  const BspTree tree = BspTree::build(mesh, {.progress = {}, .cancelled = is_interrupted, .form = form});
+  end_if_interrupted();
   const auto bytes = std::make_shared<const std::vector<std::byte>>(tree.saved(mesh));
   index = {*bytes, bytes};
   sum.references += tree.report().references;
@@ -71,13 +74,18 @@ void add_indexes(Scene& scene, BspForm form) {
              static_cast<double>(sum.bytes) / count, static_cast<double>(sum.references) / count);
 }
 
+Scene load_showing_progress(const FileOptions& file, LoadReport& report) {
+  ProgressLine line("reading");
+  return load(file, report, [&](double fraction) { line.tell(fraction); });
+}
+
 }  // namespace
 
 int convert(const ConvertOptions& options) {
   if (!options.output.ends_with(".cscene")) throw LoadError(fmt::format("{}: only .cscene files are written", options.output));
   if (options.center && !options.origin.empty()) throw LoadError("--center and --origin exclude each other");
   LoadReport report;
-  Scene scene = load(options.file, report);
+  Scene scene = load_showing_progress(options.file, report);
   fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()), grouped(scene.mesh.triangles.size()),
              grouped(scene.objects.size()));
   if (options.center) move_to_origin(scene, middle(scene));

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/intake/files/interrupt.hpp"
+
 namespace collided::files {
 
 std::optional<double> unit_in_metres(const std::string& unit) {
@@ -52,7 +54,7 @@ double crack_in_metres(const FileOptions& file) {
   return file.crack.empty() ? 0 : length_in_metres("--crack", file.crack);
 }
 
-Scene load(const FileOptions& file, LoadReport& report) {
+Scene load(const FileOptions& file, LoadReport& report, const std::function<void(double)>& progress) {
   const std::optional<double> unit_m = unit_in_metres(file.unit);
   if (!unit_m) throw LoadError(fmt::format("--unit '{}'; allowed: m mm cm km um in ft, or metres a unit above 0", file.unit));
   LoadOptions options;
@@ -63,7 +65,14 @@ Scene load(const FileOptions& file, LoadReport& report) {
   options.srdf = file.srdf;
   if (file.mend) options.mend_m = crack_in_metres(file);
   if (!file.radius.empty()) options.radius_m = length_in_metres("--radius", file.radius);
-  return load_scene(file.path, options, report);
+  options.progress = progress;
+  options.cancelled = is_interrupted;
+  try {
+    return load_scene(file.path, options, report);
+  } catch (const LoadError&) {
+    end_if_interrupted();
+    throw;
+  }
 }
 
 std::string grouped(std::uint64_t value) {

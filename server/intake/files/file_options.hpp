@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -32,8 +33,9 @@ Vec3 parse_point(const char* option, const std::string& text);
 /// 0 where none was given.
 double crack_in_metres(const FileOptions& file);
 
-/// Throws LoadError with the reason.
-Scene load(const FileOptions& file, LoadReport& report);
+/// Throws LoadError with the reason, or Interrupted.
+/// progress  told the fraction done in [0, 1]
+Scene load(const FileOptions& file, LoadReport& report, const std::function<void(double)>& progress);
 
 /// "18 204": thousands apart.
 std::string grouped(std::uint64_t value);

@@ -4,12 +4,15 @@
 
 #include "server/intake/files/check.hpp"
 #include "server/intake/files/convert.hpp"
+#include "server/intake/files/interrupt.hpp"
 
 // collided-files check FILE [--json] ... | convert IN OUT ...
 //
 // What `collide check` and `collide convert` run: the readers belong to the server, whose code the client does not hold.
 
 namespace {
+
+constexpr int kInterrupted = 130;
 
 void declare_reading(CLI::App& verb, collided::files::FileOptions& file) {
   verb.add_option("file", file.path, "File to read")->required();
@@ -59,8 +62,12 @@ int main(int argument_count, char** arguments) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 2;
   }
+  collided::files::listen_for_interrupt();
   try {
     return check->parsed() ? collided::files::check(checked, check_options) : collided::files::convert(converted);
+  } catch (const collided::files::Interrupted&) {
+    std::fprintf(stderr, "interrupted\n");
+    return kInterrupted;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 2;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@ struct CheckedMesh {
   std::string name;
   const TriangleMesh* mesh = nullptr;
   const std::vector<Part>* parts = nullptr;  // null: the mesh is one object's
+  CutTriangles cut{};                        // of an object's mesh
   MeshHealth health;
   SelfIntersections crossings;
   std::uint64_t crease_edge_count = 0;
@@ -29,8 +31,10 @@ struct Scrutiny {
   std::optional<Vec3> eye{};
 };
 
+/// progress  told the fraction done in [0, 1], from any thread
+/// throws    Interrupted
 CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts,
-                       const Scrutiny& scrutiny);
+                       const Scrutiny& scrutiny, const std::function<void(double)>& progress);
 
 /// A triangle as answers name it, with a side or another triangle where the finding has one, and how bad it is.
 struct Place {

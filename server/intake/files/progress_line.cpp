@@ -16,6 +16,7 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::tell(double fraction) {
+  const std::lock_guard lock(mutex_);
   const Clock::time_point now = Clock::now();
   if (!on_terminal_ || now - begun_ < 400ms || now - told_ < 100ms) return;
   told_ = now;

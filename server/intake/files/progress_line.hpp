@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <mutex>
 #include <string>
 
 namespace collided::files {
@@ -14,11 +15,13 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   /// fraction  done, in [0, 1]
+  /// threads   any
   void tell(double fraction);
 
  private:
   using Clock = std::chrono::steady_clock;
 
+  std::mutex mutex_;
   std::string task_;
   bool on_terminal_;
   bool is_shown_ = false;

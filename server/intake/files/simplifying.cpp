@@ -8,6 +8,7 @@
 
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/intake/files/file_options.hpp"
+#include "server/intake/files/interrupt.hpp"
 #include "server/intake/files/progress_line.hpp"
 #include "server/world/scene_levels.hpp"
 #include "server/world/surface_distance.hpp"
@@ -30,9 +31,15 @@ std::size_t triangles_asked(const std::string& target, std::size_t triangle_coun
 CollapseOrder simplified(const Scene& scene, std::size_t triangles_at_most, CollapseCost cost, SimplifyReport& report) {
   ProgressLine line("simplifying");
   const std::vector<std::uint32_t> part_ends = ends_of_parts(scene.parts);
-  return simplify(scene.mesh,
-                  {.cost = cost, .triangles_at_most = triangles_at_most, .part_ends = part_ends, .progress = [&](double f) { line.tell(f); }},
-                  report);
+  CollapseOrder order = simplify(scene.mesh,
+                                 {.cost = cost,
+                                  .triangles_at_most = triangles_at_most,
+                                  .part_ends = part_ends,
+                                  .progress = [&](double fraction) { line.tell(fraction); },
+                                  .cancelled = is_interrupted},
+                                 report);
+  end_if_interrupted();
+  return order;
 }
 
 std::string refusals(const SimplifyReport& report) {

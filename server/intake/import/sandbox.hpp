@@ -4,6 +4,13 @@
 
 namespace collided {
 
+/// False in sanitized builds: they map terabytes that they never touch, and make system calls of their own.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSandboxLimitsCalls = false;
+#else
+inline constexpr bool kSandboxLimitsCalls = true;
+#endif
+
 /// Takes away from this process, for good, what reading a file and writing another does not need: memory, processor time
 /// and size of the output are limited, and every system call but those for reading files, for memory, for threads and for
 /// writing to `output` and the standard streams ends the process with SIGSYS. Files cannot be opened for writing, nor sockets,

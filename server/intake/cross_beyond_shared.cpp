@@ -1,4 +1,4 @@
-#include "server/intake/triangle_crossing.hpp"
+#include "server/intake/cross_beyond_shared.hpp"
 
 #include <array>
 #include <optional>

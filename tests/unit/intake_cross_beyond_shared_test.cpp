@@ -3,7 +3,7 @@
 #include <set>
 
 #include "server/exact_phase/overlap.hpp"
-#include "server/intake/triangle_crossing.hpp"
+#include "server/intake/cross_beyond_shared.hpp"
 #include "tests/oracle/seed.hpp"
 
 // What the guards of simplification and of mending go by.  // A18

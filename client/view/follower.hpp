@@ -1,0 +1,75 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <thread>
+
+#include "client/view/figures.hpp"
+#include "collided/client.hpp"
+
+namespace collided::view {
+
+/// Whoever shows a running server.
+class Observer {
+ public:
+  virtual ~Observer() = default;
+
+  // One thread calls these.
+  virtual void objects(const std::shared_ptr<const ShownObjects>& shown) = 0;  // others than before, or of other shapes
+  virtual void poses(const Poses& poses) = 0;                                  // some have moved
+  /// recent: what the server did in the last moments.
+  virtual void status(const ServerStatus& status, const std::optional<Figures>& recent) = 0;
+  virtual void silent(double seconds) = 0;  // nobody has answered for so long
+
+  /// Another thread calls this, as soon as they come.
+  virtual void events(std::span<const Event> events) = 0;
+};
+
+struct FollowOptions {
+  std::chrono::milliseconds frame{33};
+  std::chrono::milliseconds status{500};
+  std::function<bool()> is_watched;  // poses are asked for while it says so; any thread
+};
+
+/// Follows a server for an observer, over restarts and silences, until it is destroyed.
+class Follower {
+ public:
+  /// client, observer  live longer
+  static Result<std::unique_ptr<Follower>> start(Client& client, Observer& observer, FollowOptions options);
+  ~Follower();
+  Follower(const Follower&) = delete;
+  Follower& operator=(const Follower&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Follower(Client& client, Watch watch, Observer& observer, FollowOptions options);
+  void look();
+  void look_at_poses();
+  void look_at_objects(const Poses& poses);
+  void look_at_status();
+  void listen();
+
+  Client& client_;
+  Watch watch_;
+  Observer& observer_;
+  const FollowOptions options_;
+  std::atomic<bool> stopping_{false};
+
+  // Of the looking thread.
+  std::shared_ptr<const ShownObjects> shown_;
+  std::uint64_t told_version_ = 0;
+  std::uint64_t told_epoch_ = 0;
+  Clock::time_point next_objects_;
+  Clock::time_point next_status_;
+  Clock::time_point heard_;
+  std::optional<Figures> figures_;
+
+  std::thread looking_;
+  std::thread listening_;
+};
+
+}  // namespace collided::view

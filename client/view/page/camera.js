@@ -1,0 +1,77 @@
+/// An eye that turns about a point.
+class Camera {
+  constructor() {
+    this.target = [0, 0, 0];
+    this.distance = 10;
+    this.yaw = -0.9;
+    this.pitch = 0.7;
+    this.yIsUp = false;
+    this.halfHeight = Math.tan((45 / 2) * (Math.PI / 180));  // of the picture, at distance 1
+    this.aspect = 1;
+    this.isTouched = false;  // by the user: nothing fits itself any more
+  }
+
+  /// Unit vectors: towards the eye, right, up.
+  axes() {
+    const c = Math.cos(this.pitch);
+    const back = this.fromUp([c * Math.cos(this.yaw), c * Math.sin(this.yaw), Math.sin(this.pitch)]);
+    const right = this.fromUp([-Math.sin(this.yaw), Math.cos(this.yaw), 0]);
+    return { back, right, up: cross(back, right) };
+  }
+  fromUp(v) { return this.yIsUp ? [v[0], v[2], -v[1]] : v; }
+  eye() { return add(this.target, scale(this.axes().back, this.distance)); }
+
+  turn(dx, dy) {
+    this.isTouched = true;
+    this.yaw -= dx;
+    this.pitch = Math.max(-1.55, Math.min(1.55, this.pitch + dy));
+  }
+  /// dx, dy: parts of the picture's height.
+  slide(dx, dy) {
+    this.isTouched = true;
+    const { right, up } = this.axes();
+    const size = 2 * this.halfHeight * this.distance;
+    this.target = add(this.target, add(scale(right, -dx * size), scale(up, dy * size)));
+  }
+  approach(factor) {
+    this.isTouched = true;
+    this.distance = Math.max(1e-4, Math.min(1e9, this.distance * factor));
+  }
+  fit(bounds) {
+    this.target = bounds.center();
+    this.distance = (bounds.radius() / Math.sin(Math.atan(this.halfHeight))) * 0.92;
+  }
+
+  /// Direction through a place of the picture; x and y from -1 to 1, y up. Not of length 1: its part along the view is.
+  direction(x, y) {
+    const { back, right, up } = this.axes();
+    return add(scale(back, -1), add(scale(right, x * this.halfHeight * this.aspect), scale(up, y * this.halfHeight)));
+  }
+
+  /// Where a point comes to stand, x and y from -1 to 1; null behind the eye.
+  project(point) {
+    const { back, right, up } = this.axes();
+    const p = subtract(point, this.eye());
+    const depth = -dot(p, back);
+    if (depth <= 0) return null;
+    return [dot(p, right) / (depth * this.halfHeight * this.aspect), dot(p, up) / (depth * this.halfHeight), depth];
+  }
+
+  /// Column-major, of points relative to the eye.
+  matrix(near, far) {
+    const { back, right, up } = this.axes();
+    const sx = 1 / (this.halfHeight * this.aspect);
+    const sy = 1 / this.halfHeight;
+    const sz = -(far + near) / (far - near);
+    const tz = (-2 * far * near) / (far - near);
+    const m = new Float32Array(16);
+    for (let axis = 0; axis < 3; ++axis) {
+      m[axis * 4] = right[axis] * sx;
+      m[axis * 4 + 1] = up[axis] * sy;
+      m[axis * 4 + 2] = back[axis] * sz;
+      m[axis * 4 + 3] = -back[axis];
+    }
+    m[14] = tz;
+    return m;
+  }
+}

@@ -1,0 +1,83 @@
+// Vectors are arrays of 3, quaternions [w, x, y, z]; all in doubles. What goes to the graphics card is relative to a point
+// near by, so that a million metres out nothing shakes.
+
+const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const scale = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const length = (a) => Math.hypot(a[0], a[1], a[2]);
+const normalized = (a) => scale(a, 1 / (length(a) || 1));
+
+function rotate(q, v) {
+  const [w, x, y, z] = q;
+  const tx = 2 * (y * v[2] - z * v[1]);
+  const ty = 2 * (z * v[0] - x * v[2]);
+  const tz = 2 * (x * v[1] - y * v[0]);
+  return [v[0] + w * tx + y * tz - z * ty, v[1] + w * ty + z * tx - x * tz, v[2] + w * tz + x * ty - y * tx];
+}
+
+function multiplied(a, b) {
+  return [
+    a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+    a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+    a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+    a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+  ];
+}
+
+/// The shortest turn that takes z to the direction.
+function turnFromZ(direction) {
+  const d = normalized(direction);
+  if (d[2] < -0.999999999) return [0, 1, 0, 0];
+  const q = [1 + d[2], -d[1], d[0], 0];
+  const norm = Math.hypot(...q);
+  return q.map((part) => part / norm);
+}
+
+/// Bounds that grow.
+class Bounds {
+  constructor() {
+    this.low = [Infinity, Infinity, Infinity];
+    this.high = [-Infinity, -Infinity, -Infinity];
+  }
+  extend(point, radius = 0) {
+    for (let axis = 0; axis < 3; ++axis) {
+      if (!Number.isFinite(point[axis])) return;
+      this.low[axis] = Math.min(this.low[axis], point[axis] - radius);
+      this.high[axis] = Math.max(this.high[axis], point[axis] + radius);
+    }
+  }
+  isEmpty() { return !(this.low[0] <= this.high[0]); }
+  center() { return this.isEmpty() ? [0, 0, 0] : scale(add(this.low, this.high), 0.5); }
+  radius() { return this.isEmpty() ? 1 : Math.max(1e-6, length(subtract(this.high, this.low)) / 2); }
+}
+
+// ---- text, as the command line writes it
+
+function lengthText(metres) {
+  if (!Number.isFinite(metres)) return String(metres);
+  const size = Math.abs(metres);
+  if (size === 0) return "0";
+  for (const [unit, factor] of [["m", 1], ["mm", 1e-3], ["µm", 1e-6], ["nm", 1e-9]]) {
+    if (size >= factor || unit === "nm") return `${Number((metres / factor).toPrecision(4))} ${unit}`;
+  }
+}
+
+function durationText(seconds) {
+  if (seconds === null || seconds === undefined) return "-";
+  if (seconds < 1e-3) return `${Number((seconds * 1e6).toPrecision(3))} µs`;
+  if (seconds < 1) return `${Number((seconds * 1e3).toPrecision(3))} ms`;
+  return seconds < 120 ? `${Number(seconds.toPrecision(3))} s` : `${Math.round(seconds / 60)} min`;
+}
+
+function rateText(perSecond) {
+  if (perSecond < 1e3) return `${Number(perSecond.toPrecision(3))}/s`;
+  return perSecond < 1e6 ? `${(perSecond / 1e3).toFixed(1)} k/s` : `${(perSecond / 1e6).toFixed(1)} M/s`;
+}
+
+function clockText(seconds) {
+  const tenYears = 315360000;
+  if (seconds < tenYears) return `${seconds.toFixed(3)} s`;
+  return new Date(seconds * 1000).toLocaleTimeString("en-GB") + (seconds % 1).toFixed(3).slice(1);
+}

@@ -1,0 +1,199 @@
+// Where the page hears of the world: the viewer that served it, or a run that was saved into it.
+
+function readSurface(bytes) {
+  const view = new DataView(bytes);
+  const vertices = view.getUint32(0, true);
+  const triangles = view.getUint32(4, true);
+  const origin = [8, 16, 24].map((at) => view.getFloat64(at, true));
+  const positions = new Float32Array(bytes, 32, 3 * vertices);
+  const corners = new Uint32Array(bytes, 32 + 12 * vertices, 3 * triangles);
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < positions.length; ++i) {
+    const axis = i % 3;
+    if (positions[i] < low[axis]) low[axis] = positions[i];
+    if (positions[i] > high[axis]) high[axis] = positions[i];
+  }
+  return { origin, positions, corners, low, high, radius: Math.hypot(...high.map((part, axis) => Math.max(Math.abs(part), Math.abs(low[axis])))) };
+}
+
+function readPoses(bytes) {
+  const view = new DataView(bytes);
+  const count = view.getUint32(4, true);
+  return {
+    count,
+    worldTime: view.getFloat64(8, true),
+    tableVersion: view.getFloat64(16, true),
+    version: view.getFloat64(24, true),
+    origin: [32, 40, 48].map((at) => view.getFloat64(at, true)),
+    numbers: new Float32Array(bytes, 56, 7 * count),
+    slots: new Uint32Array(bytes, 56 + 28 * count, count),
+    stale: new Uint8Array(bytes, 56 + 32 * count, count),
+  };
+}
+
+/// Surfaces by number, each fetched once, for as long as the newest table has it.
+class Surfaces {
+  constructor(fetchOne) {
+    this.fetchOne = fetchOne;
+    this.known = new Map();
+  }
+  async all(table) {
+    const wanted = new Set(table.objects.flatMap((object) => object.runs.map(([number]) => number)));
+    const key = (number) => `${table.epoch} ${number}`;
+    const kept = new Map();
+    for (const number of wanted) {
+      let surface = this.known.get(key(number));
+      if (!surface) {
+        const bytes = await this.fetchOne(number, table.epoch);
+        if (bytes) surface = readSurface(bytes);
+      }
+      if (surface) kept.set(key(number), surface);
+    }
+    this.known = kept;
+    return { of: (number) => kept.get(key(number)), missing: wanted.size - kept.size };
+  }
+}
+
+/// told: {hello, status, silent, table(table, surfaceOf), poses, events, contacts, answer, connected(bool)}
+class LiveSource {
+  constructor(told) {
+    this.told = told;
+    this.surfaces = new Surfaces(async (number) => {
+      const reply = await fetch(`surface?number=${number}`);
+      return reply.ok ? reply.arrayBuffer() : null;
+    });
+    this.pause = 250;
+    this.heard = performance.now();
+    this.connect();
+    setInterval(() => this.lookForSilence(), 1000);
+  }
+
+  connect() {
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/live`);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    socket.onopen = () => {
+      this.pause = 250;
+      this.heard = performance.now();
+      this.told.connected(true);
+    };
+    socket.onmessage = (message) => this.hear(message.data);
+    socket.onclose = () => {
+      if (this.socket !== socket) return;
+      this.told.connected(false);
+      setTimeout(() => this.connect(), this.pause);
+      this.pause = Math.min(2000, this.pause * 2);
+    };
+  }
+
+  /// The viewer says something twice a second; a connection that says nothing is given up.
+  lookForSilence() {
+    if (this.socket.readyState !== WebSocket.OPEN || performance.now() - this.heard < 5000) return;
+    const silent = this.socket;
+    silent.close();
+    silent.onclose();
+    silent.onclose = null;
+  }
+
+  hear(data) {
+    this.heard = performance.now();
+    if (typeof data !== "string") {
+      this.told.poses(readPoses(data));
+      return;
+    }
+    const message = JSON.parse(data);
+    if (message.type === "table") this.fetchTable(message);
+    else if (this.told[message.type]) this.told[message.type](message);
+  }
+
+  /// One fetch at a time; the newest table that was told of comes last.
+  async fetchTable(wanted) {
+    this.wanted = wanted;
+    if (this.isFetching) return;
+    this.isFetching = true;
+    try {
+      while (this.wanted) {
+        this.wanted = null;
+        const reply = await fetch("objects");
+        if (!reply.ok) continue;
+        const table = await reply.json();
+        const surfaces = await this.surfaces.all(table);
+        this.told.table(table, surfaces.of);
+        // The world went on meanwhile, and with it the surfaces of this table.
+        if (surfaces.missing > 0) setTimeout(() => this.fetchTable(wanted), 500);
+      }
+    } catch (failed) {
+      setTimeout(() => this.fetchTable(wanted), 500);
+    } finally {
+      this.isFetching = false;
+    }
+  }
+
+  ask(question) {
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(question));
+  }
+}
+
+/// A run that `collide view --save` wrote into this file: {begin, end, messages [{t, kind, data}], surfaces}; data is text,
+/// or bytes packed by zlib, as base64.
+class SavedSource {
+  constructor(run, told) {
+    this.told = told;
+    this.run = run;
+    this.at = 0;
+    this.next = 0;
+    this.isPlaying = true;
+    this.surfaces = new Surfaces(async (number, epoch) => {
+      const packed = run.surfaces[`${epoch} ${number}`];
+      return packed ? unpacked(packed) : null;
+    });
+    this.ready = this.unpack();
+  }
+
+  async unpack() {
+    for (const message of this.run.messages) {
+      if (message.kind === "poses") message.poses = readPoses(await unpacked(message.data));
+      else if (message.kind === "objects") message.table = JSON.parse(new TextDecoder().decode(await unpacked(message.data)));
+      else message.text = JSON.parse(message.data);
+    }
+    this.told.connected(true);
+    this.isUnpacked = true;
+    await this.seek(0);
+  }
+
+  duration() { return this.run.end - this.run.begin; }
+
+  /// Goes to a moment, in seconds from the beginning. Backwards means all over again, without drawing what is between.
+  async seek(at) {
+    await this.seeking;
+    this.seeking = this.go(at);
+    return this.seeking;
+  }
+
+  async go(at) {
+    if (!this.isUnpacked) return;
+    const wanted = Math.max(0, Math.min(this.duration(), at));
+    if (wanted < this.at) {
+      this.next = 0;
+      this.told.restart();
+    }
+    this.at = wanted;
+    let poses = null;
+    while (this.next < this.run.messages.length && this.run.messages[this.next].t - this.run.begin <= wanted) {
+      const message = this.run.messages[this.next++];
+      if (message.kind === "poses") poses = message.poses;
+      else if (message.kind === "objects") this.told.table(structuredClone(message.table), (await this.surfaces.all(message.table)).of);
+      else if (this.told[message.text.type]) this.told[message.text.type](message.text);
+    }
+    if (poses) this.told.poses(poses);
+  }
+
+  ask() {}
+}
+
+async function unpacked(base64) {
+  const packed = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+}

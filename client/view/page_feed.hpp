@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "client/view/follower.hpp"
+#include "client/view/web_server.hpp"
+
+namespace collided::view {
+
+/// What pages are told of a server: as it changes, and all that holds to who comes late.
+///
+/// threads  any; tell is called with no lock held
+class PageFeed : public Observer {
+ public:
+  using Tell = std::function<void(const WebMessage&)>;  // every page
+  explicit PageFeed(Tell tell) : tell_(std::move(tell)) {}
+
+  void objects(const std::shared_ptr<const ShownObjects>& shown) override;
+  void poses(const Poses& poses) override;
+  void status(const ServerStatus& status, const std::optional<Figures>& recent) override;
+  void silent(double seconds) override;
+  void events(std::span<const Event> events) override;
+
+  /// For a page that has just come.
+  std::vector<WebMessage> first_words() const;
+  /// "/objects", "/surface?number=N" of the newest table; nothing where there is no such thing.
+  std::optional<WebPage> page(std::string_view target) const;
+  /// The newest table; null before the first.
+  std::shared_ptr<const ShownObjects> shown() const;
+  /// Numbers of all surfaces in the newest table.
+  std::vector<std::uint64_t> surfaces() const;
+
+ private:
+  /// A world may hold more contacts than a page can show or a viewer should keep.
+  static constexpr std::size_t kMostContacts = 20'000;
+  static constexpr std::size_t kMostContactsTold = 2'000;
+  static constexpr std::size_t kMostEventsTold = 500;
+
+  struct KnownSurface {
+    std::shared_ptr<const Surface> surface;
+    mutable Bytes bytes;  // made when first asked for
+  };
+
+  const Tell tell_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<const ShownObjects> shown_;
+  Bytes objects_;
+  std::map<std::uint64_t, KnownSurface> surfaces_;
+  Bytes poses_;
+  Bytes status_;
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Event> contacts_;
+};
+
+}  // namespace collided::view

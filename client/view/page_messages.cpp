@@ -1,0 +1,335 @@
+#include "client/view/page_messages.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include <nlohmann/json.hpp>
+
+namespace collided::view {
+namespace {
+
+using nlohmann::json;
+
+static_assert(std::endian::native == std::endian::little, "numbers go out as they lie in memory");
+
+std::string text_of(const json& message) {
+  return message.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+/// JSON has no infinity; the CLI writes it as text too.
+json number(double value) {
+  return std::isfinite(value) ? json(value) : json(value > 0 ? "inf" : value < 0 ? "-inf" : "nan");
+}
+
+json numbers(const Vec3& v) {
+  return {number(v.x()), number(v.y()), number(v.z())};
+}
+
+void append(json& list, const Vec3& v) {
+  for (int axis = 0; axis < 3; ++axis) list.push_back(number(v[axis]));
+}
+
+void append(json& list, const Quat& q) {
+  for (const double part : {q.w(), q.x(), q.y(), q.z()}) list.push_back(number(part));
+}
+
+template <class Ends>
+json between_ends(int kind, const Ends& a, const Ends& b, double radius_m) {
+  json part{kind};
+  append(part, a);
+  append(part, b);
+  part.push_back(number(radius_m));
+  return part;
+}
+
+template <class Placed>
+json placed(int kind, const Placed& shape) {
+  json part{kind};
+  append(part, shape.center);
+  append(part, shape.rotation);
+  append(part, shape.half_m);
+  return part;
+}
+
+struct PartText {
+  json operator()(const SphereShape& s) const {
+    json part{0};
+    append(part, s.center);
+    part.push_back(number(s.radius_m));
+    return part;
+  }
+  json operator()(const BoxShape& s) const { return placed(1, s); }
+  json operator()(const CapsuleShape& s) const { return between_ends(2, s.a, s.b, s.radius_m); }
+  json operator()(const CylinderShape& s) const { return between_ends(3, s.a, s.b, s.radius_m); }
+  json operator()(const ConeShape& s) const { return between_ends(4, s.apex, s.base, s.radius_m); }
+  json operator()(const EllipsoidShape& s) const { return placed(5, s); }
+  json operator()(const HalfSpaceShape& s) const {
+    json part{6};
+    append(part, s.point);
+    append(part, s.normal);
+    return part;
+  }
+  /// Everything else comes as runs of surfaces, or as many of the above.
+  template <class Other>
+  json operator()(const Other&) const {
+    return nullptr;
+  }
+};
+
+json object_text(const ShownObject& object) {
+  json pose = json::array();
+  append(pose, object.pose.position);
+  append(pose, object.pose.rotation);
+  json parts = json::array();
+  for (const ShapePart& part : object.parts) {
+    json text = std::visit(PartText(), part);
+    if (!text.is_null()) parts.push_back(std::move(text));
+  }
+  json runs = json::array();
+  for (const SurfaceRun& run : object.runs) {
+    if (run.surface) runs.push_back({std::to_string(run.surface->number), run.first_triangle, run.triangle_count});
+  }
+  return {{"slot", slot_of(object.id)}, {"name", object.name}, {"scene", object.scene}, {"moving", object.moving}, {"stale", object.stale},
+          {"layers", object.layers},    {"pose", pose},        {"parts", parts},        {"runs", runs}};
+}
+
+/// Numbers one after the other.
+class ByteWriter {
+ public:
+  explicit ByteWriter(std::size_t byte_count) { bytes_.reserve(byte_count); }
+  template <class T>
+  void write(T value) {
+    char raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof(T));
+    bytes_.append(raw, sizeof(T));
+  }
+  void write(const Vec3& v) {
+    for (int axis = 0; axis < 3; ++axis) write(v[axis]);
+  }
+  void write_single(const Vec3& v) {
+    for (int axis = 0; axis < 3; ++axis) write(static_cast<float>(v[axis]));
+  }
+  std::string take() && { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+/// The middle of their bounds in whole metres; what is not finite does not count.
+template <class Points, class PointOf>
+Vec3 middle(const Points& points, PointOf&& point_of) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  for (const auto& entry : points) {
+    const Vec3& point = point_of(entry);
+    if (!point.allFinite()) continue;
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  const Vec3 center = (low / 2 + high / 2).array().round();
+  return center.allFinite() ? center : Vec3::Zero();
+}
+
+std::string_view name_of(What what) {
+  constexpr std::string_view kNames[] = {"open", "began", "persisted", "ended"};
+  return kNames[static_cast<std::size_t>(what)];
+}
+
+std::string_view name_of(Why why) {
+  constexpr std::string_view kNames[] = {"", "separated", "removed", "publisher_lost", "teleported", "geometry_changed", "server_stopping", "server_restarted"};
+  return kNames[static_cast<std::size_t>(why)];
+}
+
+std::string_view name_of(Verdict verdict) {
+  constexpr std::string_view kNames[] = {"miss", "hit", "undecided", "invalid"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+std::string_view name_of(Undecided reason) {
+  constexpr std::string_view kNames[] = {"", "numeric", "stale_object", "recovering", "truncated", "deadline"};
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+double seconds(std::chrono::nanoseconds time) {
+  return static_cast<double>(time.count()) * 1e-9;
+}
+
+json event_text(const Event& event) {
+  json text{{"what", name_of(event.what)},
+            {"a", event.a},
+            {"b", event.b},
+            {"a_slot", slot_of(event.a_id)},
+            {"b_slot", slot_of(event.b_id)},
+            {"time", seconds(event.world_time)},
+            {"sequence", event.sequence},
+            {"episode", event.episode}};
+  if (event.what == What::ended) {
+    text["why"] = name_of(event.why);
+    text["after"] = seconds(event.world_time - event.began);
+  } else {
+    text["point"] = numbers(event.point);
+    text["normal"] = numbers(event.normal);
+    text["depth"] = number(event.depth_m);
+    text["error"] = number(event.depth_error_m);
+  }
+  if (event.resync) text["resync"] = true;
+  return text;
+}
+
+json list_of(std::span<const Event> events, std::size_t most, const char* type, const char* member) {
+  const std::size_t left_out = events.size() > most ? events.size() - most : 0;
+  json list = json::array();
+  for (const Event& event : events.subspan(left_out)) list.push_back(event_text(event));
+  return {{"type", type}, {member, list}, {"left_out", left_out}};
+}
+
+json recent_text(const Figures& recent) {
+  const double over_s = std::max(1e-9, static_cast<double>(recent.up_ns) * 1e-9);
+  const auto rate = [&](std::uint64_t count) { return static_cast<double>(count) / over_s; };
+  const auto quantile = [](const std::vector<DurationStep>& durations, double part) {
+    const std::optional<std::int64_t> ns = quantile_ns(durations, part);
+    return ns ? json(static_cast<double>(*ns) * 1e-9) : json(nullptr);
+  };
+  json stages = json::array();
+  for (const Stage& stage : recent.stages) stages.push_back({{"stage", stage.name}, {"share", static_cast<double>(stage.ns) * 1e-9 / over_s}});
+  json asked = json::array();
+  for (const Asked& kind : recent.questions) {
+    asked.push_back({{"kind", kind.kind}, {"rate", rate(kind.answered)}, {"p50", quantile(kind.durations, 0.5)}, {"p99", quantile(kind.durations, 0.99)}});
+  }
+  return {{"stages", stages},
+          {"asked", asked},
+          {"steps", rate(recent.steps)},
+          {"step_p50", quantile(recent.step_durations, 0.5)},
+          {"step_p99", quantile(recent.step_durations, 0.99)},
+          {"poses", rate(recent.poses_applied)},
+          {"candidates", recent.steps > 0 ? static_cast<double>(recent.candidates) / static_cast<double>(recent.steps) : 0.0},
+          {"filtered", recent.steps > 0 ? static_cast<double>(recent.filtered) / static_cast<double>(recent.steps) : 0.0}};
+}
+
+void add_hit(json& text, const Hit& hit) {
+  text["object"] = hit.object;
+  text["distance"] = number(hit.distance_m);
+  text["error"] = number(hit.error_m);
+  text["point"] = numbers(hit.point);
+  text["normal"] = numbers(hit.normal);
+  if (hit.triangle != kNoTriangle) text["triangle"] = hit.triangle;
+  text["point_error"] = number(hit.point_error_m);
+}
+
+}  // namespace
+
+std::string objects_text(const ShownObjects& shown) {
+  json objects = json::array();
+  for (const ShownObject& object : shown.objects) objects.push_back(object_text(object));
+  return text_of({{"epoch", shown.epoch}, {"version", shown.version}, {"table_version", shown.table_version}, {"objects", objects}});
+}
+
+std::string surface_bytes(const Surface& surface) {
+  constexpr std::size_t kHeader = 32;
+  ByteWriter bytes(kHeader + 12 * (surface.vertices.size() + surface.triangles.size()));
+  const Vec3 origin = middle(surface.vertices, [](const Vec3& vertex) -> const Vec3& { return vertex; });
+  bytes.write(static_cast<std::uint32_t>(surface.vertices.size()));
+  bytes.write(static_cast<std::uint32_t>(surface.triangles.size()));
+  bytes.write(origin);
+  for (const Vec3& vertex : surface.vertices) bytes.write_single(vertex - origin);
+  for (const auto& corners : surface.triangles) {
+    for (const std::uint32_t corner : corners) bytes.write(corner);
+  }
+  return std::move(bytes).take();
+}
+
+std::string poses_bytes(const Poses& poses) {
+  constexpr std::size_t kHeader = 56;
+  constexpr std::size_t kEach = 33;
+  ByteWriter bytes(kHeader + kEach * poses.ids.size());
+  const Vec3 origin = middle(poses.poses, [](const Pose& pose) -> const Vec3& { return pose.position; });
+  bytes.write(std::uint32_t{1});
+  bytes.write(static_cast<std::uint32_t>(poses.ids.size()));
+  bytes.write(seconds(poses.world_time));
+  bytes.write(static_cast<double>(poses.table_version));
+  bytes.write(static_cast<double>(poses.version));
+  bytes.write(origin);
+  for (const Pose& pose : poses.poses) {
+    bytes.write_single(pose.position - origin);
+    for (const double part : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()}) bytes.write(static_cast<float>(part));
+  }
+  for (const std::uint64_t id : poses.ids) bytes.write(slot_of(id));
+  for (const std::uint8_t stale : poses.stale) bytes.write(stale);
+  return std::move(bytes).take();
+}
+
+std::string events_text(std::span<const Event> events, std::size_t most) {
+  return text_of(list_of(events, most, "events", "events"));
+}
+
+std::string contacts_text(std::span<const Event> contacts, std::size_t most) {
+  return text_of(list_of(contacts, most, "contacts", "contacts"));
+}
+
+std::string status_text(const ServerStatus& status, const std::optional<Figures>& recent) {
+  json publishers = json::array();
+  for (const PublisherInfo& publisher : status.publishers) {
+    publishers.push_back({{"name", publisher.name}, {"silent", seconds(publisher.silent)}, {"lost", publisher.lost}});
+  }
+  json text{{"type", "status"},
+            {"state", status.state},
+            {"version_text", status.version_text},
+            {"pid", status.pid},
+            {"namespace", status.name_space},
+            {"epoch", status.epoch},
+            {"world", status.version},
+            {"world_time", seconds(status.world_time)},
+            {"scenes", status.scenes},
+            {"static_triangles", status.static_triangles},
+            {"objects", status.objects},
+            {"moving", status.moving},
+            {"contacts", status.contacts},
+            {"contacts_truncated", status.contacts_truncated},
+            {"questions_answered", status.questions_answered},
+            {"undecided_answers", status.undecided_answers},
+            {"publishers", publishers}};
+  if (recent) text["recent"] = recent_text(*recent);
+  return text_of(text);
+}
+
+std::string silent_text(double for_s) {
+  return text_of({{"type", "silent"}, {"seconds", for_s}});
+}
+
+std::string table_text(const ShownObjects& shown) {
+  return text_of({{"type", "table"}, {"epoch", shown.epoch}, {"table_version", shown.table_version}});
+}
+
+std::string ray_answer_text(double id, const RayQuestion& asked, const Result<Answer>& answer) {
+  if (!answer) return refused_text(id, answer.error().message);
+  json text{{"type", "answer"},
+            {"ask", "ray"},
+            {"id", id},
+            {"origin", numbers(asked.origin)},
+            {"direction", numbers(asked.direction)},
+            {"answer", name_of(answer->verdict)}};
+  if (answer->verdict == Verdict::undecided) text["reason"] = name_of(answer->reason);
+  if (!answer->hits.empty()) add_hit(text, answer->hits.front());
+  return text_of(text);
+}
+
+std::string pair_answer_text(double id, const std::string& a, const std::string& b, const Result<PairAnswer>& answer) {
+  if (!answer) return refused_text(id, answer.error().message);
+  json text{{"type", "answer"}, {"ask", "pair"}, {"id", id}, {"a", a}, {"b", b}, {"answer", name_of(answer->verdict)}, {"error", number(answer->error_m)}};
+  if (answer->verdict == Verdict::hit) {
+    text["depth"] = number(answer->depth_m);
+    text["point"] = numbers(answer->point);
+  } else if (answer->verdict == Verdict::miss) {
+    text["distance"] = number(answer->distance_m);
+    text["on_a"] = numbers(answer->on_a);
+    text["on_b"] = numbers(answer->on_b);
+  }
+  return text_of(text);
+}
+
+std::string refused_text(double id, std::string_view why) {
+  return text_of({{"type", "refused"}, {"id", id}, {"why", why}});
+}
+
+}  // namespace collided::view

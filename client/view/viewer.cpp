@@ -1,0 +1,140 @@
+#include "client/view/viewer.hpp"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "client/view/assets.hpp"
+#include "client/view/page_messages.hpp"
+
+namespace collided::view {
+namespace {
+
+constexpr std::string_view kLive = "/live";
+constexpr std::string_view kDrawing = "/drawing.svg";
+
+std::string hello_text(const ViewerOptions& options) {
+  const nlohmann::json hello{{"type", "hello"}, {"version", library_version()}, {"up", options.y_is_up ? "y" : "z"}};
+  return hello.dump();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Viewer>> Viewer::start(Client& client, const ViewerOptions& options) {
+  std::unique_ptr<Viewer> viewer(new Viewer(client, options));
+  FollowOptions follow;
+  follow.is_watched = [raw = viewer.get()] { return raw->watching_.load() > 0; };
+  Result<std::unique_ptr<Follower>> follower = Follower::start(client, viewer->both_, follow);
+  if (!follower) return follower.error();
+  viewer->follower_ = std::move(*follower);
+  viewer->web_->start();
+  return viewer;
+}
+
+Viewer::Viewer(Client& client, const ViewerOptions& options)
+    : hello_(hello_text(options)),
+      feed_([this](const WebMessage& message) { tell_pages(message); }),
+      foxglove_([this](Connection to, const WebMessage& message) { web_->send(to, message); }) {
+  for (const Asset& asset : assets()) assets_[std::string(asset.path)] = {asset.type, make_bytes(std::string(asset.text))};
+  asker_ = std::make_unique<Asker>(client);
+  drawer_ = std::make_unique<Drawer>(client, options.y_is_up);
+  web_ = std::make_unique<WebServer>(options.address, options.rules, options.limits, handlers());
+}
+
+Viewer::~Viewer() {
+  // Who calls goes before who is called.
+  follower_.reset();
+  asker_.reset();
+  web_.reset();
+}
+
+WebServer::Handlers Viewer::handlers() {
+  return {.page = [this](std::string_view target) { return page(target); },
+          .protocol = [](std::string_view target, const std::vector<std::string>& offered) -> std::optional<std::string> {
+            if (target == kLive) return std::string();
+            return Foxglove::protocol(offered);
+          },
+          .opened = [this](Connection client, const std::string& protocol) { open(client, protocol); },
+          .said = [this](Connection client, std::string_view message, bool is_text) { hear(client, message, is_text); },
+          .closed = [this](Connection client) { close(client); }};
+}
+
+std::optional<WebPage> Viewer::page(std::string_view target) const {
+  const auto found = assets_.find(target);
+  if (found != assets_.end()) return found->second;
+  if (!target.starts_with(kDrawing)) return feed_.page(target);
+  Bytes drawing = drawer_->newest();
+  return drawing ? std::optional(WebPage{"image/svg+xml", std::move(drawing)}) : std::nullopt;
+}
+
+/// The protocol that pages speak has no name.
+void Viewer::open(Connection client, const std::string& protocol) {
+  protocol.empty() ? greet(client) : foxglove_.opened(client);
+  ++watching_;
+}
+
+void Viewer::close(Connection client) {
+  --watching_;
+  foxglove_.closed(client);
+  const std::lock_guard lock(mutex_);
+  std::erase(pages_, client);
+}
+
+void Viewer::hear(Connection client, std::string_view message, bool is_text) {
+  const auto is_page = [&] {
+    const std::lock_guard lock(mutex_);
+    return std::find(pages_.begin(), pages_.end(), client) != pages_.end();
+  };
+  if (!is_page()) foxglove_.said(client, message, is_text);
+  else if (is_text) pass_on(client, message);
+}
+
+void Viewer::greet(Connection page) {
+  web_->send(page, {.bytes = make_bytes(hello_), .is_text = true, .lane = 0});
+  {
+    const std::lock_guard lock(mutex_);
+    pages_.push_back(page);
+  }
+  // What happens meanwhile is told too: twice is no harm, never would be.
+  for (const WebMessage& message : feed_.first_words()) web_->send(page, message);
+}
+
+void Viewer::pass_on(Connection page, std::string_view text) {
+  const auto tell = [this, page](std::string answer) { web_->send(page, {.bytes = make_bytes(std::move(answer)), .is_text = true, .lane = 0}); };
+  std::optional<PageQuestion> question = parse_page_question(text);
+  if (!question) return tell(refused_text(0, "this is no question that a viewer passes on"));
+  const double id = question->id;
+  if (!asker_->ask(std::move(*question), tell)) tell(refused_text(id, "too many questions wait already"));
+}
+
+void Viewer::tell_pages(const WebMessage& message) {
+  std::vector<Connection> pages;
+  {
+    const std::lock_guard lock(mutex_);
+    pages = pages_;
+  }
+  web_->send(pages, message);
+}
+
+void Viewer::Both::objects(const std::shared_ptr<const ShownObjects>& shown) {
+  pages_.objects(shown);
+  foxglove_.objects(shown);
+}
+void Viewer::Both::poses(const Poses& poses) {
+  pages_.poses(poses);
+  foxglove_.poses(poses);
+}
+void Viewer::Both::status(const ServerStatus& status, const std::optional<Figures>& recent) {
+  pages_.status(status, recent);
+  foxglove_.status(status, recent);
+}
+void Viewer::Both::silent(double seconds) {
+  pages_.silent(seconds);
+  foxglove_.silent(seconds);
+}
+void Viewer::Both::events(std::span<const Event> events) {
+  pages_.events(events);
+  foxglove_.events(events);
+}
+
+}  // namespace collided::view

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/view/asker.hpp"
+#include "client/view/drawer.hpp"
+#include "client/view/foxglove.hpp"
+#include "client/view/page_feed.hpp"
+#include "client/view/web_server.hpp"
+
+namespace collided::view {
+
+struct ViewerOptions {
+  WebAddress address{};
+  RequestRules rules{};
+  WebLimits limits{};
+  bool y_is_up = false;
+};
+
+/// A server's state as live pages in browsers, and for programs that speak Foxglove's protocol: follows it as a client, serves
+/// the page, passes the page's questions on.
+class Viewer {
+ public:
+  /// client  lives longer
+  /// Throws std::runtime_error with a sentence where the address cannot be had.
+  static Result<std::unique_ptr<Viewer>> start(Client& client, const ViewerOptions& options);
+  ~Viewer();
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  std::uint16_t port() const { return web_->port(); }
+  const WebCounts& counts() const { return web_->counts(); }
+
+ private:
+  using Connection = WebServer::Connection;
+  /// Both kinds of clients hear the same.
+  class Both : public Observer {
+   public:
+    Both(PageFeed& pages, Foxglove& foxglove) : pages_(pages), foxglove_(foxglove) {}
+    void objects(const std::shared_ptr<const ShownObjects>& shown) override;
+    void poses(const Poses& poses) override;
+    void status(const ServerStatus& status, const std::optional<Figures>& recent) override;
+    void silent(double seconds) override;
+    void events(std::span<const Event> events) override;
+
+   private:
+    PageFeed& pages_;
+    Foxglove& foxglove_;
+  };
+
+  Viewer(Client& client, const ViewerOptions& options);
+  WebServer::Handlers handlers();
+  std::optional<WebPage> page(std::string_view target) const;
+  void open(Connection client, const std::string& protocol);
+  void close(Connection client);
+  void hear(Connection client, std::string_view message, bool is_text);
+  void greet(Connection page);
+  void pass_on(Connection page, std::string_view text);
+  void tell_pages(const WebMessage& message);
+
+  const std::string hello_;
+  std::map<std::string, WebPage, std::less<>> assets_;
+  mutable std::mutex mutex_;
+  std::vector<Connection> pages_;
+  std::atomic<std::size_t> watching_{0};
+  // In this order: the web server's thread uses the feed, the asker's and the follower's threads use the web server.
+  PageFeed feed_;
+  Foxglove foxglove_;
+  Both both_{feed_, foxglove_};
+  std::unique_ptr<Drawer> drawer_;
+  std::unique_ptr<WebServer> web_;
+  std::unique_ptr<Asker> asker_;
+  std::unique_ptr<Follower> follower_;
+};
+
+}  // namespace collided::view

@@ -1,0 +1,433 @@
+#include "client/view/web_server.hpp"
+
+#include <deque>
+#include <stdexcept>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+
+#include <boost/asio/dispatch.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+namespace collided::view {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using tcp = asio::ip::tcp;
+using Clock = std::chrono::steady_clock;
+using beast::error_code;
+
+/// Nothing from elsewhere runs in the page, and the page stands in no other.
+constexpr std::string_view kContentPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+constexpr std::string_view kFullResponse =
+    "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\nContent-Length: 43\r\n\r\n"
+    "too many connections to this viewer; later\n";
+
+std::string_view view_of(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+std::vector<std::string> list_of(beast::string_view header) {
+  std::vector<std::string> words;
+  for (const auto& word : http::token_list(header)) words.emplace_back(word);
+  return words;
+}
+
+}  // namespace
+
+class WebServer::Running {
+ public:
+  Running(const WebAddress& address, const RequestRules& rules, const WebLimits& limits, Handlers handlers);
+  ~Running();
+
+  void start() {
+    thread_ = std::thread([this] { run(); });
+  }
+  std::uint16_t port() const { return port_; }
+  const WebCounts& counts() const { return counts_; }
+  asio::io_context& context() { return context_; }
+  void send(Connection to, WebMessage message);
+
+ private:
+  class Request;
+  class Socket;
+  /// One of the places for connections, as long as it lives.
+  class Place {
+   public:
+    explicit Place(WebCounts& counts) : counts_(&counts) { ++counts_->open; }
+    Place(Place&& other) noexcept : counts_(std::exchange(other.counts_, nullptr)) {}
+    Place& operator=(Place&&) = delete;
+    ~Place() {
+      if (counts_ != nullptr) --counts_->open;
+    }
+
+   private:
+    WebCounts* counts_;
+  };
+
+  void run();
+  void accept();
+  void take(tcp::socket socket);
+  void look_for_stalled();
+
+  const RequestRules rules_;
+  const WebLimits limits_;
+  const Handlers handlers_;
+  WebCounts counts_;
+  std::unordered_map<Connection, std::weak_ptr<Socket>> sockets_;
+  asio::io_context context_{1};  // holds the connections; they use what stands above
+  tcp::acceptor acceptor_{context_};
+  asio::steady_timer pause_{context_};
+  asio::steady_timer tick_{context_};
+  std::uint16_t port_ = 0;
+  Connection newest_ = 0;
+  std::thread thread_;
+};
+
+/// A WebSocket client: reads at its pace, tells at the client's.
+class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
+ public:
+  Socket(Running& owner, Place place, beast::tcp_stream stream, Connection number)
+      : owner_(owner), place_(std::move(place)), stream_(std::move(stream)), number_(number), message_(owner.limits_.message_bytes) {}
+
+  ~Socket() {
+    if (is_open_) owner_.handlers_.closed(number_);
+    owner_.sockets_.erase(number_);
+  }
+
+  void open(const http::request<http::empty_body>& request, const std::string& protocol) {
+    beast::get_lowest_layer(stream_).expires_never();
+    websocket::stream_base::timeout timeout{owner_.limits_.request, owner_.limits_.stall, true};
+    stream_.set_option(timeout);
+    stream_.set_option(websocket::stream_base::decorator([protocol](websocket::response_type& response) {
+      if (!protocol.empty()) response.set(http::field::sec_websocket_protocol, protocol);
+    }));
+    stream_.read_message_max(owner_.limits_.message_bytes);
+    stream_.async_accept(request, [self = shared_from_this(), protocol](error_code failed) {
+      if (failed) return;
+      self->is_open_ = true;
+      self->owner_.handlers_.opened(self->number_, protocol);
+      self->read();
+    });
+  }
+
+  void tell(WebMessage message) {
+    if (!is_open_ || is_dropped_) return;
+    if (message.lane != 0) {
+      // The one that is being written is at the front and stays.
+      for (std::size_t i = is_writing_ ? 1 : 0; i < waiting_.size(); ++i) {
+        if (waiting_[i].lane != message.lane) continue;
+        waiting_bytes_ += message.bytes->size() - waiting_[i].bytes->size();
+        waiting_[i] = std::move(message);
+        ++owner_.counts_.superseded;
+        return;
+      }
+    }
+    // A lane holds at most one, of any size; the limit is on what piles up.
+    const bool piles_up = message.lane == 0 && !waiting_.empty();
+    if (piles_up && (waiting_.size() >= owner_.limits_.waiting_messages || waiting_bytes_ + message.bytes->size() > owner_.limits_.waiting_bytes)) {
+      return drop(owner_.counts_.slow);
+    }
+    waiting_bytes_ += message.bytes->size();
+    waiting_.push_back(std::move(message));
+    if (!is_writing_) write();
+  }
+
+  void drop_if_stalled(Clock::time_point now) {
+    if (is_writing_ && now - writing_since_ > owner_.limits_.stall) drop(owner_.counts_.slow);
+  }
+
+ private:
+  void read() {
+    stream_.async_read(message_, [self = shared_from_this()](error_code failed, std::size_t) {
+      if (failed) return self->end(failed);
+      if (self->is_dropped_) return;
+      if (!self->may_say_more()) return self->drop(self->owner_.counts_.flooding);
+      const auto bytes = self->message_.data();
+      self->owner_.handlers_.said(self->number_, {static_cast<const char*>(bytes.data()), bytes.size()}, self->stream_.got_text());
+      self->message_.consume(self->message_.size());
+      self->read();
+    });
+  }
+
+  bool may_say_more() {
+    const Clock::time_point now = Clock::now();
+    if (now - second_began_ >= std::chrono::seconds(1)) {
+      second_began_ = now;
+      said_this_second_ = 0;
+    }
+    return ++said_this_second_ <= owner_.limits_.messages_a_second;
+  }
+
+  void write() {
+    is_writing_ = true;
+    writing_since_ = Clock::now();
+    stream_.text(waiting_.front().is_text);
+    stream_.async_write(asio::buffer(*waiting_.front().bytes), [self = shared_from_this()](error_code failed, std::size_t) {
+      self->is_writing_ = false;
+      if (failed || self->is_dropped_) return self->end(failed);
+      self->waiting_bytes_ -= self->waiting_.front().bytes->size();
+      self->waiting_.pop_front();
+      if (!self->waiting_.empty()) self->write();
+    });
+  }
+
+  void end(error_code failed) {
+    const bool is_malformed = failed == websocket::error::message_too_big || failed == websocket::error::buffer_overflow ||
+                              (failed.category() == make_error_code(websocket::error::bad_opcode).category() && failed != websocket::error::closed);
+    if (is_malformed) ++owner_.counts_.malformed;
+    close();
+  }
+
+  void drop(std::atomic<std::uint64_t>& count) {
+    if (!is_dropped_) ++count;
+    close();
+  }
+
+  /// At once and without a word: whoever takes nothing takes no farewell either.
+  void close() {
+    is_dropped_ = true;
+    waiting_.resize(std::min<std::size_t>(waiting_.size(), is_writing_ ? 1 : 0));
+    beast::get_lowest_layer(stream_).close();
+  }
+
+  Running& owner_;
+  Place place_;
+  websocket::stream<beast::tcp_stream> stream_;
+  const Connection number_;
+  beast::flat_buffer message_;
+  std::deque<WebMessage> waiting_;
+  std::size_t waiting_bytes_ = 0;
+  bool is_open_ = false;
+  bool is_dropped_ = false;
+  bool is_writing_ = false;
+  Clock::time_point writing_since_;
+  Clock::time_point second_began_;
+  std::uint32_t said_this_second_ = 0;
+};
+
+/// A client that asks for pages, until it asks for a WebSocket.
+class WebServer::Running::Request : public std::enable_shared_from_this<Request> {
+ public:
+  Request(Running& owner, Place place, tcp::socket socket)
+      : owner_(owner), place_(std::move(place)), stream_(std::move(socket)), buffer_(2 * owner.limits_.header_bytes) {
+    error_code ignored;
+    const auto own = stream_.socket().local_endpoint(ignored).address();
+    own_address_ = own.to_string();
+    is_loopback_ = own.is_loopback();
+  }
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(owner_.limits_.header_bytes);
+    parser_->body_limit(0);
+    stream_.expires_after(owner_.limits_.request);
+    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code failed, std::size_t) {
+      if (failed) return self->refuse(failed);
+      self->answer();
+    });
+  }
+
+ private:
+  void refuse(error_code failed) {
+    const bool is_malformed = failed.category() == make_error_code(http::error::bad_method).category() && failed != http::error::end_of_stream &&
+                              failed != http::error::partial_message;
+    if (!is_malformed) return;
+    ++owner_.counts_.malformed;
+    keeps_ = false;
+    respond(http::status::bad_request, "text/plain", make_bytes("this is no request that a viewer answers\n"));
+  }
+
+  void answer() {
+    const http::request<http::empty_body>& request = parser_->get();
+    keeps_ = request.keep_alive();
+    const std::string_view host = view_of(request[http::field::host]);
+    if (!may_be_called(host, own_address_, is_loopback_, owner_.rules_)) {
+      return forbid("this viewer is not asked under that name; collide view --host NAME allows one\n");
+    }
+    if (!may_connect(view_of(request[http::field::origin]), host, owner_.rules_)) {
+      return forbid("pages of that origin may not ask this viewer; collide view --origin URL allows one\n");
+    }
+    if (websocket::is_upgrade(request)) return upgrade(request);
+    if (request.method() != http::verb::get && request.method() != http::verb::head) {
+      return respond(http::status::method_not_allowed, "text/plain", make_bytes("only GET\n"));
+    }
+    const std::optional<WebPage> page = owner_.handlers_.page(view_of(request.target()));
+    if (!page) return respond(http::status::not_found, "text/plain", make_bytes("no such page\n"));
+    respond(http::status::ok, page->type, page->body);
+  }
+
+  void forbid(const char* why) {
+    ++owner_.counts_.forbidden;
+    keeps_ = false;
+    respond(http::status::forbidden, "text/plain", make_bytes(why));
+  }
+
+  void upgrade(const http::request<http::empty_body>& request) {
+    const std::vector<std::string> offered = list_of(request[http::field::sec_websocket_protocol]);
+    const std::optional<std::string> protocol = owner_.handlers_.protocol(view_of(request.target()), offered);
+    if (!protocol) {
+      keeps_ = false;
+      return respond(http::status::not_found, "text/plain", make_bytes("none of these protocols is spoken here\n"));
+    }
+    const Connection number = ++owner_.newest_;
+    const auto socket = std::make_shared<Socket>(owner_, std::move(place_), std::move(stream_), number);
+    owner_.sockets_.emplace(number, socket);
+    socket->open(request, *protocol);
+  }
+
+  void respond(http::status status, std::string_view type, Bytes body) {
+    const http::request<http::empty_body>& request = parser_->get();
+    body_ = std::move(body);
+    response_.emplace(status, request.version() == 0 ? 11 : request.version());
+    response_->set(http::field::content_type, beast::string_view(type.data(), type.size()));
+    response_->set(http::field::cache_control, "no-store");
+    response_->set("Content-Security-Policy", beast::string_view(kContentPolicy.data(), kContentPolicy.size()));
+    response_->set("Cross-Origin-Resource-Policy", "same-origin");
+    response_->set("Referrer-Policy", "no-referrer");
+    response_->set("X-Content-Type-Options", "nosniff");
+    response_->keep_alive(keeps_);
+    response_->content_length(body_->size());
+    if (request.method() != http::verb::head) response_->body() = beast::span<const char>(body_->data(), body_->size());
+    serializer_.emplace(*response_);
+    serializer_->split(request.method() == http::verb::head);
+    stream_.expires_after(owner_.limits_.response);
+    const auto sent = [self = shared_from_this()](error_code failed, std::size_t) {
+      if (failed == beast::error::timeout) ++self->owner_.counts_.slow;
+      self->body_.reset();
+      if (!failed && self->keeps_) return self->read();
+      error_code ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    };
+    if (request.method() == http::verb::head) http::async_write_header(stream_, *serializer_, sent);
+    else http::async_write(stream_, *serializer_, sent);
+  }
+
+  Running& owner_;
+  Place place_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  std::string own_address_;
+  bool is_loopback_ = false;
+  bool keeps_ = false;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<http::response<http::span_body<const char>>> response_;
+  std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
+  Bytes body_;
+};
+
+WebServer::Running::Running(const WebAddress& address, const RequestRules& rules, const WebLimits& limits, Handlers handlers)
+    : rules_(rules), limits_(limits), handlers_(std::move(handlers)) {
+  error_code failed;
+  const auto where = asio::ip::make_address(address.address, failed);
+  if (failed) throw std::runtime_error("'" + address.address + "' is no address; one of this machine's is needed, such as 127.0.0.1");
+  const tcp::endpoint endpoint(where, address.port);
+  acceptor_.open(endpoint.protocol(), failed);
+  if (!failed) acceptor_.set_option(asio::socket_base::reuse_address(true), failed);
+  if (!failed) acceptor_.bind(endpoint, failed);
+  if (!failed) acceptor_.listen(asio::socket_base::max_listen_connections, failed);
+  if (failed) throw std::runtime_error("port " + std::to_string(address.port) + " of " + address.address + ": " + failed.message());
+  port_ = acceptor_.local_endpoint().port();
+  accept();
+  look_for_stalled();
+}
+
+WebServer::Running::~Running() {
+  context_.stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void WebServer::Running::run() {
+  for (;;) {
+    try {
+      context_.run();
+      return;
+    } catch (const std::exception&) {
+      // Whoever it happened to is gone with its handler; the others go on.
+      ++counts_.faults;
+    }
+  }
+}
+
+void WebServer::Running::accept() {
+  acceptor_.async_accept([this](error_code failed, tcp::socket socket) {
+    if (!failed) {
+      take(std::move(socket));
+      return accept();
+    }
+    // Out of files, as a rule: others must end first.
+    pause_.expires_after(std::chrono::milliseconds(100));
+    pause_.async_wait([this](error_code) { accept(); });
+  });
+}
+
+void WebServer::Running::take(tcp::socket socket) {
+  ++counts_.connections;
+  if (counts_.open < limits_.connections) {
+    std::make_shared<Request>(*this, Place(counts_), std::move(socket))->read();
+    return;
+  }
+  ++counts_.full;
+  error_code ignored;
+  socket.non_blocking(true, ignored);
+  socket.send(asio::buffer(kFullResponse), 0, ignored);
+}
+
+void WebServer::Running::look_for_stalled() {
+  tick_.expires_after(std::chrono::seconds(1));
+  tick_.async_wait([this](error_code failed) {
+    if (failed) return;
+    std::vector<std::shared_ptr<Socket>> open;
+    for (const auto& [number, socket] : sockets_) {
+      if (auto alive = socket.lock()) open.push_back(std::move(alive));
+    }
+    for (const auto& socket : open) socket->drop_if_stalled(Clock::now());
+    look_for_stalled();
+  });
+}
+
+void WebServer::Running::send(Connection to, WebMessage message) {
+  const auto found = sockets_.find(to);
+  if (found == sockets_.end()) return;
+  if (const auto socket = found->second.lock()) socket->tell(std::move(message));
+}
+
+WebServer::WebServer(const WebAddress& address, const RequestRules& rules, const WebLimits& limits, Handlers handlers)
+    : running_(std::make_unique<Running>(address, rules, limits, std::move(handlers))) {}
+WebServer::~WebServer() = default;
+
+void WebServer::start() {
+  running_->start();
+}
+
+std::uint16_t WebServer::port() const {
+  return running_->port();
+}
+
+const WebCounts& WebServer::counts() const {
+  return running_->counts();
+}
+
+void WebServer::send(Connection to, WebMessage message) {
+  asio::dispatch(running_->context(), [running = running_.get(), to, message = std::move(message)]() mutable { running->send(to, std::move(message)); });
+}
+
+void WebServer::send(const std::vector<Connection>& to, const WebMessage& message) {
+  if (to.empty()) return;
+  asio::post(running_->context(), [running = running_.get(), to, message] {
+    for (const Connection one : to) running->send(one, message);
+  });
+}
+
+}  // namespace collided::view

@@ -1,0 +1,199 @@
+#include "client/view/foxglove.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <deque>
+
+#include <nlohmann/json.hpp>
+
+#include "client/view/foxglove_scene.hpp"
+
+namespace collided::view {
+namespace {
+
+using nlohmann::json;
+
+ShownObject object(std::uint64_t id, const std::string& name, bool moving) {
+  ShownObject one;
+  one.id = id;
+  one.name = name;
+  one.moving = moving;
+  return one;
+}
+
+class FoxgloveTest : public testing::Test {
+ protected:
+  struct Sent {
+    Foxglove::Connection to;
+    WebMessage message;
+  };
+  json text() {
+    EXPECT_FALSE(sent.empty());
+    if (sent.empty()) return {};
+    const Sent first = sent.front();
+    sent.pop_front();
+    EXPECT_TRUE(first.message.is_text);
+    return json::parse(*first.message.bytes);
+  }
+  /// A binary message: its subscription and its JSON.
+  std::pair<std::uint32_t, json> data() {
+    EXPECT_FALSE(sent.empty());
+    if (sent.empty()) return {};
+    const Sent first = sent.front();
+    sent.pop_front();
+    const std::string& bytes = *first.message.bytes;
+    EXPECT_FALSE(first.message.is_text);
+    EXPECT_EQ(bytes[0], 1);
+    std::uint32_t subscription = 0;
+    std::memcpy(&subscription, bytes.data() + 1, 4);
+    std::memcpy(&time_ns, bytes.data() + 5, 8);
+    return {subscription, json::parse(bytes.substr(13))};
+  }
+  void subscribe(std::uint32_t id, std::uint32_t channel) {
+    foxglove.said(1, json{{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}}.dump(), true);
+  }
+  static std::shared_ptr<const ShownObjects> world() {
+    auto shown = std::make_shared<ShownObjects>();
+    shown->world_time = std::chrono::nanoseconds(1'500'000'007);
+    ShownObject ball = object(9, "ball", true);
+    ball.parts = {SphereShape{.radius_m = 0.25}};
+    ShownObject crate = object(10, "crate", false);
+    crate.pose.position = {1, 2, 3};
+    crate.parts = {BoxShape{.half_m = {0.5, 1, 2}, .center = {1, 0, 0}}};
+    shown->objects = {ball, crate};
+    return shown;
+  }
+  static Poses poses(std::int64_t time_ns) {
+    Poses poses;
+    poses.world_time = std::chrono::nanoseconds(time_ns);
+    poses.ids = {9, 77};
+    poses.poses = {{.position = {4, 5, 6}, .rotation = Quat::Identity()}, {}};
+    poses.stale = {0, 0};
+    return poses;
+  }
+
+  std::deque<Sent> sent;
+  std::int64_t time_ns = 0;
+  Foxglove foxglove{[this](Foxglove::Connection to, const WebMessage& message) { sent.push_back({to, message}); }};
+};
+
+TEST_F(FoxgloveTest, TakesThePartOfTheProtocolThatItKnows) {
+  EXPECT_EQ(Foxglove::protocol({"x", "foxglove.websocket.v1"}), "foxglove.websocket.v1");
+  EXPECT_EQ(Foxglove::protocol({"foxglove.websocket.v1", "foxglove.sdk.v1"}), "foxglove.sdk.v1");
+  EXPECT_EQ(Foxglove::protocol({"x"}), std::nullopt);
+}
+
+TEST_F(FoxgloveTest, AClientIsGreetedAndToldTheChannels) {
+  foxglove.opened(1);
+  const json info = text();
+  EXPECT_EQ(info["op"], "serverInfo");
+  EXPECT_TRUE(info["capabilities"].is_array());
+  const json channels = text()["channels"];
+  ASSERT_EQ(channels.size(), 4U);
+  for (const json& channel : channels) {
+    EXPECT_EQ(channel["encoding"], "json");
+    EXPECT_EQ(channel["schemaEncoding"], "jsonschema");
+    EXPECT_TRUE(json::parse(channel["schema"].get<std::string>(), nullptr, false).is_object()) << channel["topic"];
+  }
+  EXPECT_EQ(channels[0]["schemaName"], "foxglove.SceneUpdate");
+  EXPECT_EQ(channels[1]["schemaName"], "foxglove.FrameTransforms");
+}
+
+TEST_F(FoxgloveTest, TheSceneComesToWhoSubscribes) {
+  foxglove.opened(1);
+  sent.clear();
+  foxglove.objects(world());
+  EXPECT_TRUE(sent.empty()) << "nobody has subscribed";
+  subscribe(5, 1);
+  const auto [subscription, scene] = data();
+  EXPECT_EQ(subscription, 5U);
+  EXPECT_EQ(time_ns, 1'500'000'007);
+  ASSERT_EQ(scene["entities"].size(), 2U);
+  const json& ball = scene["entities"][0];
+  EXPECT_EQ(ball["frame_id"], "ball") << "what moves is a frame";
+  EXPECT_EQ(ball["spheres"][0]["size"]["x"], 0.5) << "a diameter";
+  EXPECT_EQ(ball["timestamp"], json({{"sec", 1}, {"nsec", 500'000'007}}));
+  const json& crate = scene["entities"][1];
+  EXPECT_EQ(crate["frame_id"], "world");
+  EXPECT_EQ(crate["cubes"][0]["pose"]["position"], json({{"x", 2.}, {"y", 2.}, {"z", 3.}}));
+  EXPECT_EQ(crate["cubes"][0]["size"]["z"], 4.);
+}
+
+TEST_F(FoxgloveTest, TransformsOfKnownFramesComeTenTimesASecond) {
+  foxglove.opened(1);
+  foxglove.objects(world());
+  sent.clear();
+  foxglove.poses(poses(2'000'000'000));
+  EXPECT_TRUE(sent.empty());
+  subscribe(6, 2);
+  for (std::int64_t i = 0; i < 20; ++i) foxglove.poses(poses(2'000'000'000 + i * 10'000'000));
+  EXPECT_EQ(sent.size(), 2U);
+  const auto [subscription, transforms] = data();
+  EXPECT_EQ(subscription, 6U);
+  ASSERT_EQ(transforms["transforms"].size(), 1U) << "77 is in no table";
+  EXPECT_EQ(transforms["transforms"][0]["child_frame_id"], "ball");
+  EXPECT_EQ(transforms["transforms"][0]["translation"]["z"], 6);
+  foxglove.said(1, R"({"op":"unsubscribe","subscriptionIds":[6]})", true);
+  sent.clear();
+  foxglove.poses(poses(9'000'000'000));
+  EXPECT_TRUE(sent.empty());
+}
+
+TEST_F(FoxgloveTest, ContactsAreArrowsForASecond) {
+  foxglove.opened(1);
+  subscribe(1, 3);
+  subscribe(2, 4);
+  sent.clear();
+  Event began;
+  began.what = What::began;
+  began.a = "a";
+  began.b = "b";
+  began.normal = {0, 0, 1};
+  began.point = {1, 1, 1};
+  Event ended = began;
+  ended.what = What::ended;
+  foxglove.events(std::vector<Event>{began, ended});
+  const json update = data().second;
+  ASSERT_EQ(update["entities"].size(), 1U);
+  EXPECT_EQ(update["entities"][0]["lifetime"]["sec"], 1);
+  EXPECT_EQ(update["entities"][0]["arrows"].size(), 1U);
+  EXPECT_EQ(data().second["what"], "began");
+  EXPECT_EQ(data().second["what"], "ended");
+}
+
+TEST_F(FoxgloveTest, WhatItDoesNotKnowIsAnsweredWithAWarning) {
+  foxglove.opened(1);
+  sent.clear();
+  for (const char* bad : {"", "7", "{}", R"({"op":7})", R"({"op":"advertise","channels":[]})", R"({"op":"subscribe","subscriptions":[7]})",
+                          R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":99}]})", R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
+                          R"({"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]})"}) {
+    foxglove.said(1, bad, true);
+    EXPECT_EQ(text()["level"], 1) << bad;
+  }
+  foxglove.said(1, "\1\2\3", false);
+  EXPECT_EQ(text()["level"], 1);
+  for (std::uint32_t id = 0; id < 200; ++id) subscribe(id, 4);
+  EXPECT_EQ(sent.size(), 200U - 64U) << "so many subscriptions at most";
+  sent.clear();
+  foxglove.closed(1);
+  foxglove.events(std::vector<Event>(1));
+  EXPECT_TRUE(sent.empty());
+}
+
+TEST(FoxgloveScene, TooManyTrianglesBecomeABox) {
+  const auto surface = std::make_shared<Surface>();
+  surface->vertices = {{0, 0, 0}, {2, 0, 0}, {0, 4, 0}, {0, 0, 6}};
+  surface->triangles = {{0, 1, 2}, {0, 1, 3}};
+  ShownObject mesh = object(1, "mesh", true);
+  mesh.runs = {{.surface = surface, .first_triangle = 0, .triangle_count = 2}};
+  const ShownObjects shown{.objects = {mesh}};
+  const json whole = json::parse(scene_update(shown, 2))["entities"][0];
+  EXPECT_EQ(whole["triangles"][0]["points"].size(), 6U);
+  const json bounds = json::parse(scene_update(shown, 1))["entities"][0];
+  EXPECT_TRUE(bounds["triangles"].empty());
+  EXPECT_EQ(bounds["cubes"][0]["size"]["z"], 6.);
+}
+
+}  // namespace
+}  // namespace collided::view

@@ -1,0 +1,139 @@
+#include "client/view/page_messages.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include <nlohmann/json.hpp>
+
+#include "client/view/page_question.hpp"
+
+namespace collided::view {
+namespace {
+
+using nlohmann::json;
+
+template <class T>
+T at(const std::string& bytes, std::size_t place) {
+  T value;
+  EXPECT_LE(place + sizeof(T), bytes.size());
+  std::memcpy(&value, bytes.data() + place, sizeof(T));
+  return value;
+}
+
+// Four thousand kilometres out a float has steps of half a metre: a millimetre stays one, since positions are relative.
+TEST(PageMessages, ASurfaceFarOutKeepsItsDigits) {
+  const Vec3 far_m{4'649'000, 500'000, 12};
+  Surface surface;
+  surface.vertices = {far_m, far_m + Vec3{0.001, 0, 0}, far_m + Vec3{0, 2, 0}};
+  surface.triangles = {{0, 1, 2}};
+  const std::string bytes = surface_bytes(surface);
+  ASSERT_EQ(bytes.size(), 32U + 3 * 12 + 12);
+  EXPECT_EQ(at<std::uint32_t>(bytes, 0), 3U);
+  EXPECT_EQ(at<std::uint32_t>(bytes, 4), 1U);
+  for (std::size_t vertex = 0; vertex < 3; ++vertex) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double told = at<double>(bytes, 8 + 8 * axis) + at<float>(bytes, 32 + 12 * vertex + 4 * axis);
+      EXPECT_NEAR(told, surface.vertices[vertex][static_cast<Eigen::Index>(axis)], 1e-6);
+    }
+  }
+  EXPECT_EQ(at<std::uint32_t>(bytes, 32 + 36 + 8), 2U);
+}
+
+TEST(PageMessages, PosesLieAsThePageReadsThem) {
+  Poses poses;
+  poses.version = 42;
+  poses.table_version = 7;
+  poses.world_time = std::chrono::milliseconds(1'500);
+  poses.ids = {3, (std::uint64_t{5} << 32) + 9};
+  poses.poses = {{{1e6, 0, 0}, Quat::Identity()}, {{1e6 + 2, 0.25, 0}, Quat(0, 1, 0, 0)}};
+  poses.stale = {0, 1};
+  const std::string bytes = poses_bytes(poses);
+  ASSERT_EQ(bytes.size(), 56U + 2 * 33);
+  EXPECT_EQ(at<std::uint32_t>(bytes, 4), 2U);
+  EXPECT_EQ(at<double>(bytes, 8), 1.5);
+  EXPECT_EQ(at<double>(bytes, 16), 7);
+  EXPECT_EQ(at<double>(bytes, 24), 42);
+  EXPECT_EQ(at<double>(bytes, 32) + at<float>(bytes, 56 + 28), 1e6 + 2);
+  EXPECT_EQ(at<float>(bytes, 56 + 28 + 4), 0.25F);
+  EXPECT_EQ(at<float>(bytes, 56 + 28 + 16), 1.F) << "w x y z";
+  EXPECT_EQ(at<std::uint32_t>(bytes, 56 + 56 + 4), 9U) << "slots, without generations";
+  EXPECT_EQ(bytes.back(), 1);
+}
+
+TEST(PageMessages, EveryKindOfShapeIsTold) {
+  ShownObject object;
+  object.id = 4;
+  object.name = "all \"kinds\"\xff";
+  object.parts = {SphereShape{.radius_m = 0.1}, BoxShape{.half_m = {1, 2, 3}}, CapsuleShape{.a = {0, 0, 0}, .b = {0, 0, 1}, .radius_m = 0.2},
+                  CylinderShape{.radius_m = 0.3}, ConeShape{.radius_m = 0.4}, EllipsoidShape{.half_m = {1, 2, 3}}, HalfSpaceShape{}};
+  const auto surface = std::make_shared<Surface>();
+  surface->number = 0xffffffffffffffff;
+  object.runs = {{.surface = surface, .first_triangle = 1, .triangle_count = 2}};
+  const json told = json::parse(objects_text({.epoch = 1, .version = 2, .table_version = 3, .objects = {object}}));
+  const json& one = told["objects"][0];
+  std::vector<std::size_t> numbers;
+  for (const json& part : one["parts"]) numbers.push_back(part.size());
+  EXPECT_EQ(numbers, (std::vector<std::size_t>{5, 11, 8, 8, 8, 11, 7}));
+  EXPECT_EQ(one["runs"][0], json({"18446744073709551615", 1, 2}));
+  EXPECT_EQ(one["slot"], 4);
+}
+
+Event event(const std::string& a, What what) {
+  Event one;
+  one.what = what;
+  one.a = a;
+  one.b = "floor";
+  one.depth_m = 0.25;
+  one.why = what == What::ended ? Why::separated : Why::none;
+  return one;
+}
+
+TEST(PageMessages, OfTooManyEventsTheNewestAreTold) {
+  const std::vector<Event> events{event("a", What::began), event("b", What::began), event("c", What::ended)};
+  const json told = json::parse(events_text(events, 2));
+  EXPECT_EQ(told["left_out"], 1);
+  EXPECT_EQ(told["events"][0]["a"], "b");
+  EXPECT_EQ(told["events"][1]["why"], "separated");
+  EXPECT_FALSE(told["events"][1].contains("depth"));
+}
+
+// As `collide ray --json` names them.
+TEST(PageMessages, AnAnswerHasTheCommandLinesMembers) {
+  Answer answer;
+  answer.verdict = Verdict::hit;
+  Hit hit;
+  hit.object = "wall";
+  hit.distance_m = 0.1 + 0.2;
+  hit.point = {1, 2, std::numeric_limits<double>::infinity()};
+  answer.hits = {hit};
+  const json told = json::parse(ray_answer_text(7, {.origin = {0, 0, 5}, .direction = {0, 0, -1}}, answer));
+  EXPECT_EQ(told["id"], 7);
+  EXPECT_EQ(told["distance"].get<double>(), 0.1 + 0.2);
+  EXPECT_EQ(told["point"][2], "inf");
+  EXPECT_FALSE(told.contains("triangle")) << "of a primitive";
+  const json refused = json::parse(ray_answer_text(7, {}, Error{ErrorCode::timeout, "no answer", ""}));
+  EXPECT_EQ(refused["type"], "refused");
+  EXPECT_EQ(refused["why"], "no answer");
+}
+
+TEST(PageQuestion, IsWhatItSaysOrNothing) {
+  const auto ray = parse_page_question(R"({"ask":"ray","id":3,"origin":[0,0,5],"direction":[0,0,-1e-300]})");
+  ASSERT_TRUE(ray);
+  EXPECT_EQ(ray->id, 3);
+  EXPECT_EQ(std::get<RayQuestion>(ray->what).direction.z(), -1e-300);
+  const auto pair = parse_page_question(R"({"ask":"pair","id":4,"a":"x","b":"y"})");
+  ASSERT_TRUE(pair);
+  EXPECT_EQ(std::get<PairOfNames>(pair->what).b, "y");
+  for (const char* bad : {"", "7", "[]", "{", R"({"ask":"ray"})", R"({"ask":"ray","id":3,"origin":[0,0],"direction":[0,0,1]})",
+                          R"({"ask":"ray","id":3,"origin":[0,0,5],"direction":[0,0,0]})", R"({"ask":"ray","id":3,"origin":[0,0,1e999],"direction":[0,0,1]})",
+                          R"({"ask":"ray","id":3,"origin":["0",0,5],"direction":[0,0,1]})", R"({"ask":"ray","id":"3","origin":[0,0,5],"direction":[0,0,1]})",
+                          R"({"ask":"add","id":3,"name":"x"})", R"({"ask":"pair","id":3,"a":"","b":"y"})", R"({"ask":7,"id":3})"}) {
+    EXPECT_FALSE(parse_page_question(bad)) << bad;
+  }
+  EXPECT_FALSE(parse_page_question(R"({"ask":"pair","id":3,"b":"y","a":")" + std::string(256, 'x') + "\"}"));
+  EXPECT_FALSE(parse_page_question(std::string(16'000, '['))) << "deep, and no question";
+}
+
+}  // namespace
+}  // namespace collided::view

@@ -1,0 +1,227 @@
+#include "client/view/web_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "tests/oracle/seed.hpp"
+#include "tests/view/loud_client.hpp"
+
+namespace collided::view {
+namespace {
+
+using namespace std::chrono_literals;
+using test::LoudClient;
+
+class WebServerTest : public testing::Test {
+ protected:
+  void start(const WebLimits& limits = {}, const RequestRules& rules = {}) {
+    WebServer::Handlers handlers;
+    handlers.page = [](std::string_view target) -> std::optional<WebPage> {
+      if (target == "/") return WebPage{"text/html", make_bytes("a page")};
+      if (target == "/large") return WebPage{"text/plain", make_bytes(std::string(32 << 20, 'x'))};
+      return std::nullopt;
+    };
+    handlers.protocol = [](std::string_view target, const std::vector<std::string>& offered) -> std::optional<std::string> {
+      if (target != "/live") return std::nullopt;
+      return offered.empty() ? std::string() : offered.front();
+    };
+    handlers.opened = [this](WebServer::Connection connection, const std::string&) { note([&] { open[connection] = ""; }); };
+    handlers.said = [this](WebServer::Connection connection, std::string_view message, bool) { note([&] { open[connection] += message; }); };
+    handlers.closed = [this](WebServer::Connection connection) { note([&] { open.erase(connection); ++closed; }); };
+    server.emplace(WebAddress{}, rules, limits, std::move(handlers));
+    server->start();
+    host = "127.0.0.1:" + std::to_string(server->port());
+  }
+  LoudClient client() const { return LoudClient(server->port()); }
+  LoudClient socket(const std::string& headers = {}) const {
+    LoudClient client(server->port());
+    EXPECT_TRUE(client.send(LoudClient::upgrade("/live", host, headers)));
+    EXPECT_NE(client.read_until("\r\n\r\n").find("101 Switching"), std::string::npos);
+    return client;
+  }
+  std::string asked(const std::string& request) const {
+    const LoudClient one = client();
+    one.send(request);
+    return one.read_until("\r\n\r\n").substr(0, 12);
+  }
+  template <class Change>
+  void note(Change&& change) {
+    const std::lock_guard lock(mutex);
+    change();
+    changed.notify_all();
+  }
+  template <class Condition>
+  bool eventually(Condition&& condition, std::chrono::milliseconds most = 20s) {
+    std::unique_lock lock(mutex);
+    const auto until = std::chrono::steady_clock::now() + most;
+    // Counts change without a word.
+    while (!condition() && std::chrono::steady_clock::now() < until) changed.wait_for(lock, 10ms);
+    return condition();
+  }
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::map<WebServer::Connection, std::string> open;
+  std::size_t closed = 0;
+  std::string host;
+  std::optional<WebServer> server;
+};
+
+TEST_F(WebServerTest, ServesItsPagesAndNothingElse) {
+  start();
+  const LoudClient one = client();
+  one.send(LoudClient::get("/", host));
+  const std::string page = one.read_until("a page");
+  EXPECT_EQ(page.substr(0, 15), "HTTP/1.1 200 OK");
+  EXPECT_NE(page.find("Content-Security-Policy: default-src 'none'"), std::string::npos);
+  EXPECT_NE(page.find("X-Content-Type-Options: nosniff"), std::string::npos);
+  one.send(LoudClient::get("/../../etc/passwd", host));
+  EXPECT_EQ(one.read_until("no such page").substr(0, 12), "HTTP/1.1 404") << "on the same connection";
+  EXPECT_EQ(asked("HEAD / HTTP/1.1\r\nHost: " + host + "\r\n\r\n"), "HTTP/1.1 200");
+  EXPECT_EQ(asked("DELETE / HTTP/1.1\r\nHost: " + host + "\r\n\r\n"), "HTTP/1.1 405");
+}
+
+TEST_F(WebServerTest, AnotherNameOrOriginIsForbidden) {
+  start({}, {.hosts = {"robot.example"}, .origins = {"https://app.example"}});
+  EXPECT_EQ(asked(LoudClient::get("/", "evil.example:8765")), "HTTP/1.1 403");
+  EXPECT_EQ(asked(LoudClient::get("/", "")), "HTTP/1.1 403");
+  EXPECT_EQ(asked("GET / HTTP/1.1\r\n\r\n"), "HTTP/1.1 403");
+  EXPECT_EQ(asked(LoudClient::get("/", "robot.example")), "HTTP/1.1 200");
+  EXPECT_EQ(asked(LoudClient::get("/", "localhost:1")), "HTTP/1.1 200");
+  EXPECT_EQ(asked(LoudClient::upgrade("/live", host, "Origin: http://evil.example\r\n")), "HTTP/1.1 403");
+  EXPECT_EQ(asked(LoudClient::upgrade("/live", host, "Origin: null\r\n")), "HTTP/1.1 403");
+  EXPECT_EQ(asked(LoudClient::upgrade("/live", host, "Origin: http://" + host + "\r\n")), "HTTP/1.1 101");
+  EXPECT_EQ(asked(LoudClient::upgrade("/live", host, "Origin: https://app.example\r\n")), "HTTP/1.1 101");
+  EXPECT_EQ(server->counts().forbidden, 5U);
+}
+
+TEST_F(WebServerTest, WhatIsNoRequestIsRefusedAndCounted) {
+  start();
+  EXPECT_EQ(asked("\x16\x03\x01 this is TLS\r\n\r\n"), "HTTP/1.1 400");
+  EXPECT_EQ(asked(LoudClient::get("/", host, "X: " + std::string(100'000, 'y') + "\r\n")), "HTTP/1.1 400");
+  EXPECT_EQ(asked("POST / HTTP/1.1\r\nHost: " + host + "\r\nContent-Length: 1000000000000\r\n\r\n"), "HTTP/1.1 400");
+  EXPECT_EQ(server->counts().malformed, 3U);
+}
+
+TEST_F(WebServerTest, AMessageGoesBothWaysInOrder) {
+  start();
+  std::optional<LoudClient> one(socket());
+  one->send(LoudClient::frame("hello"));
+  ASSERT_TRUE(eventually([&] { return open.size() == 1 && open.begin()->second == "hello"; }));
+  const WebServer::Connection number = open.begin()->first;
+  for (const char* word : {"one", "two", "three"}) server->send(number, {make_bytes(word), true, 0});
+  const std::string heard = one->read_until("three");
+  EXPECT_LT(heard.find("one"), heard.find("two"));
+  EXPECT_LT(heard.find("two"), heard.find("three"));
+  one->send(LoudClient::frame("", 0x88));
+  one.reset();
+  EXPECT_TRUE(eventually([&] { return open.empty() && closed == 1; }));
+}
+
+// Of a client that does not read, nothing piles up: frames are superseded, and with too much of the rest it is dropped.
+TEST_F(WebServerTest, ASlowReaderIsDroppedAndKeepsNothing) {
+  start({.waiting_messages = 8, .waiting_bytes = 1 << 20});
+  const LoudClient one = socket();
+  ASSERT_TRUE(eventually([&] { return open.size() == 1; }));
+  const WebServer::Connection number = open.begin()->first;
+  const Bytes frame = make_bytes(std::string(8 << 20, 'f'));  // more than sockets keep
+  for (int i = 0; i < 100; ++i) server->send(number, {frame, false, 1});
+  EXPECT_TRUE(eventually([&] { return server->counts().superseded >= 98; }));
+  EXPECT_EQ(server->counts().slow, 0U) << "frames alone drop nobody";
+  EXPECT_LE(frame.use_count(), 3);
+  for (int i = 0; i < 20; ++i) server->send(number, {make_bytes("event"), true, 0});
+  EXPECT_TRUE(eventually([&] { return server->counts().slow == 1 && open.empty(); }));
+  EXPECT_TRUE(eventually([&] { return frame.use_count() == 1; }));
+}
+
+TEST_F(WebServerTest, WhoTakesNothingForTooLongIsDropped) {
+  start({.stall = 1s});
+  const LoudClient one = socket();
+  ASSERT_TRUE(eventually([&] { return open.size() == 1; }));
+  server->send(open.begin()->first, {make_bytes(std::string(32 << 20, 'f')), false, 1});
+  EXPECT_TRUE(eventually([&] { return open.empty(); }));
+}
+
+TEST_F(WebServerTest, FloodsAndGiantsAreDropped) {
+  start({.message_bytes = 1'000, .messages_a_second = 20});
+  const LoudClient flood = socket();
+  std::string many;
+  for (int i = 0; i < 200; ++i) many += LoudClient::frame("x");
+  flood.send(many);
+  EXPECT_TRUE(flood.ends());
+  EXPECT_EQ(server->counts().flooding, 1U);
+  const LoudClient giant = socket();
+  giant.send(LoudClient::frame(std::string(2'000, 'y')));
+  EXPECT_TRUE(giant.ends());
+  EXPECT_TRUE(eventually([&] { return server->counts().malformed == 1; }));
+  // A length that nobody has room for, announced only.
+  const LoudClient liar = socket();
+  liar.send(std::string("\x81\xff\x7f\xff\xff\xff\xff\xff\xff\xff", 10) + std::string(4, '\0'));
+  EXPECT_TRUE(liar.ends());
+}
+
+TEST_F(WebServerTest, AThousandConnectionsFindTheDoorAndTheNextOneIsServed) {
+  start({.connections = 16, .request = 1s});
+  {
+    std::vector<LoudClient> crowd;
+    for (int i = 0; i < 1'000; ++i) crowd.push_back(client());
+    EXPECT_TRUE(eventually([&] { return server->counts().connections == 1'000; }));
+    EXPECT_LE(server->counts().open, 16U);
+    EXPECT_GE(server->counts().full, 984U);
+    EXPECT_NE(crowd.back().read_until("later\n").find("503"), std::string::npos);
+    // Those inside say nothing: after a while their places are free, though they are still there.
+    EXPECT_TRUE(eventually([&] { return server->counts().open == 0; }));
+    EXPECT_EQ(asked(LoudClient::get("/", host)), "HTTP/1.1 200");
+  }
+}
+
+// Bytes of any kind on a WebSocket and before it: none of them ends the server.
+TEST_F(WebServerTest, RandomBytesDoNotEndIt) {
+  start({.connections = 8, .request = 1s});
+  std::mt19937_64 random = oracle::seeded(23);
+  const auto noise = [&](std::size_t most) {
+    std::string bytes(random() % most, '\0');
+    for (char& byte : bytes) byte = static_cast<char>(random());
+    return bytes;
+  };
+  for (int i = 0; i < 300; ++i) {
+    const LoudClient one = client();
+    std::string bytes = i % 2 == 0 ? LoudClient::upgrade("/live", host) + noise(300) : LoudClient::get("/", host);
+    for (int flips = 0; i % 2 == 1 && flips < 3; ++flips) bytes[random() % bytes.size()] = static_cast<char>(random());
+    one.send(bytes);
+    if (i % 8 == 0) one.read_until("\r\n\r\n", 50ms);
+  }
+  EXPECT_TRUE(eventually([&] { return server->counts().open == 0; }));
+  EXPECT_EQ(asked(LoudClient::get("/", host)), "HTTP/1.1 200");
+  EXPECT_EQ(server->counts().faults, 0U);
+}
+
+TEST_F(WebServerTest, AnAddressInUseIsSaidSo) {
+  start();
+  try {
+    const WebServer second({.address = "127.0.0.1", .port = server->port()}, {}, {}, {});
+    FAIL() << "two servers on one port";
+  } catch (const std::runtime_error& failed) {
+    EXPECT_EQ(failed.what(), "port " + std::to_string(server->port()) + " of 127.0.0.1: Address already in use");
+  }
+  EXPECT_THROW(WebServer({.address = "nowhere", .port = 0}, {}, {}, {}), std::runtime_error);
+}
+
+TEST(RequestRules, HostsAreTakenApart) {
+  const RequestRules rules{.hosts = {"robot.example"}, .origins = {}};
+  for (const char* good : {"127.0.0.1", "127.0.0.1:8765", "LOCALHOST:1", "robot.EXAMPLE:80"}) EXPECT_TRUE(may_be_called(good, "127.0.0.1", true, rules)) << good;
+  for (const char* bad : {"", ":80", "evil.example", "127.0.0.1.evil.example", "127.0.0.1:80:80", "127.0.0.1:x", "localhost@evil", "[127.0.0.1", "127.0.0.2"}) {
+    EXPECT_FALSE(may_be_called(bad, "127.0.0.1", true, rules)) << bad;
+  }
+  EXPECT_TRUE(may_be_called("[::1]:8765", "::1", true, rules));
+  EXPECT_FALSE(may_be_called("[::1]x", "::1", true, rules));
+  EXPECT_FALSE(may_be_called("localhost", "192.0.2.7", false, rules)) << "only a loopback address is localhost";
+}
+
+}  // namespace
+}  // namespace collided::view
