@@ -81,9 +81,9 @@ class SurfaceBook {
   std::unordered_map<std::uint64_t, std::shared_ptr<const Surface>> surfaces_;
 };
 
-/// Objects with their surfaces; nothing where one has gone since they were listed.
+/// Objects with their surfaces; where one has gone since they were listed nothing, or the others if may_lack.
 Result<std::optional<ShownObjects>> attempt(Connection& connection, const ShapesOptions& options,
-                                            const ShownObjects* earlier, SurfaceBook& book) {
+                                            const ShownObjects* earlier, SurfaceBook& book, bool may_lack) {
   json arguments{{"only", options.only}, {"skip", options.skip}, {"mask", options.mask}};
   if (options.moving) arguments["moving"] = *options.moving;
   const Result<std::optional<std::string>> bytes = fetch(connection, names::kShapes, arguments, options.timeout);
@@ -94,18 +94,25 @@ Result<std::optional<ShownObjects>> attempt(Connection& connection, const Shapes
   if (!decoded) return unfit(names::kShapes, flaw);
   // Another epoch numbers its surfaces anew.
   if (earlier != nullptr && earlier->epoch == decoded->shown.epoch) book.take_over(*earlier);
+  std::vector<ShownObject> whole;
   for (std::size_t i = 0; i < decoded->runs.size(); ++i) {
+    ShownObject& object = decoded->shown.objects[i];
+    bool has_gone = false;
     for (const NumberedRun& run : decoded->runs[i]) {
       const Result<std::shared_ptr<const Surface>> surface = book.get(decoded->shown.epoch, run.surface);
       if (!surface) return surface.error();
-      if (!*surface) return std::optional<ShownObjects>();
+      if (!*surface && !may_lack) return std::optional<ShownObjects>();
+      has_gone = has_gone || !*surface;
+      if (has_gone) break;
       const std::size_t count = (*surface)->triangles.size();
       if (run.first_triangle > count || run.triangle_count > count - run.first_triangle) {
         return unfit(names::kShapes, "a run goes beyond its surface");
       }
-      decoded->shown.objects[i].runs.push_back({*surface, run.first_triangle, run.triangle_count, run.is_hull});
+      object.runs.push_back({*surface, run.first_triangle, run.triangle_count, run.is_hull});
     }
+    if (!has_gone) whole.push_back(std::move(object));
   }
+  decoded->shown.objects = std::move(whole);
   return std::optional(std::move(decoded->shown));
 }
 
@@ -114,12 +121,13 @@ Result<std::optional<ShownObjects>> attempt(Connection& connection, const Shapes
 Result<ShownObjects> shapes(Connection& connection, const ShapesOptions& options, const ShownObjects* earlier) {
   for (int i = 0; i < kAttempts; ++i) {
     SurfaceBook book(connection, options);
-    Result<std::optional<ShownObjects>> shown = attempt(connection, options, earlier, book);
+    const bool is_last = i + 1 == kAttempts;
+    Result<std::optional<ShownObjects>> shown = attempt(connection, options, earlier, book, is_last);
     if (!shown) return shown.error();
     if (*shown) return std::move(**shown);
   }
-  return Error{ErrorCode::timeout, "shapes: objects went while they were told, " + std::to_string(kAttempts) + " times",
-               "ask again, or name fewer of them"};
+  return Error{ErrorCode::timeout, "shapes: the server forgot what it was telling, " + std::to_string(kAttempts) + " times",
+               "ask again, or name fewer objects"};
 }
 
 Result<Poses> poses(Connection& connection, std::chrono::nanoseconds timeout) {

@@ -283,7 +283,10 @@ TEST_F(ServerShapes, WhoeverAsksWhileObjectsComeAndGoGetsWholeAnswers) {
       const double size = 1 + i % 7;
       const MeshShape triangle{{{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{{0, 1, 2}}}};
       const auto object = publisher.add({.name = "leaf", .shape = {triangle}, .pose = at(size, 0, 30)});
-      if (!object || !publisher.flush() || !publisher.remove(*object)) break;
+      if (!object || !publisher.flush()) break;
+      // Some for as long as a viewer takes to fetch them, some for less.
+      std::this_thread::sleep_for(std::chrono::microseconds(400 * (i % 16)));
+      if (!publisher.remove(*object)) break;
     }
   });
   std::size_t seen = 0;

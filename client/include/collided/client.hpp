@@ -619,7 +619,8 @@ class Client {
   Result<std::vector<ProbeReading>> probes(const std::string& name_glob = {});
   Result<ProbeWatch> watch_probes(const WatchOptions& options = {});
 
-  /// What is where, with every shape: for whoever draws. A surface that many share comes once.
+  /// What is where, with every shape: for whoever draws. A surface that many share comes once. Where objects come and go
+  /// faster than their surfaces are fetched, those that have gone by then are left out.
   ///
   /// earlier  what the same options gave before: its surfaces are not fetched again; may be null
   /// limits   512 MiB of one surface (12 M triangles with their edges) or of all objects; beyond them it is refused

@@ -217,8 +217,9 @@ int run(const std::string& self, const std::string& server_path, std::chrono::se
   // event, wake some five threads one after the other.
   const double quiet_late = 5 * quiet.late_p99;
   const double late = 5 * flood.late_p99;
+  const bool is_fair = ratio < kMostRatio || flood.question_p99 - late < kMostRatio * quiet.question_p99;
   const bool is_visible = quiet.visible_p50 <= 5 + quiet_late && quiet.visible_p999 <= 20 + quiet_late;
-  const bool kept = is_visible && ratio < kMostRatio && flood.question_p99 < kMostQuiet_ms + late && lost == 0 &&
+  const bool kept = is_visible && is_fair && flood.question_p99 < kMostQuiet_ms + late && lost == 0 &&
                     flood.lag_p99 <= kMostLag_ms + late && (time < kDriftShows || drift <= kMostDrift);
   if (!kept) std::fprintf(stderr, "the server said:\n%s", server.errors().c_str());
   return kept ? 0 : 1;
