@@ -93,7 +93,16 @@ class Marker {
             static_cast<void>(publisher_.keep_alive());
             std::this_thread::sleep_for(50ms);
           }
-        }) {}
+        }) {
+    // What comes and goes before the watch has its first state is no event to it.
+    for (int i = 0; i < 20; ++i) {
+      { const std::lock_guard lock(mutex_); sent_.clear(); wrong_ = 0; }
+      toggle();
+      if (wait_until([&] { const std::lock_guard lock(mutex_); return sent_.empty() && wrong_ == 0; }, 500ms)) return;
+    }
+    std::fprintf(stderr, "flood: no event of the marker came\n");
+    std::exit(2);
+  }
 
   static constexpr double kRadius_m = 0.1;
   double height_m() const { return touches_ ? 0.05 : 1.0; }
