@@ -47,7 +47,7 @@ class BounceSource : public Source {
     if (frame_++ > 0) bounce_.step(1 / options_.rate_hz);
     for (std::size_t at = 0; at < objects_.size(); ++at) {
       const Sphere& sphere = bounce_.spheres()[at];
-      (void)take(publisher.move(objects_[at], {sphere.position, sphere.rotation}));
+      moved(publisher.move(objects_[at], {sphere.position, sphere.rotation}));
     }
     return objects_.size();
   }

@@ -41,7 +41,7 @@ class CsvSource : public Source {
     for (const PoseRow& row : frame_) {
       auto found = objects_.find(row.name);
       if (found == objects_.end()) found = objects_.emplace(row.name, take(publisher.add(definition(row.name, row.pose)))).first;
-      (void)take(publisher.move(found->second, row.pose));
+      moved(publisher.move(found->second, row.pose));
     }
     return frame_.size();
   }

@@ -64,7 +64,7 @@ class PathSource : public Source {
   }
 
   std::size_t move(Publisher& publisher) override {
-    (void)take(publisher.move(object_, pose_at(static_cast<double>(frame_++) / options_.rate_hz * options_.speed_m_s)));
+    moved(publisher.move(object_, pose_at(static_cast<double>(frame_++) / options_.rate_hz * options_.speed_m_s)));
     return 1;
   }
 

@@ -9,6 +9,7 @@
 #include <collided/client.hpp>
 
 #include "client/cli/output.hpp"
+#include "client/cli/session.hpp"
 
 namespace collided::cli {
 
@@ -18,6 +19,12 @@ struct ObjectTexts {
   std::uint32_t mask = 0xffffffff;
   WhenLost when_lost = WhenLost::remove;
 };
+
+/// Throws where the pose was refused. One that could not be sent is kept and goes with the next flush, where the loop counts
+/// what a silent server misses.
+inline void moved(const Result<Done>& result) {
+  if (!result && result.error().code == ErrorCode::bad_input) throw as_failure(result.error());
+}
 
 /// Something that moves objects, frame by frame. The loop calls begin(), then next_time() and move() in turn.
 class Source {

@@ -69,7 +69,7 @@ class Walker : public Source {
   std::size_t move(Publisher& publisher) override {
     const std::vector<Pose> poses = walker_poses(bvh_, parts_, options_, frame_++);
     // Back at the start a person does not sweep through the room.
-    for (std::size_t at = 0; at < poses.size(); ++at) (void)take(publisher.move(objects_[at], poses[at], restarted_));
+    for (std::size_t at = 0; at < poses.size(); ++at) moved(publisher.move(objects_[at], poses[at], restarted_));
     restarted_ = false;
     return poses.size();
   }
