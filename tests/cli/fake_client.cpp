@@ -241,6 +241,9 @@ Result<Done> Publisher::remove(Object object) {
 }
 Result<Done> Publisher::move(Object object, const Pose& pose, bool) {
   fake::server().publishers[state_->index].pending[object] = pose;
+  if (fake::server().on_move) {
+    if (auto error = fake::server().on_move()) return *error;
+  }
   return Done{};
 }
 Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds) {

@@ -42,6 +42,7 @@ struct Server {
   std::deque<ProbeReading> readings;  // also what is followed
   /// Called on every flush, so that a test can send events back.
   std::function<void(Published&)> on_flush;
+  std::function<std::optional<Error>()> on_move;  // what stands in its way
   std::optional<Error> ask_error;
 
   std::string recorded_to;

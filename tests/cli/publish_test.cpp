@@ -42,6 +42,19 @@ TEST_F(Publish, RowsOfOneTimeAreOneFrame) {
   EXPECT_EQ(std::get<BoxShape>(published().objects.at(1).shape[0]).half_m, Vec3(0.2, 0.1, 0.05));
 }
 
+// The pose waits for the next flush; one that is refused ends the run.
+TEST_F(Publish, AServerThatIsSilentForAWhileEndsNothing) {
+  const ScratchFile file("poses.csv", "t,name,x,y,z\n0,a,1,2,3\n0.01,a,1,2,4\n0.02,a,1,2,5\n");
+  int moves = 0;
+  fake::server().on_move = [&]() -> std::optional<Error> {
+    return ++moves == 2 ? std::optional(Error{ErrorCode::timeout, "publish: the server takes nothing more", ""}) : std::nullopt;
+  };
+  EXPECT_EQ(collide("publish " + file.path() + " --shape box:0.4,0.2,0.1 --json --fields frames").out, "{\"frames\":3}\n");
+  EXPECT_EQ(moves, 3);
+  fake::server().on_move = [] { return std::optional(Error{ErrorCode::bad_input, "object 'a': its pose is none", ""}); };
+  EXPECT_EQ(collide("publish " + file.path() + " --shape box:0.4,0.2,0.1").code, 2);
+}
+
 TEST_F(Publish, FramesComeWhenTheyAreDue) {
   const ScratchFile file("poses.csv", "t,x,y,z\n0,0,0,0\n0.1,1,0,0\n0.2,2,0,0\n");
   std::vector<std::chrono::steady_clock::time_point> times;
