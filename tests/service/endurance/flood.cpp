@@ -31,7 +31,7 @@ constexpr double kMostQuiet_ms = 5;
 constexpr double kMostLag_ms = 40;
 constexpr double kMostRatio = 2;
 constexpr double kMostDrift = 0.05;
-constexpr std::chrono::seconds kDriftShows{30};  // shorter runs see queues and pools fill
+constexpr std::chrono::seconds kLong{30};  // shorter runs share the machine with whoever builds, and see queues and pools fill
 
 /// Of other machines' programs, which would not take this one's processors: they get what is left.
 void stand_back() {
@@ -222,14 +222,16 @@ int run(const std::string& self, const std::string& server_path, std::chrono::se
               quiet.question_p50, quiet.question_p99, flood.question_p50, flood.question_p99, ratio, lost, flood.lag_p99, quiet.lag_p99,
               quiet.visible_p50, quiet.visible_p999, before_mib, 100 * drift, std::count(batches.begin(), batches.end(), '\n'),
               quiet.late_p99, flood.late_p99);
-  // What other programs on the machine cost every thread is not the server's: a question and its answer, a pose and its
-  // event, wake some five threads one after the other.
-  const double quiet_late = 5 * quiet.late_p99;
-  const double late = 5 * flood.late_p99;
-  const bool is_fair = ratio < kMostRatio || flood.question_p99 - late < kMostRatio * quiet.question_p99;
+  // A long run is held to the demands as they are. A short one is told from what others on the machine cost every thread: a
+  // question and its answer, a pose and its event, wake some five threads one after the other.
+  const double wakes = time < kLong ? 5 : 0;
+  const double quiet_late = wakes * quiet.late_p99;
+  const double late = wakes * flood.late_p99;
+  const bool is_fair = flood.question_p99 - late < kMostRatio * quiet.question_p99;
   const bool is_visible = quiet.visible_p50 <= 5 + quiet_late && quiet.visible_p999 <= 20 + quiet_late;
   const bool kept = is_visible && is_fair && flood.question_p99 < kMostQuiet_ms + late && lost == 0 &&
-                    flood.lag_p99 <= kMostLag_ms + late && (time < kDriftShows || drift <= kMostDrift);
+                    flood.lag_p99 <= kMostLag_ms + late && (time < kLong || drift <= kMostDrift);
+  if (!(ratio < kMostRatio)) std::printf("ratio %.2f is not below the %.0f that is demanded\n", ratio, kMostRatio);
   if (!kept) std::fprintf(stderr, "the server said:\n%s", server.errors().c_str());
   return kept ? 0 : 1;
 }
