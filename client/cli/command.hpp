@@ -61,13 +61,14 @@ std::unique_ptr<Command> make_menu();
 std::unique_ptr<Command> make_audit();
 std::unique_ptr<Command> make_check();
 std::unique_ptr<Command> make_convert();
+std::unique_ptr<Command> make_implicit();
 std::unique_ptr<Command> make_doctor();
 std::unique_ptr<Command> make_record();
 std::unique_ptr<Command> make_replay();
 std::unique_ptr<Command> make_help();
 std::unique_ptr<Command> make_version();
 
-/// For verbs whose words are passed on: check and convert take them here instead of through declare().
+/// For verbs whose words are passed on: check, convert and implicit take them here instead of through declare().
 class PassOn : public Command {
  public:
   virtual void take_words(std::vector<std::string> words) = 0;

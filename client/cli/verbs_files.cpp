@@ -50,14 +50,15 @@ int run_program(const std::string& program, std::vector<std::string> words) {
 /// Reading files is the server's trade, whose code this program does not hold: a sibling program does it.
 class FilesCommand : public PassOn {
  public:
-  explicit FilesCommand(const char* verb) : verb_(verb) {}
+  /// joins_values  whether a number below 0 after an option is its value, and not one of the numbers asked
+  FilesCommand(const char* verb, bool joins_values) : verb_(verb), joins_values_(joins_values) {}
 
   void declare(CLI::App&) override {}
 
   void take_words(std::vector<std::string> words) override {
     for (std::size_t at = 0; at < words.size(); ++at) {
       // A value that begins with a minus sign stays with its option.
-      const bool value_follows = words[at].starts_with("--") && at + 1 < words.size() && words[at + 1].starts_with("-") && is_number_text(words[at + 1]);
+      const bool value_follows = joins_values_ && words[at].starts_with("--") && at + 1 < words.size() && words[at + 1].starts_with("-") && is_number_text(words[at + 1]);
       words_.push_back(value_follows ? words[at] + "=" + words[at + 1] : words[at]);
       if (value_follows) ++at;
     }
@@ -75,16 +76,20 @@ class FilesCommand : public PassOn {
 
  private:
   const char* verb_;
+  bool joins_values_;
   std::vector<std::string> words_;
 };
 
 }  // namespace
 
 std::unique_ptr<Command> make_check() {
-  return std::make_unique<FilesCommand>("check");
+  return std::make_unique<FilesCommand>("check", true);
 }
 std::unique_ptr<Command> make_convert() {
-  return std::make_unique<FilesCommand>("convert");
+  return std::make_unique<FilesCommand>("convert", true);
+}
+std::unique_ptr<Command> make_implicit() {
+  return std::make_unique<FilesCommand>("implicit", false);
 }
 
 }  // namespace collided::cli

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "server/exact_phase/rounded_outward.hpp"
 #include "server/exact_phase/time_between.hpp"
 
 namespace collided::kernel {
@@ -39,21 +40,6 @@ SignChanges sign_changes(const TimePolynomial& polynomial, const Dyadic& low, co
     changes.last = s;
   }
   return changes;
-}
-
-/// The largest double at or below a number >= 0.
-double down(const Dyadic& x) {
-  const auto [fraction, power] = x.split();
-  const double rounded = std::ldexp(fraction, static_cast<int>(std::max(power, -4000L)));
-  // Cut toward zero by split(), but ldexp rounds to nearest among the denormals.
-  return sign(Dyadic(rounded) - x) == Sign::positive ? std::nextafter(rounded, 0.0) : rounded;
-}
-
-/// The smallest double at or above.
-double up(const Dyadic& x) {
-  const double below = down(x);
-  return sign(x - Dyadic(below)) == Sign::positive ? std::nextafter(below, std::numeric_limits<double>::infinity())
-                                                   : below;
 }
 
 Dyadic middle(const Dyadic& a, const Dyadic& b) { return (a + b) * Dyadic(0.5); }
@@ -102,19 +88,19 @@ void AlgebraicTime::split_at(const Dyadic& t) {
 
 void AlgebraicTime::narrow(double width) {
   const auto wide = [&] {
-    const double low = down(low_);
-    const double high = up(high_);
+    const double low = rounded_down(low_);
+    const double high = rounded_up(high_);
     return !known_ && high - low > width && std::nextafter(low, 1.0) < high;
   };
   if (!wide()) return;
-  const double guess = guessed_root(approximated(polynomial_), down(low_), up(high_), before_high_);
+  const double guess = guessed_root(approximated(polynomial_), rounded_down(low_), rounded_up(high_), before_high_);
   double reach = std::max(width * 0.4375, kRoundoff * guess);
   for (int step = 0; step < 8 && wide(); ++step, reach *= 32) {
     split_at(guess);
     split_at(guess - reach);
     split_at(guess + reach);
   }
-  for (int step = 0; step < 128 && wide(); ++step) split_at(time_between(down(low_), up(high_)));
+  for (int step = 0; step < 128 && wide(); ++step) split_at(time_between(rounded_down(low_), rounded_up(high_)));
 }
 
 bool AlgebraicTime::shared_with(const TimePolynomial& divisor) const {
@@ -136,8 +122,8 @@ Sign AlgebraicTime::sign_of(TimePolynomial other) {
 }
 
 TimeBracket AlgebraicTime::bracket() const {
-  const double high = up(high_);
-  const double low = down(low_);
+  const double high = rounded_up(high_);
+  const double low = rounded_down(low_);
   return {low < high || high == 0 ? low : std::nextafter(high, 0.0), high};
 }
 

@@ -25,7 +25,12 @@ class Dyadic {
     exponent_ += static_cast<long>(zeros);
   }
 
+  Dyadic(mpz_class mantissa, long exponent) : mantissa_(std::move(mantissa)), exponent_(exponent) {}
+
   bool finite() const { return finite_; }
+  /// The number is mantissa * 2^exponent.
+  const mpz_class& mantissa() const { return mantissa_; }
+  long exponent() const { return exponent_; }
   int sign() const { return sgn(mantissa_); }
 
   /// The number as fraction * 2^power with 0.5 <= |fraction| < 1, cut to 53 bits (or 0, 0).

@@ -7,14 +7,25 @@
 
 namespace collided::kernel {
 
-/// A polynomial in time over a number type, itself enough of a number (+ - *) for the vectors of number.hpp: the
-/// coplanarity of four moving points is dot(a, cross(b, c)) of polynomials of degree 1.
+/// Binomial coefficients by row.
+template <int kRows>
+constexpr std::array<std::array<double, kRows>, kRows> binomials() {
+  std::array<std::array<double, kRows>, kRows> rows{};
+  for (int n = 0; n < kRows; ++n) {
+    rows[n][0] = 1;
+    for (int j = 1; j <= n; ++j) rows[n][j] = rows[n - 1][j - 1] + (j < n ? rows[n - 1][j] : 0);
+  }
+  return rows;
+}
+
+/// A polynomial in time, or in the parameter of a ray, over a number type, itself enough of a number (+ - *) for the
+/// vectors of number.hpp: the coplanarity of four moving points is dot(a, cross(b, c)) of polynomials of degree 1.
 ///
-/// range  degree 3; a product beyond it is a fault of the caller
-template <class N>
+/// range  degree kDegree; a product beyond it is a fault of the caller
+template <class N, int kDegree = 3>
 class Polynomial {
  public:
-  static constexpr int kCoefficients = 4;
+  static constexpr int kCoefficients = kDegree + 1;
   using Coefficients = std::array<N, kCoefficients>;
 
   Polynomial() = default;  // zero
@@ -24,6 +35,9 @@ class Polynomial {
     coefficient_[1] = std::move(slope);
   }
 
+  /// The first `count` of them, the constant first.
+  Polynomial(Coefficients coefficient, int count) : coefficient_(std::move(coefficient)), count_(count) {}
+
   /// Formal: the highest may be zero.
   int count() const { return count_; }
   const N& operator[](int power) const { return coefficient_[power]; }
@@ -31,6 +45,14 @@ class Polynomial {
   /// Drops the highest coefficients that are exactly zero.
   void trim() {
     while (count_ > 0 && sign(coefficient_[count_ - 1]) == Sign::zero) --count_;
+  }
+
+  /// Divided by its variable; the constant coefficient is zero.
+  Polynomial without_root_at_zero() const {
+    Polynomial result;
+    result.count_ = count_ - 1;
+    for (int i = 1; i < count_; ++i) result.coefficient_[i - 1] = coefficient_[i];
+    return result;
   }
 
   N at(const N& t) const {
@@ -51,7 +73,7 @@ class Polynomial {
   /// (high - t)^(degree - j). The polynomial's sign is theirs where they agree (Bernstein), and their changes of sign
   /// exceed the number of roots in the open interval by an even number (Descartes).
   Coefficients on_span(const N& low, const N& high) const {
-    static constexpr double kBinomial[4][4] = {{1, 0, 0, 0}, {1, 1, 0, 0}, {1, 2, 1, 0}, {1, 3, 3, 1}};
+    static constexpr auto kBinomial = binomials<kCoefficients>();
     Coefficients span;
     if (count_ == 0) return span;
     span[0] = coefficient_[count_ - 1];

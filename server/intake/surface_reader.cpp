@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "server/intake/implicit_lines.hpp"
 #include "server/intake/limits.hpp"
 #include "server/intake/reading.hpp"
 #include "server/intake/tessellate.hpp"
@@ -14,12 +15,13 @@ namespace collided {
 namespace {
 
 constexpr std::string_view kKinds = "sphere R, ellipsoid A B C, cylinder R LENGTH, cone R HEIGHT, torus RING TUBE, "
-                                    "waves LENGTH WIDTH AMPLITUDE KX KY, patch DEGREE DEGREE COLUMNS ROWS POINTS";
+                                    "waves LENGTH WIDTH AMPLITUDE KX KY, patch DEGREE DEGREE COLUMNS ROWS POINTS, "
+                                    "implicit POLYNOMIAL";
 
 /// So that three digits, rounded to nearest, are no less than the number.
 constexpr double kRoundedUp = 1.0051;
 
-/// A surface a line: NAME KIND NUMBERS [at X Y Z] (count N [M] | error E).
+/// A surface a line: NAME KIND NUMBERS [at X Y Z] (count N [M] | error E), or NAME implicit POLYNOMIAL [in X Y Z X Y Z].
 class SurfaceReader {
  public:
   explicit SurfaceReader(const Reading& reading)
@@ -45,6 +47,7 @@ class SurfaceReader {
   void read_line() {
     const std::string name(cursor_.word());
     const std::string kind(cursor_.word());
+    if (kind == "implicit") return skip_implicit(name);
     numbers_.clear();
     std::string word;
     for (word = cursor_.word(); !word.empty() && word != "at" && word != "count" && word != "error"; word = cursor_.word()) {
@@ -61,6 +64,13 @@ class SurfaceReader {
     } catch (const std::invalid_argument& wrong) {
       cursor_.complain(wrong.what());
     }
+  }
+
+  /// No triangles come of it, but what it says is looked at all the same.
+  void skip_implicit(const std::string& name) {
+    rest_as_implicit_surface(cursor_);
+    reading_.report.refused.push_back(
+        fmt::format("{}: an implicit surface is not cut into triangles and left out here; 'collide implicit' asks it", quoted(std::string_view(name))));
   }
 
   double parse(const std::string& word) {

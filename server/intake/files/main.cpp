@@ -4,11 +4,13 @@
 
 #include "server/intake/files/check.hpp"
 #include "server/intake/files/convert.hpp"
+#include "server/intake/files/implicit.hpp"
 #include "server/intake/files/interrupt.hpp"
 
-// collided-files check FILE [--json] ... | convert IN OUT ...
+// collided-files check FILE [--json] ... | convert IN OUT ... | implicit POLYNOMIAL NUMBERS ...
 //
-// What `collide check` and `collide convert` run: the readers belong to the server, whose code the client does not hold.
+// What `collide check`, `collide convert` and `collide implicit` run: the readers and the exact tests belong to the server,
+// whose code the client does not hold.
 
 namespace {
 
@@ -25,6 +27,33 @@ void declare_reading(CLI::App& verb, collided::files::FileOptions& file) {
   verb.add_option("--crack", file.crack, "Widest crack, as 0.1mm (a ten-thousandth of the diagonal)");
   verb.add_option("--radius", file.radius, "Of the balls about the points of an .xyz or .pcd file (0)");
   verb.add_option("--srdf", file.srdf, "Of a .urdf robot: the file that says which links may touch");
+}
+
+/// The words, last first as the parser takes them. Of `implicit`, a polynomial may begin with a minus sign, and so may
+/// numbers, without being options.
+std::vector<std::string> words_of(int argument_count, char** arguments) {
+  std::vector<std::string> words;
+  const bool shields = argument_count > 1 && std::string_view(arguments[1]) == "implicit";
+  for (int i = argument_count - 1; i > 0; --i) {
+    const std::string word = arguments[i];
+    const bool is_value = word.starts_with("-") && !word.starts_with("--") && word != "-h" && word != "-";
+    words.push_back(shields && is_value ? " " + word : word);
+  }
+  return words;
+}
+
+std::string without_blanks(std::string word) {
+  word.erase(0, word.find_first_not_of(' '));
+  return word;
+}
+
+void declare_implicit(CLI::App& verb, collided::files::ImplicitOptions& options) {
+  verb.add_option("surface", options.surface, "Polynomial in x, y, z, 0 on the surface: 'x^2+y^2+z^2-1 in 0 -1 -1 1 1 1'; or, with --file, a name")->required();
+  verb.add_option("numbers", options.numbers, "A ray X Y Z DX DY DZ, a point X Y Z, or - for many, one a line")->required()->transform(without_blanks);
+  verb.add_option("--file", options.file, "A .surfaces file that has a line: NAME implicit POLYNOMIAL [in X Y Z X Y Z]");
+  verb.add_option("--length", options.length, "Of rays (no end)");
+  verb.add_option("--within", options.within, "Error of distances that is good enough, as 0.1mm");
+  verb.add_flag("--json", options.as_json, "One JSON object an answer");
 }
 
 }  // namespace
@@ -55,8 +84,11 @@ int main(int argument_count, char** arguments) {
   convert->add_option("--cost", converted.cost, "What simplification goes by: quadric or length (quadric)")
       ->check(CLI::IsMember({"quadric", "length"}));
   convert->add_flag("--no-index", converted.no_index, "Save no index; loading builds it");
+  collided::files::ImplicitOptions asked;
+  CLI::App* implicit = app.add_subcommand("implicit", "Where a ray meets a polynomial surface, on which side a point is");
+  declare_implicit(*implicit, asked);
   try {
-    app.parse(argument_count, arguments);
+    app.parse(words_of(argument_count, arguments));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     std::fprintf(stderr, "error: %s\n", error.what());
@@ -64,6 +96,7 @@ int main(int argument_count, char** arguments) {
   }
   collided::files::listen_for_interrupt();
   try {
+    if (implicit->parsed()) return collided::files::implicit(asked);
     return check->parsed() ? collided::files::check(checked, check_options) : collided::files::convert(converted);
   } catch (const collided::files::Interrupted&) {
     std::fprintf(stderr, "interrupted\n");

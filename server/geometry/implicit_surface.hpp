@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "server/geometry/vector.hpp"
+
+namespace collided {
+
+/// One step of a polynomial in x, y, z, for a stack of values: what its author wrote, in postfix order. It is kept as
+/// written and not expanded, since the products of its doubles need not be doubles.
+struct PolynomialStep {
+  enum class Kind : std::uint8_t { constant, x, y, z, add, subtract, multiply, negate, power };
+  Kind kind = Kind::constant;
+  std::uint8_t exponent = 0;  // of power
+  double constant = 0;
+};
+
+/// The points with f(x, y, z) = 0 in a closed box; f < 0 is its inside. Steps and degree are those of a valid polynomial,
+/// within the limits below: whoever makes one by hand keeps them.
+struct ImplicitSurface {
+  /// The sum of degrees as written, before anything cancels.
+  static constexpr int kMostDegree = 8;
+  /// Steps, constants and variables included: so that fewer than 2^13 roundings follow each other (kBoundSlack).
+  static constexpr int kMostSteps = 1000;
+  /// Values that are on the stack at once.
+  static constexpr int kMostStack = 16;
+
+  std::vector<PolynomialStep> steps;
+  int degree = 0;
+  Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
+};
+
+}  // namespace collided
