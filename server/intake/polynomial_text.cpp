@@ -20,7 +20,7 @@ constexpr int kMostParentheses = 64;
 
 /// Recursive descent; writes steps and follows what they leave on the stack.
 ///
-///   sum     = ['+' | '-'] product {('+' | '-') product}
+///   sum     = ['+' | '-'] product {('+' | '-') ['+' | '-'] product}
 ///   product = power {'*' ['+' | '-'] power}
 ///   power   = atom ['^' whole number]
 ///   atom    = number | 'x' | 'y' | 'z' | '(' sum ')'
@@ -44,7 +44,7 @@ class PolynomialReader {
   int sum() {
     int degree = signed_product();
     for (char sign = skip_one_of("+-"); sign != 0; sign = skip_one_of("+-")) {
-      degree = std::max(degree, product());
+      degree = std::max(degree, signed_product());
       emit({.kind = sign == '+' ? Kind::add : Kind::subtract, .exponent = 0, .constant = 0}, -1);
     }
     return degree;
