@@ -285,4 +285,38 @@ TEST_F(Files, BadOptionsAreRefusedByName) {
   EXPECT_EQ(refused("--crease 200").substr(0, 6), "error:");
 }
 
+TEST_F(Files, ImplicitAnswersRaysAndPointsOfAPolynomial) {
+  const Ran hit = run("implicit x^2+y^2+z^2-1 0 0 5  0 0 -1 --json");
+  EXPECT_EQ(hit.code, 0) << hit.text;
+  const json answer = json::parse(hit.text);
+  EXPECT_EQ(answer["answer"], "hit");
+  EXPECT_LE(answer["low"].get<double>(), 4);
+  EXPECT_GE(answer["high"].get<double>(), 4);
+  EXPECT_NEAR(answer["normal"][2].get<double>(), 1, answer["normal_error"].get<double>());
+  EXPECT_EQ(run("implicit x^2+y^2+z^2-1 -5 1 0 1 0 0").code, 0);
+  // An option's number, and numbers below 0 behind an option without one.
+  EXPECT_EQ(run("implicit x^2+y^2+z^2-1 --length 4 -5 -.5 0 1 0 0").text, "miss\n");
+  EXPECT_EQ(run("implicit -x^2-y^2-z^2+1 --json -1 0 0").text, "{\"answer\":\"on\",\"by\":\"double\"}\n");
+  EXPECT_EQ(run("implicit x^2+y^2+z^2-1 2 0 0").code, 1);
+  const Ran singular = run("implicit x^2+y^2-z^2 -1 0 0  1 0 0");
+  EXPECT_NE(singular.text.find("no normal: the gradient is 0 there"), std::string::npos) << singular.text;
+}
+
+TEST_F(Files, ImplicitTakesAFilesLineAndABatchAndSaysWhatItRefuses) {
+  const std::string path = write("a.surfaces", "globe sphere 1 count 6 4\nring implicit (x^2+y^2+z^2+3)^2 \\\n - 16*(x^2+y^2) in 0 -3 -1 3 3 1\n");
+  EXPECT_EQ(run("implicit ring --file " + path + " 3 0 0").text, "on\n");
+  EXPECT_EQ(run("implicit ring --file " + path + " -3 0 0").text, "outside\n");
+  const Ran other = run("implicit globe --file " + path + " 1 0 0");
+  EXPECT_EQ(other.code, 2);
+  EXPECT_NE(other.text.find("a.surfaces: line 1: 'globe' is of kind 'sphere', not implicit"), std::string::npos) << other.text;
+  const std::string rays = write("rays", "0 0 5 0 0 -1\n1 1\n0,0,1\n\n");
+  const Ran batch = run("implicit x^2+y^2+z^2-1 - < " + rays);
+  EXPECT_EQ(batch.code, 6);
+  EXPECT_NE(batch.text.find("on\n"), std::string::npos) << batch.text;
+  EXPECT_NE(batch.text.find("stdin line 2: 2 numbers; a point X Y Z or a ray X Y Z DX DY DZ is needed"), std::string::npos) << batch.text;
+  const Ran wrong = run("implicit x^9 0 0 0");
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.text.find("column 3: exponent '9', allowed are 0 to 8"), std::string::npos) << wrong.text;
+}
+
 }  // namespace

@@ -206,6 +206,9 @@ void cast_and_compare(const Ray& ray, const Twin& twin, const std::string& box, 
   expect_true(truth, verdict, hit);
   ImplicitHit exact_hit;
   expect_true(truth, cast_ray_by_rationals(ray, surface, exact_hit), exact_hit);
+  // A wide bracket is the filter's own, and not narrowed by rationals.
+  ImplicitHit wide_hit;
+  expect_true(truth, cast_ray(ray, surface, wide_hit, 1e-2), wide_hit);
   if (testing::Test::HasFatalFailure()) return;
   ++(verdict.yes() ? counts.hits : counts.misses);
   if (verdict.level == Level::filter) ++counts.by_filter;
@@ -325,6 +328,25 @@ TEST(ExactImplicitRayPlanted, TangentRaysTouchAndAnUlpDecides) {
       }
     }
   }
+}
+
+// Ever nearer to tangent, from near and far: two roots that run into each other, where a bracket is easily too narrow.
+TEST(ExactImplicitRayPlanted, GrazingRaysHoldTheirBrackets) {
+  std::mt19937_64 generator = oracle::seeded(41);
+  std::uniform_real_distribution<double> any(0.5, 1);
+  Counts counts;
+  for (int exponent = 4; exponent < 56; ++exponent) {
+    const double depth = std::ldexp(any(generator), -exponent);
+    const Vec3 aside = any_point(generator, 1);
+    const Vec3 across = Vec3(0, 1, 0).cross(aside).normalized();
+    const Vec3 top(0.1, 1 - depth, -0.2);
+    const double way = exponent % 2 == 0 ? 3 : 1e7;
+    const Vec3 origin = Vec3(top.x(), 0, top.z()) - way * across + top.y() * Vec3(0, 1, 0);
+    cast_and_compare({origin, across}, sphere({0.1, 0, -0.2}, 1), "", counts);
+    cast_and_compare({{-way, 3 - depth, 0.25 * depth}, {1, 0, 0}}, torus(), exponent % 3 == 0 ? " in -1 2 -1 1 4 1" : "", counts);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(counts.hits, 50);
 }
 
 TEST(ExactImplicitRayPlanted, FarOriginsAndWildCoefficientsKeepTheirAnswers) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -135,13 +136,30 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
+/// False at the end. A line that is too long is left behind, its beginning kept for the complaint.
+bool next_line(std::string& line, bool& too_long) {
+  std::array<char, kMaxLineBytes + 1> buffer{};
+  std::cin.getline(buffer.data(), buffer.size());
+  line = buffer.data();
+  too_long = std::cin.fail() && line.size() == kMaxLineBytes;
+  if (too_long) {
+    std::cin.clear();
+    std::cin.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return too_long || !std::cin.fail();
+}
+
+/// Empty lines and those that begin with # are passed over.
 int ask_lines(const ImplicitSurface& surface, double length_m, bool as_json) {
   bool refused = false;
+  bool too_long = false;
   std::string line;
-  for (std::size_t number = 1; std::getline(std::cin, line); ++number) {
+  for (std::size_t number = 1; next_line(line, too_long); ++number) {
+    const std::vector<std::string> words = words_of(line);
+    if (words.empty() || words.front().starts_with('#')) continue;
     try {
-      if (line.size() > kMaxLineBytes) throw LoadError(fmt::format("{} bytes, at most {} are read", line.size(), kMaxLineBytes));
-      ask(surface, question_of(words_of(line)), length_m, as_json);
+      if (too_long) throw LoadError(fmt::format("longer than {} bytes", kMaxLineBytes));
+      ask(surface, question_of(words), length_m, as_json);
     } catch (const LoadError& wrong) {
       refused = true;
       std::puts(as_json ? "{\"answer\":\"invalid\"}" : "invalid");
