@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "idl/commands.hpp"
@@ -193,6 +194,7 @@ void Commands::run(CommandAsk ask) {
   }
   if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
+  if (command == names::kCovers) return answer(ask, [&] { return covers(*arguments); });
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
   if (command == names::kUpload || command == names::kPiece || (command == names::kLoad && arguments->has("upload"))) {
@@ -213,7 +215,7 @@ void Commands::run(CommandAsk ask) {
     const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
                                          names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
                                          names::kPair, names::kProbe, names::kProbes, names::kFigures, names::kShapes,
-                                         names::kSurface, names::kMore, names::kPoses, names::kRecording,
+                                         names::kSurface, names::kMore, names::kPoses, names::kRecording, names::kCovers,
                                          names::kUpload, names::kPiece};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
@@ -264,6 +266,25 @@ json Commands::plan(const Arguments& arguments) const {
   std::uint64_t bytes = 0;
   for (const auto& scene : state->scenes) bytes += scene->bytes();
   return {{"structures", structures}, {"pairs", pairs}, {"bytes", bytes}};
+}
+
+json Commands::covers_json(const std::vector<Aabb>& boxes) {
+  json list = json::array();
+  const auto number = [](double x) { return std::isinf(x) ? json(x > 0 ? "inf" : "-inf") : json(x); };
+  for (const Aabb& box : boxes) {
+    json corners = json::array();
+    for (const Vec3* corner : {&box.low, &box.high}) {
+      for (const double x : *corner) corners.push_back(number(x));
+    }
+    list.push_back(std::move(corners));
+  }
+  return list;
+}
+
+json Commands::covers(const Arguments& arguments) const {
+  arguments.allow_only({});
+  const SnapshotRing::Lease state = loop_.world().newest();
+  return {{"covers", state->covers ? covers_json(*state->covers) : json(nullptr)}, {"version", state->version}};
 }
 
 json Commands::get(const CommandAsk&, const Arguments& arguments) {

@@ -54,6 +54,7 @@ class Commands {
     CommandAsk ask;
     std::string path;
     LoadOptions options;
+    std::vector<Aabb> covers;
     bool replace = false;
   };
 
@@ -67,6 +68,8 @@ class Commands {
   // Where it is asked.
   nlohmann::json list(const Arguments& arguments) const;
   nlohmann::json plan(const Arguments& arguments) const;
+  nlohmann::json covers(const Arguments& arguments) const;
+  static nlohmann::json covers_json(const std::vector<Aabb>& boxes);
   nlohmann::json audit(const Arguments& arguments) const;
   nlohmann::json figures(const Arguments& arguments) const;
   // On the world's thread.

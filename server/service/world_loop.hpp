@@ -132,6 +132,7 @@ class WorldLoop {
   std::uint64_t pending_changes_ = 0;
   std::int64_t next_step_ns_ = 0;
   std::int64_t next_status_ns_ = 0;
+  std::int64_t next_tick_ns_ = 0;
   LoopCounts counts_;
   StepSums sums_;
   std::int64_t stepping_ns_ = 0;  // in steps, since the start
