@@ -68,6 +68,8 @@ Commands::~Commands() {
 
 void Commands::stop() {
   stopping_.store(true);
+  // Whoever has been let in finds its thread; the others are told.
+  { const std::unique_lock alone(gate_); }
   geometry_.stop();
   uploads_.stop();
   for (auto* jobs : {&slow_jobs_, &pair_jobs_}) jobs->close();
@@ -91,6 +93,8 @@ void Commands::answer_text(const CommandAsk& ask, const std::function<std::strin
   } catch (const BadCommand& bad) {
     refuse(bad.what(), bad.hint);
   } catch (const std::bad_alloc&) {
+    // Half of a change may be in the world by now.
+    if (loop_.runs_here()) throw;
     refuse("not enough memory", "");
   } catch (const std::exception& failed) {
     refuse(failed.what(), "");
@@ -181,6 +185,8 @@ void Commands::run(CommandAsk ask) {
       {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear}, {names::kProbe, &Commands::probe},
       {names::kProbes, &Commands::probes},
   };
+  const std::shared_lock on_its_way(gate_);
+  if (stopping_.load()) return send(ask, ReplyStatus::refused, refusal_text("the server is stopping. Nothing was done"));
   std::optional<Arguments> arguments;
   try {
     arguments.emplace(ask.text);

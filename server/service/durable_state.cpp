@@ -119,7 +119,8 @@ void DurableState::wait(std::chrono::milliseconds longest) {
 }
 
 void DurableState::then(std::function<void(const std::string&)> done) {
-  jobs_.push([this, done = std::move(done)] { done(journal_.problem()); });
+  const bool taken = jobs_.push([this, done] { done(journal_.problem()); });
+  if (!taken) done("the server is stopping");
 }
 
 }  // namespace collided::service

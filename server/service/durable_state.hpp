@@ -45,7 +45,7 @@ class DurableState {
                  const std::function<bool(std::string_view object)>& has_object);
   /// These and no others from now on; those left count until then.
   void set_publishers(const std::set<std::uint64_t>& publishers);
-  /// Called once all of the above is on the disk, or has failed to get there: then not_kept says why.
+  /// Called once all of the above is on the disk, or has failed to get there: then not_kept says why. After finish() at once.
   void then(std::function<void(const std::string& not_kept)> done);
   /// Until all of the above is written, or `longest` has passed.
   void wait(std::chrono::milliseconds longest);

@@ -1,11 +1,15 @@
 #include "server/service/world_loop.hpp"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <bit>
+#include <new>
 #include <thread>
 
 #include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file.hpp"
+#include "server/service/out_of_memory.hpp"
 
 namespace collided::service {
 
@@ -42,6 +46,16 @@ std::chrono::steady_clock::time_point WorldLoop::next_wake() const {
 }
 
 void WorldLoop::run() {
+  pthread_setname_np(pthread_self(), "world");
+  thread_.store(std::this_thread::get_id());
+  try {
+    serve();
+  } catch (const std::bad_alloc&) {
+    end_out_of_memory("the world's thread");
+  }
+}
+
+void WorldLoop::serve() {
   // Every shard is written once, so that who waits for all of them need not guess which are empty.
   broadcast_.mark_all();
   publish();
