@@ -273,6 +273,12 @@ class LoadCommand : public Command {
     return upload_command(session, globals, bytes, name, arguments, [&](double now) { progress.show(0, "sending and loading", now); });
   }
 
+  static Value covers_of(const nlohmann::json& answer) {
+    const auto covers = answer.find("covers");
+    if (covers == answer.end() || covers->empty()) return {};
+    return RawJson{covers->dump()};
+  }
+
   static void print(Session& session, const Globals& globals, const nlohmann::json& answer) {
     Printer printer = make_printer(session.io, globals);
     if (!printer.human()) {
@@ -288,7 +294,7 @@ class LoadCommand : public Command {
                       {"left_out", names_json(texts_of(answer, "left_out"))},
                       {"world", count_of(answer, "version")},
                       {"placed", names_json(texts_of(answer, "placed"))},
-                      {"covers", RawJson{answer.value("covers", nlohmann::json::array()).dump()}}});
+                      {"covers", covers_of(answer)}});
       return;
     }
     const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));

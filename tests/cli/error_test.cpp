@@ -94,7 +94,7 @@ TEST_F(Errors, AFieldThatDoesNotExistNamesThoseThatDo) {
   EXPECT_EQ(ran.code, 2);
   EXPECT_EQ(ran.err,
             "error: ray: no field 'distanze'; did you mean 'distance'?\n"
-            "       fields: answer,object,distance,error,point,normal,triangle,order,exit,inside,stale,reason,point_error\n");
+            "       fields: answer,object,distance,error,point,normal,triangle,order,exit,inside,stale,reason,point_error,covered,covered_to\n");
 }
 
 TEST_F(Errors, QuietLeavesOutTheHint) {
