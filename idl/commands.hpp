@@ -7,8 +7,9 @@
 /// Poses are [x, y, z, qw, qx, qy, qz]; names may be globs (* ? [..]) where it says so.
 namespace collided::wire_contract::command {
 
-/// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), strict, replace (a scene of that name)
-/// -> scene, triangles, parts, objects, seconds, mended [], refused [], warnings [], left_out [], version.
+/// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), strict, replace (a scene of that name), covers
+/// [[low 3, high 3 (m, of the world; or "inf", "-inf")]] (where its geometry is complete)
+/// -> scene, triangles, parts, objects, seconds, mended [], refused [], warnings [], left_out [], covers, version.
 /// Replies of status `progress` with {"fraction": f} may come before.
 inline constexpr const char* kLoad = "load";
 
@@ -43,6 +44,9 @@ inline constexpr const char* kGet = "get";
 
 /// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], bytes
 inline constexpr const char* kPlan = "plan";
+
+/// -> covers (as in load, of all that is loaded; null: none was ever stated, all of space is covered), version
+inline constexpr const char* kCovers = "covers";
 
 /// -> every (one answer in so many is worked out again; 0: none), chosen, audited, differing, skipped,
 /// differences [text], questions [{kind, double, expansion, rational}] (answers by the highest rung they needed),

@@ -21,9 +21,12 @@ inline const char* name_of(QueryKind kind) {
 }
 enum class RayMode : std::uint8_t { closest, any, all };
 enum class Answer : std::uint8_t { miss, hit, undecided, invalid };
-enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline };
+/// not_covered: what was asked reaches out of the space in which the loaded geometry was said to be complete.
+enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 enum class ReplyStatus : std::uint8_t { ok, refused, progress };
-enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUndecidedHit = 4 };
+/// kUncovered: no hit of an object but the last entry of a question that is not_covered: its point is where what was asked
+/// leaves what is covered, its distance (of rays) how far the way there is.
+enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUncovered = 4 };
 enum class EventKind : std::uint8_t { began, persisted, ended };
 enum class EndReason : std::uint8_t { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted };
 enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
@@ -106,9 +109,10 @@ inline constexpr TopicQos kStatusTopic{"status", Reliability::reliable, Durabili
 
 /// A publisher that says nothing for this long is lost (liveliness, MANUAL_BY_TOPIC on object and pose).
 inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;
-inline constexpr std::int64_t kStatusPeriodNs = 100'000'000;
-/// No status for this long: the client library says "disconnected".
-inline constexpr std::int64_t kStatusLostNs = 300'000'000;
+inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
+/// No status for this long: the client library says "disconnected". Nearly five periods, so that a machine with too much to
+/// do seldom looks like a dead server, and a dead server is known within a quarter of a second.
+inline constexpr std::int64_t kStatusLostNs = 240'000'000;
 
 /// "client_<16 hex digits>": the partition that a client's replies travel in.
 std::string reply_partition(std::uint64_t client);

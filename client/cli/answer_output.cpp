@@ -53,6 +53,9 @@ void fill_record(Record& record, const AnswerView& view, const RawJson& id, cons
   record.push_back({"stale", hit && hit->stale ? Value(true) : none});
   record.push_back({"reason", reason_value(answer)});
   if (!measures_depth(view.kind)) record.push_back({"point_error", hit ? Value(hit->point_error_m) : none});
+  const std::optional<Uncovered>& uncovered = answer.uncovered;
+  if (view.kind == QuestionKind::ray) record.push_back({"covered", uncovered ? Value(uncovered->covered_m) : none});
+  record.push_back({"covered_to", uncovered ? MaybeVector(uncovered->point) : MaybeVector()});
 }
 
 /// Beside its bound a value keeps every digit.
@@ -95,10 +98,16 @@ std::string nothing_line(const Printer& printer, QuestionKind kind) {
   return word + "  nothing within reach";
 }
 
+std::string where_uncovered(const AnswerView& view, const Answer& answer) {
+  if (!answer.uncovered) return {};
+  const std::string place = ", at " + format_vector(answer.uncovered->point);
+  return view.kind == QuestionKind::ray ? place + fmt::format(" ({} on)", metres(answer.uncovered->covered_m)) : place;
+}
+
 void print_for_people(Printer& printer, const AnswerView& view, const RawJson& id, const Answer& answer) {
   const std::string prefix = view.with_id ? id.text + "  " : std::string();
   if (answer.verdict == Verdict::undecided) {
-    printer.line(fmt::format("{}{} {}", prefix, printer.paint(Paint::doubt, "undecided:"), explain(answer.reason)));
+    printer.line(fmt::format("{}{} {}{}", prefix, printer.paint(Paint::doubt, "undecided:"), explain(answer.reason), where_uncovered(view, answer)));
   }
   if (answer.verdict == Verdict::invalid) printer.line(prefix + printer.paint(Paint::bad, "invalid"));
   if (answer.verdict == Verdict::miss) printer.line(prefix + nothing_line(printer, view.kind));
@@ -174,6 +183,7 @@ std::string_view name_of(Undecided reason) {
     case Undecided::stale_object: return "stale_object";
     case Undecided::recovering: return "recovering";
     case Undecided::truncated: return "truncated";
+    case Undecided::not_covered: return "not_covered";
     case Undecided::deadline: break;
   }
   return "deadline";
@@ -186,6 +196,7 @@ std::string_view explain(Undecided reason) {
     case Undecided::stale_object: return "stale_object; an object that decides has not been heard of lately";
     case Undecided::recovering: return "recovering; the server has not yet heard of every object";
     case Undecided::truncated: return "truncated; there is more than the answer may hold (--max-hits)";
+    case Undecided::not_covered: return "not_covered; it reaches out of what the server's geometry covers";
     case Undecided::deadline: break;
   }
   return "deadline; the server had no time left (--deadline)";

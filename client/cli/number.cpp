@@ -101,7 +101,7 @@ std::vector<double> parse_numbers(const std::vector<std::string>& texts, Measure
   for (const std::string_view text : texts) {
     std::size_t begin = 0;
     while (true) {
-      const std::size_t comma = text.find(',', begin);
+      const std::size_t comma = text.find_first_of(",:", begin);
       numbers.push_back(parse_number(text.substr(begin, comma - begin), measure));
       if (comma == std::string_view::npos) break;
       begin = comma + 1;

@@ -41,8 +41,8 @@ std::uint32_t parse_bits(std::string_view text);
 /// A count of at least `low`, digits only.
 std::uint64_t parse_count(std::string_view text, std::uint64_t low = 0);
 
-/// True for texts that parse whole as a number or a list of them with commas, units allowed: `-1`, `-.5`, `-inf`, `-3mm`,
-/// `-1,0,5`. Such a token is never an option.
+/// True for texts that parse whole as a number or a list of them with commas or colons, units allowed: `-1`, `-.5`, `-inf`,
+/// `-3mm`, `-1,0,5`, `-1,0,0:1,1,1`. Such a token is never an option.
 bool is_number_text(std::string_view text);
 
 /// The shortest text that reads back to the same double.

@@ -34,20 +34,29 @@ std::optional<Failure> unknown_object(Session& session, const Globals& globals, 
   return Failure(Exit::no, message);
 }
 
+/// With bytes replaced it would name something else.
+std::string text_of_arguments(const nlohmann::json& arguments) {
+  try {
+    return arguments.dump();
+  } catch (const nlohmann::json::type_error&) {
+    throw bad_use("a name or path is not UTF-8 text");
+  }
+}
+
 }  // namespace
 
 nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name, const nlohmann::json& arguments,
                               const Shape& shape, std::function<void(double)> progress) {
   const bool may_take_long = name == wire_contract::command::kLoad;
   const std::chrono::nanoseconds timeout = timeout_of(globals, may_take_long ? std::chrono::seconds(kLoadTimeout) : kCommandTimeout);
-  const std::string text = take(session.client(globals).command(name, arguments.dump(), shape, timeout, std::move(progress)));
+  const std::string text = take(session.client(globals).command(name, text_of_arguments(arguments), shape, timeout, std::move(progress)));
   return object_from(text, name);
 }
 
 nlohmann::json upload_command(Session& session, const Globals& globals, std::span<const std::byte> bytes,
                               const std::string& file_name, const nlohmann::json& arguments, std::function<void(double)> progress) {
   const std::chrono::nanoseconds timeout = timeout_of(globals, std::chrono::seconds(kLoadTimeout));
-  return object_from(take(session.client(globals).upload(bytes, file_name, arguments.dump(), timeout, std::move(progress))), "load");
+  return object_from(take(session.client(globals).upload(bytes, file_name, text_of_arguments(arguments), timeout, std::move(progress))), "load");
 }
 
 nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command, const std::string& object,

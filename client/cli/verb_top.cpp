@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A server says how it is ten times a second; without a word for this long it is silent.
+/// A server says how it is twenty times a second; without a word for this long it is silent.
 constexpr std::chrono::milliseconds kSilent{500};
 constexpr std::size_t kPastRates = 20;
 constexpr std::size_t kColumns = 80;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -209,6 +210,8 @@ class LoadCommand : public Command {
     app.add_option("--crack", crack_, "Widest crack (a ten-thousandth of the diagonal)");
     app.add_option("--srdf", srdf_, "Of a .urdf robot: the file that says which links may touch");
     app.add_flag("--replace", replace_, "Replace the scene of that name");
+    app.add_option("--covers", covers_, "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
+        ->allow_extra_args(false);
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -222,6 +225,7 @@ class LoadCommand : public Command {
                              {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
                              {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
                              {"replace", replace_}};
+    for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
     if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
     if (!upload_) arguments["path"] = std::filesystem::absolute(path_).lexically_normal().string();
     const nlohmann::json answer = upload_ ? upload(session, globals, arguments) : load(session, globals, arguments);
@@ -235,6 +239,21 @@ class LoadCommand : public Command {
     const double metres = is_number_text(unit_) ? parse_finite(unit_, Measure::length) : parse_finite("1" + unit_, Measure::length);
     if (!(metres > 0)) throw bad_use(fmt::format("--unit {} must be above 0", unit_));
     return metres;
+  }
+
+  static nlohmann::json box_json(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    const std::vector<double> low = parse_numbers({text.substr(0, colon)}, Measure::length);
+    const std::vector<double> high = colon == std::string::npos ? std::vector<double>() : parse_numbers({text.substr(colon + 1)}, Measure::length);
+    if (low.size() != 3 || high.size() != 3) throw bad_use(fmt::format("--covers {}: two corners are needed, X0,Y0,Z0:X1,Y1,Z1", text));
+    nlohmann::json box;
+    for (const std::vector<double>* corner : {&low, &high}) {
+      for (const double x : *corner) box.push_back(std::isinf(x) ? nlohmann::json(x > 0 ? "inf" : "-inf") : nlohmann::json(x));
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (low[axis] > high[axis]) throw bad_use(fmt::format("--covers {}: the lower corner comes first", text));
+    }
+    return box;
   }
 
   /// The bar is drawn from the library's thread that hears of the progress, while this one waits for the answer.
@@ -254,6 +273,12 @@ class LoadCommand : public Command {
     return upload_command(session, globals, bytes, name, arguments, [&](double now) { progress.show(0, "sending and loading", now); });
   }
 
+  static Value covers_of(const nlohmann::json& answer) {
+    const auto covers = answer.find("covers");
+    if (covers == answer.end() || covers->empty()) return {};
+    return RawJson{covers->dump()};
+  }
+
   static void print(Session& session, const Globals& globals, const nlohmann::json& answer) {
     Printer printer = make_printer(session.io, globals);
     if (!printer.human()) {
@@ -268,7 +293,8 @@ class LoadCommand : public Command {
                       {"warnings", names_json(texts_of(answer, "warnings"))},
                       {"left_out", names_json(texts_of(answer, "left_out"))},
                       {"world", count_of(answer, "version")},
-                      {"placed", names_json(texts_of(answer, "placed"))}});
+                      {"placed", names_json(texts_of(answer, "placed"))},
+                      {"covers", covers_of(answer)}});
       return;
     }
     const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));
@@ -294,6 +320,7 @@ class LoadCommand : public Command {
   std::string radius_ = "0";
   std::string crack_;
   std::string srdf_;
+  std::vector<std::string> covers_;
   bool strict_ = false;
   bool mend_ = false;
   bool upload_ = false;

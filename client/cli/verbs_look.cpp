@@ -28,14 +28,41 @@ class StatusCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     const ConnectOptions options = connect_options(session.io, globals);
     const ServerStatus status = take(session.client(globals).status());
+    const nlohmann::json covers = covers_of(session.client(globals));
     Printer printer = make_printer(session.io, globals);
-    if (printer.human()) print_text(printer, status, options.domain);
-    else printer.record(record(status, options.domain));
+    if (printer.human()) {
+      print_text(printer, status, options.domain);
+      print_covers(printer, covers);
+    } else {
+      Record all = record(status, options.domain);
+      all.push_back({"covers", covers.is_null() ? Value() : Value(RawJson{covers.dump()})});
+      printer.record(all);
+    }
     printer.finish();
     return status.state == "ready" ? Exit::yes : Exit::no;
   }
 
  private:
+  /// Null where none was stated, or a server that has said how it is does not answer.
+  static nlohmann::json covers_of(Client& client) {
+    const Result<std::string> answer = client.command(wire::kCovers, "{}", {}, std::chrono::milliseconds(500));
+    const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+    const bool is_stated = parsed.is_object() && parsed.contains("covers") && parsed["covers"].is_array();
+    return is_stated ? parsed["covers"] : nlohmann::json();
+  }
+
+  static void print_covers(Printer& printer, const nlohmann::json& covers) {
+    if (covers.is_null()) return;
+    if (covers.empty()) printer.line(printer.paint(Paint::doubt, "nothing is covered: nothing is called free (load --covers)"));
+    for (const nlohmann::json& box : covers) {
+      const auto number = [](const nlohmann::json& x) { return x.is_number() ? format_number(x.get<double>()) : text_of_value(x); };
+      std::string line = "covers";
+      for (std::size_t i = 0; i < box.size(); ++i) line += (i == 3 ? " to " : " ") + number(box[i]);
+      printer.line(line);
+    }
+  }
+  static std::string text_of_value(const nlohmann::json& value) { return value.is_string() ? printable(value.get<std::string>()) : "?"; }
+
   static void print_text(Printer& printer, const ServerStatus& status, int domain) {
     const Paint paint = status.state == "ready" ? Paint::good : Paint::doubt;
     printer.line(fmt::format("collided {} pid {}  domain {}  namespace {}  {}", status.version_text, status.pid, domain,

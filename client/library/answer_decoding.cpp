@@ -48,6 +48,16 @@ void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names,
   hit.stale = (flags & wire_contract::kStale) != 0;
 }
 
+/// The last entry of an answer that is not covered is none of a hit.
+void take_uncovered(const wire::Reply& reply, std::size_t first_hit, Answer& answer) {
+  answer.uncovered.reset();
+  if (answer.hits.empty()) return;
+  const std::uint8_t flags = dds::view(reply.hit_flags)[first_hit + answer.hits.size() - 1];
+  if ((flags & wire_contract::kUncovered) == 0) return;
+  answer.uncovered = Uncovered{.point = answer.hits.back().point, .covered_m = answer.hits.back().distance_m};
+  answer.hits.pop_back();
+}
+
 }  // namespace
 
 std::string text_of(const wire::Reply& reply) {
@@ -98,7 +108,7 @@ std::optional<Error> AnswerCollector::check(const wire::Reply& reply) const {
   const auto answers = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);
   if (std::any_of(answers.begin(), answers.end(), [](auto a) { return a > static_cast<int>(Verdict::invalid); }) ||
-      std::any_of(reasons.begin(), reasons.end(), [](auto r) { return r > static_cast<int>(Undecided::deadline); })) {
+      std::any_of(reasons.begin(), reasons.end(), [](auto r) { return r > static_cast<int>(Undecided::not_covered); })) {
     return nonsense("an answer of an unknown kind");
   }
   if (answered_ > 0 && (reply.epoch != result_.epoch || reply.version != result_.version)) {
@@ -162,6 +172,7 @@ std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
       for (std::size_t hit = 0; hit < answer.hits.size(); ++hit) {
         decode_hit(reply, next_hit + hit, names_, last_name, answer.hits[hit]);
       }
+      take_uncovered(reply, next_hit, answer);
     }
     next_hit += hit_counts[i];
   }

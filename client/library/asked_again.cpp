@@ -52,7 +52,7 @@ struct Hits {
 
 std::string words_of(Answer answer, std::uint8_t reason, const Hits& hits, std::size_t first, std::size_t count) {
   constexpr const char* kAnswers[] = {"miss", "hit", "undecided", "invalid"};
-  constexpr const char* kReasons[] = {"", " (numeric)", " (stale object)", " (recovering)", " (truncated)", " (deadline)"};
+  constexpr const char* kReasons[] = {"", " (numeric)", " (stale object)", " (recovering)", " (truncated)", " (deadline)", " (not covered)"};
   std::string words = kAnswers[std::min<std::size_t>(static_cast<std::size_t>(answer), 3)];
   if (reason < std::size(kReasons)) words += kReasons[reason];
   if (count > 0) words += ' ' + hits.name(first) + ' ' + client::words(hits.numbers[first * kHitNumbers]);

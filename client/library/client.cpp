@@ -172,8 +172,8 @@ Result<ServerStatus> Client::status() {
   if (std::optional<ServerStatus> status = state_->connection->pulse().status()) {
     return std::move(*status);
   }
-  // Right after connecting the first one may be under way: it comes ten times a second.
-  const auto first = client::Clock::now() + std::chrono::nanoseconds(2 * wire_contract::kStatusPeriodNs);
+  // Right after connecting the first one may be under way: it comes twenty times a second.
+  const auto first = client::Clock::now() + std::chrono::nanoseconds(wire_contract::kStatusLostNs);
   state_->connection->pulse().wait_for_status(first);
   if (std::optional<ServerStatus> status = state_->connection->pulse().status()) {
     return std::move(*status);

@@ -31,7 +31,7 @@ nanoseconds rounded(nanoseconds time) {
   return nanoseconds(time.count() / unit * unit);
 }
 
-/// The servers that say on this namespace that they live, for as long as one must say so twice.
+/// The servers that say on this namespace that they live, for as long as one must say so twice, however busy.
 class Servers {
  public:
   struct Server {
@@ -42,7 +42,7 @@ class Servers {
   };
 
   explicit Servers(const Connection& connection) : topic_(connection.participant(), connection.options().name_space), reader_(topic_) {
-    const Clock::time_point deadline = Clock::now() + nanoseconds(4 * wire_contract::kStatusPeriodNs);
+    const Clock::time_point deadline = Clock::now() + nanoseconds(8 * wire_contract::kStatusPeriodNs);
     dds::WaitSet waitset(connection.participant());
     waitset.attach(reader_, 1);
     while (Clock::now() < deadline) {

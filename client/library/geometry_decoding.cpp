@@ -75,6 +75,14 @@ Vec3 sizes_of(const format::Vec3& from) {
   return sizes;
 }
 
+/// Numbers of 8 bytes and structs of them are copied out: the verifier does not promise their alignment.
+template <class Number>
+Number at(const flatbuffers::Vector<Number>& numbers, std::size_t i) {
+  Number number;
+  std::memcpy(&number, numbers.Data() + i * sizeof number, sizeof number);
+  return number;
+}
+
 class ObjectsDecoder {
  public:
   /// An honest buffer stores each number once; one whose tables share their numbers could ask for any amount of memory.
@@ -115,7 +123,6 @@ class ObjectsDecoder {
     budget_ -= byte_count;
   }
 
-  /// Copied out: the verifier does not promise the alignment of structs.
   template <class Struct, class Use>
   void each(const flatbuffers::Vector<const Struct*>* from, const Use& use) {
     if (from == nullptr) return;
@@ -188,7 +195,7 @@ Surface surface_of(const format::Surface& from) {
   Surface surface;
   surface.vertices.reserve(numbers.size() / 3);
   for (std::uint32_t i = 0; i < numbers.size(); i += 3) {
-    surface.vertices.emplace_back(numbers.Get(i), numbers.Get(i + 1), numbers.Get(i + 2));
+    surface.vertices.emplace_back(at(numbers, i), at(numbers, i + 1), at(numbers, i + 2));
     if (!surface.vertices.back().allFinite()) throw Flaw{"a vertex is not finite"};
   }
   surface.triangles.reserve(corners.size() / 3);
@@ -216,11 +223,11 @@ Poses poses_of(const format::Poses& from) {
               .ids = {},
               .poses = {},
               .stale = {}};
-  poses.ids.assign(from.ids()->begin(), from.ids()->end());
+  for (std::uint32_t i = 0; i < count; ++i) poses.ids.push_back(at(*from.ids(), i));
   poses.stale.assign(from.stale()->begin(), from.stale()->end());
   poses.poses.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const auto number = [&](std::uint32_t k) { return numbers.Get(wire_contract::kPoseNumbers * i + k); };
+    const auto number = [&](std::uint32_t k) { return at(numbers, std::size_t{wire_contract::kPoseNumbers} * i + k); };
     const Vec3 position(number(0), number(1), number(2));
     if (!position.allFinite()) throw Flaw{"a position is not finite"};
     poses.poses.push_back({position, rotation_of(number(3), number(4), number(5), number(6))});

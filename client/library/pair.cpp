@@ -129,7 +129,7 @@ Result<PairAnswer> pair(Connection& connection, const std::string& a, const std:
                        {"certificate", options.certificate},
                        {"triangles", options.triangles},
                        {"most", options.most_triangle_pairs}};
-  return read_answer(command(connection, wire_contract::command::kPair, arguments.dump(), {}, options.timeout, {}), "pair", read);
+  return read_answer(command(connection, wire_contract::command::kPair, arguments, options.timeout), "pair", read);
 }
 
 }  // namespace collided::client

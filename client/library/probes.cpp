@@ -55,13 +55,13 @@ Result<Done> add_probe(Connection& connection, const Probe& probe) {
                            {"back_m", probe.back_m}};
   // Infinity is no JSON number: without a reach there is no end.
   if (!std::isinf(probe.reach_m) || probe.reach_m < 0) arguments["reach_m"] = probe.reach_m;
-  return read_answer(command(connection, wire_contract::command::kProbe, arguments.dump(), {}, kTimeout, {}), "probe",
+  return read_answer(command(connection, wire_contract::command::kProbe, arguments, kTimeout), "probe",
                      [](const nlohmann::json&) { return Done{}; });
 }
 
 Result<std::size_t> remove_probes(Connection& connection, const std::string& name) {
   const nlohmann::json arguments{{"name", name}, {"remove", true}};
-  return read_answer(command(connection, wire_contract::command::kProbe, arguments.dump(), {}, kTimeout, {}), "probe",
+  return read_answer(command(connection, wire_contract::command::kProbe, arguments, kTimeout), "probe",
                      [](const nlohmann::json& answer) { return answer.at("probes").size(); });
 }
 
@@ -76,7 +76,7 @@ Result<std::vector<ProbeReading>> read_probes(Connection& connection, const std:
     }
     return readings;
   };
-  return read_answer(command(connection, wire_contract::command::kProbes, arguments.dump(), {}, kTimeout, {}), "probes", read);
+  return read_answer(command(connection, wire_contract::command::kProbes, arguments, kTimeout), "probes", read);
 }
 
 bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReading>& readings) {

@@ -147,7 +147,7 @@ std::string_view name_of(Verdict verdict) {
 }
 
 std::string_view name_of(Undecided reason) {
-  constexpr std::string_view kNames[] = {"", "numeric", "stale_object", "recovering", "truncated", "deadline"};
+  constexpr std::string_view kNames[] = {"", "numeric", "stale_object", "recovering", "truncated", "deadline", "not_covered"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 

@@ -43,7 +43,7 @@ struct Flaw {
   std::string what;
 };
 
-/// Structs of a FlatBuffers vector, copied out: the verifier does not promise their alignment.
+/// Structs and numbers of 8 bytes of a FlatBuffers vector are copied out: the verifier does not promise their alignment.
 template <class Struct>
 std::vector<Struct> copied(const flatbuffers::Vector<const Struct*>* vector) {
   std::vector<Struct> copies(vector == nullptr ? 0 : vector->size());
@@ -51,6 +51,12 @@ std::vector<Struct> copied(const flatbuffers::Vector<const Struct*>* vector) {
     std::memcpy(copies.data(), vector->Data(), copies.size() * sizeof(Struct));
   }
   return copies;
+}
+
+double number_at(const flatbuffers::Vector<double>& numbers, std::size_t i) {
+  double number;
+  std::memcpy(&number, numbers.Data() + i * sizeof number, sizeof number);
+  return number;
 }
 
 /// Turns a verified buffer into values and checks what they mean.
@@ -342,10 +348,11 @@ class Decoder {
     mesh.vertices.reserve(heights.size());
     mesh.triangles.reserve(2 * (columns - 1) * (rows - 1));
     for (std::uint32_t i = 0; i < heights.size(); ++i) {
+      const double height = number_at(heights, i);
       mesh.vertices.emplace_back(static_cast<double>(i % columns) * from.spacing_x(),
-                                 static_cast<double>(i / columns) * from.spacing_y(), heights.Get(i));
-      if (!std::isfinite(heights.Get(i))) {
-        throw Flaw{fmt::format("height field: height {} is {}", i, heights.Get(i))};
+                                 static_cast<double>(i / columns) * from.spacing_y(), height);
+      if (!std::isfinite(height)) {
+        throw Flaw{fmt::format("height field: height {} is {}", i, height)};
       }
       if (i % columns == columns - 1 || i / columns == rows - 1) continue;
       const std::uint32_t above = i + static_cast<std::uint32_t>(columns);

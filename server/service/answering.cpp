@@ -1,10 +1,12 @@
 #include "server/service/answering.hpp"
 
 #include <fmt/format.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <new>
 #include <nlohmann/json.hpp>
 
 #include "idl/question_class.hpp"
@@ -37,6 +39,7 @@ class Answering::Worker {
   explicit Worker(Answering& owner) : owner_(owner) {
     reply_->server = owner.options_.server;
     reply_->epoch = owner.options_.epoch;
+    text_.reserve(out_of_memory_.size());  // so that it can be said
   }
   void run();
   void answer(Client& client, const Ask& ask);
@@ -46,6 +49,7 @@ class Answering::Worker {
   void work(TextReply text);
   void work(Resume resume);
   void work(Sweep sweep);
+  void answer_or_throw(Client& client, const Ask& ask);
   void answer_sweeps(Client& client, const Ask& ask);
   void answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover);
   void doubt(const Questions& questions);
@@ -59,6 +63,7 @@ class Answering::Worker {
   dds::Sample<wire::Reply> reply_;
   ReplyColumns columns_;
   std::vector<std::uint8_t> text_;
+  const std::string out_of_memory_ = refusal_text("not enough memory for the answer", "ask for less at a time");
   Answers answers_;
   QueryScratch scratch_;
   std::vector<std::uint64_t> named_in_;
@@ -66,8 +71,13 @@ class Answering::Worker {
 };
 
 void Answering::Worker::run() {
+  pthread_setname_np(pthread_self(), "answer");
   while (std::optional<Work> item = owner_.queue_.pop()) {
-    std::visit([this](auto&& one) { work(std::move(one)); }, std::move(*item));
+    try {
+      std::visit([this](auto&& one) { work(std::move(one)); }, std::move(*item));
+    } catch (const std::bad_alloc&) {
+      ++owner_.counts_.unanswerable;
+    }
     if (owner_.left_in_reader_.load(std::memory_order_relaxed) != 0) owner_.take_more();
   }
 }
@@ -85,6 +95,16 @@ void Answering::Worker::work(AskPointer ask) {
 }
 
 void Answering::Worker::answer(Client& client, const Ask& ask) {
+  try {
+    answer_or_throw(client, ask);
+  } catch (const std::bad_alloc&) {
+    // What this thread holds is of this question alone.
+    ++owner_.counts_.refused;
+    write_text(client, ask.query->request, ReplyStatus::refused, out_of_memory_);
+  }
+}
+
+void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
   const wire::Query& query = *ask.query;
   std::optional<std::string> refusal = ask.refusal.empty() ? why_refused(query) : std::optional(ask.refusal);
   if (refusal) {

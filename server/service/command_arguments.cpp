@@ -94,4 +94,26 @@ std::optional<Pose> Arguments::pose(const char* name) const {
   return std::get<Pose>(pose);
 }
 
+std::vector<Aabb> Arguments::boxes(const char* name) const {
+  constexpr std::size_t kMost = 10'000;
+  const nlohmann::json* value = find(name);
+  if (!value) return {};
+  const auto number = [](const nlohmann::json& item) {
+    if (item.is_number()) return item.get<double>();
+    const bool is_endless = item.is_string() && (item == "inf" || item == "-inf");
+    return !is_endless ? std::nan("") : item == "inf" ? HUGE_VAL : -HUGE_VAL;
+  };
+  const auto wrong = [&] { refuse(name, fmt::format("at most {} boxes of six numbers, the lower corner first", kMost)); };
+  if (!value->is_array() || value->size() > kMost) wrong();
+  std::vector<Aabb> boxes;
+  for (const nlohmann::json& item : *value) {
+    if (!item.is_array() || item.size() != 6) wrong();
+    const Aabb box{.low = {number(item[0]), number(item[1]), number(item[2])},
+                   .high = {number(item[3]), number(item[4]), number(item[5])}};
+    if (box.empty()) wrong();
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
 }  // namespace collided::service

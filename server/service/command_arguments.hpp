@@ -6,7 +6,9 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
 
 namespace collided::service {
@@ -34,6 +36,8 @@ class Arguments {
   double number(const char* name, double otherwise) const;
   std::uint64_t whole(const char* name, std::uint64_t otherwise, std::uint64_t most) const;
   std::optional<Pose> pose(const char* name) const;
+  /// [[low 3, high 3], ...]; infinite ends are the texts "inf" and "-inf". None where there is no such argument.
+  std::vector<Aabb> boxes(const char* name) const;
 
  private:
   const nlohmann::json* find(const char* name) const;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "idl/commands.hpp"
@@ -67,6 +68,8 @@ Commands::~Commands() {
 
 void Commands::stop() {
   stopping_.store(true);
+  // Whoever has been let in finds its thread; the others are told.
+  { const std::unique_lock alone(gate_); }
   geometry_.stop();
   uploads_.stop();
   for (auto* jobs : {&slow_jobs_, &pair_jobs_}) jobs->close();
@@ -90,6 +93,8 @@ void Commands::answer_text(const CommandAsk& ask, const std::function<std::strin
   } catch (const BadCommand& bad) {
     refuse(bad.what(), bad.hint);
   } catch (const std::bad_alloc&) {
+    // Half of a change may be in the world by now.
+    if (loop_.runs_here()) throw;
     refuse("not enough memory", "");
   } catch (const std::exception& failed) {
     refuse(failed.what(), "");
@@ -180,6 +185,8 @@ void Commands::run(CommandAsk ask) {
       {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear}, {names::kProbe, &Commands::probe},
       {names::kProbes, &Commands::probes},
   };
+  const std::shared_lock on_its_way(gate_);
+  if (stopping_.load()) return send(ask, ReplyStatus::refused, refusal_text("the server is stopping. Nothing was done"));
   std::optional<Arguments> arguments;
   try {
     arguments.emplace(ask.text);
@@ -193,6 +200,7 @@ void Commands::run(CommandAsk ask) {
   }
   if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
   if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
+  if (command == names::kCovers) return answer(ask, [&] { return covers(*arguments); });
   if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
   if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
   if (command == names::kUpload || command == names::kPiece || (command == names::kLoad && arguments->has("upload"))) {
@@ -213,7 +221,7 @@ void Commands::run(CommandAsk ask) {
     const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
                                          names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
                                          names::kPair, names::kProbe, names::kProbes, names::kFigures, names::kShapes,
-                                         names::kSurface, names::kMore, names::kPoses, names::kRecording,
+                                         names::kSurface, names::kMore, names::kPoses, names::kRecording, names::kCovers,
                                          names::kUpload, names::kPiece};
     throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
   });
@@ -264,6 +272,25 @@ json Commands::plan(const Arguments& arguments) const {
   std::uint64_t bytes = 0;
   for (const auto& scene : state->scenes) bytes += scene->bytes();
   return {{"structures", structures}, {"pairs", pairs}, {"bytes", bytes}};
+}
+
+json Commands::covers_json(const std::vector<Aabb>& boxes) {
+  json list = json::array();
+  const auto number = [](double x) { return std::isinf(x) ? json(x > 0 ? "inf" : "-inf") : json(x); };
+  for (const Aabb& box : boxes) {
+    json corners = json::array();
+    for (const Vec3* corner : {&box.low, &box.high}) {
+      for (const double x : *corner) corners.push_back(number(x));
+    }
+    list.push_back(std::move(corners));
+  }
+  return list;
+}
+
+json Commands::covers(const Arguments& arguments) const {
+  arguments.allow_only({});
+  const SnapshotRing::Lease state = loop_.world().newest();
+  return {{"covers", state->covers ? covers_json(*state->covers) : json(nullptr)}, {"version", state->version}};
 }
 
 json Commands::get(const CommandAsk&, const Arguments& arguments) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <shared_mutex>
 #include <string>
 #include <thread>
 
@@ -42,7 +43,7 @@ class Commands {
   bool replayed() const { return !replaying_.load(); }
   /// Any thread; returns at once or after looking.
   void run(CommandAsk ask);
-  /// Calls off the load under way and ends.
+  /// Calls off the load under way and ends; commands that come later are refused.
   void stop();
 
  private:
@@ -54,6 +55,7 @@ class Commands {
     CommandAsk ask;
     std::string path;
     LoadOptions options;
+    std::vector<Aabb> covers;
     bool replace = false;
   };
 
@@ -67,6 +69,8 @@ class Commands {
   // Where it is asked.
   nlohmann::json list(const Arguments& arguments) const;
   nlohmann::json plan(const Arguments& arguments) const;
+  nlohmann::json covers(const Arguments& arguments) const;
+  static nlohmann::json covers_json(const std::vector<Aabb>& boxes);
   nlohmann::json audit(const Arguments& arguments) const;
   nlohmann::json figures(const Arguments& arguments) const;
   // On the world's thread.
@@ -120,6 +124,7 @@ class Commands {
   UploadDesk uploads_;
   std::map<std::string, std::string> upload_of_scene_;  // the world's thread
   std::atomic<bool> stopping_{false};
+  std::shared_mutex gate_;  // shared by commands on their way to a thread; alone: no more come
   std::thread slow_thread_;
   std::thread pair_thread_;
 };

@@ -12,6 +12,7 @@ namespace {
 constexpr std::string_view kScene = "scene/";
 constexpr std::string_view kObject = "object/";
 constexpr std::string_view kPublisher = "publisher/";
+constexpr std::string_view kCovers = "covers";
 
 std::string key(std::string_view kind, std::string_view name) { return fmt::format("{}{}", kind, name); }
 std::string key(std::uint64_t publisher) { return fmt::format("{}{:016x}", kPublisher, publisher); }
@@ -28,6 +29,7 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
       }
     }
     for (const Journal::Entry& entry : journal_.entries()) {
+      had_covers_ = had_covers_ || entry.key == kCovers;
       std::uint64_t publisher = 0;
       const char* end = entry.key.data() + entry.key.size();
       if (!entry.key.starts_with(kPublisher)) continue;
@@ -77,6 +79,10 @@ void DurableState::scene_loaded(const std::string& scene, const CommandAsk& ask)
   put({.key = key(kScene, scene), .text = ask.text, .blob = {}}, Journal::Sync::now);
 }
 
+void DurableState::covers_stated() {
+  if (!keys_.contains(std::string(kCovers))) put({.key = std::string(kCovers), .text = {}, .blob = {}}, Journal::Sync::now);
+}
+
 void DurableState::object_added(const std::string& object, const CommandAsk& ask) {
   put({.key = key(kObject, object), .text = ask.text, .blob = ask.blob}, Journal::Sync::now);
 }
@@ -113,7 +119,8 @@ void DurableState::wait(std::chrono::milliseconds longest) {
 }
 
 void DurableState::then(std::function<void(const std::string&)> done) {
-  jobs_.push([this, done = std::move(done)] { done(journal_.problem()); });
+  const bool taken = jobs_.push([this, done] { done(journal_.problem()); });
+  if (!taken) done("the server is stopping");
 }
 
 }  // namespace collided::service

@@ -36,13 +36,16 @@ class DurableState {
   const std::vector<std::uint64_t>& publishers_left() const { return publishers_left_; }
 
   void scene_loaded(const std::string& scene, const CommandAsk& ask);
+  /// What lies outside of stated covers stays unknown after a crash too, whatever has become of the scenes that stated them.
+  void covers_stated();
+  bool had_covers() const { return had_covers_; }
   void object_added(const std::string& object, const CommandAsk& ask);
   /// Forgets the scenes and objects of which this is false.
   void keep_only(const std::function<bool(std::string_view scene)>& has_scene,
                  const std::function<bool(std::string_view object)>& has_object);
   /// These and no others from now on; those left count until then.
   void set_publishers(const std::set<std::uint64_t>& publishers);
-  /// Called once all of the above is on the disk, or has failed to get there: then not_kept says why.
+  /// Called once all of the above is on the disk, or has failed to get there: then not_kept says why. After finish() at once.
   void then(std::function<void(const std::string& not_kept)> done);
   /// Until all of the above is written, or `longest` has passed.
   void wait(std::chrono::milliseconds longest);
@@ -62,6 +65,7 @@ class DurableState {
   Notice notice_;
   std::vector<CommandAsk> commands_left_;
   std::vector<std::uint64_t> publishers_left_;
+  bool had_covers_ = false;
   std::set<std::string> keys_;
   std::set<std::uint64_t> publishers_;
   WorkQueue<Job> jobs_;

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
-#include "idl/commands.hpp"
 #include "idl/mcap/format.hpp"
 
 namespace collided::service {
@@ -12,7 +10,6 @@ namespace {
 
 using recording::Recorded;
 using wire_contract::kPoseNumbers;
-namespace names = wire_contract::command;
 
 template <class T>
 std::vector<std::byte> bytes_of(const T& sample) {
@@ -41,6 +38,7 @@ void FlightOpening::fold(std::span<const std::byte> records) {
       case Recorded::object: fold_as<wire::Definition>(*this, data); break;
       case Recorded::pose: fold_as<wire::PoseBatch>(*this, data); break;
       case Recorded::query: fold_as<wire::Query>(*this, data); break;
+      case Recorded::reply: fold_as<wire::Reply>(*this, data); break;
       case Recorded::status: fold_as<wire::Status>(*this, data); break;
       default: break;
     }
@@ -72,10 +70,11 @@ void FlightOpening::forget(Publisher& publisher) {
   poses_ -= publisher.poses.size();
 }
 
-bool FlightOpening::has_room(std::size_t bytes) {
-  const bool room = bytes_ + bytes <= kMostBytes;
-  left_out_ += room ? 0 : 1;
-  return room;
+/// Of what is about to be erased.
+void FlightOpening::drop(Publisher& publisher, std::uint32_t number, const Defined& defined) {
+  bytes_ -= defined.bytes.size();
+  --objects_;
+  poses_ -= publisher.poses.erase(number);
 }
 
 void FlightOpening::fold(const wire::Definition& definition) {
@@ -97,10 +96,14 @@ void FlightOpening::fold(const wire::Definition& definition) {
   }
   if (definition.removed) return;
   std::vector<std::byte> bytes = bytes_of(definition);
-  if (objects_ >= kMostObjects || !has_room(bytes.size())) return;
+  if (objects_ >= kMostObjects || bytes_ + bytes.size() > kMostBytes) {
+    ++left_out_;
+    return;
+  }
   bytes_ += bytes.size();
   ++objects_;
-  publisher->objects[definition.object_number] = {definition.sequence_number, definition.lost_policy, std::move(bytes)};
+  publisher->objects[definition.object_number] =
+      {definition.sequence_number, definition.lost_policy, definition.moving, definition.name, std::move(bytes)};
 }
 
 void FlightOpening::fold(const wire::PoseBatch& batch) {
@@ -127,64 +130,59 @@ void FlightOpening::fold(const wire::PoseBatch& batch) {
   }
 }
 
-void FlightOpening::drop_commands_of(const std::string& what, const std::string& name) {
-  std::erase_if(commands_, [&](const Command& command) {
-    const bool drop = command.what == what && command.name == name;
-    bytes_ -= drop ? command.bytes.size() : 0;
-    return drop;
-  });
+void FlightOpening::fold(const wire::Reply& reply) {
+  commands_.answered(reply, [this](const std::string* name, bool moving_only) { return take_published(name, moving_only); });
 }
 
-/// Commands that change the world, the newest of each object: adding and moving over and over takes no more room.
-void FlightOpening::fold(const wire::Query& query) {
-  if (query.kind != static_cast<std::uint8_t>(wire_contract::QueryKind::command)) return;
-  const nlohmann::json text = nlohmann::json::parse(query.text, nullptr, false);
-  if (!text.is_object() || !text.contains("command") || !text["command"].is_string()) return;
-  const std::string what = text["command"];
-  const bool changes = what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe ||
-                       what == names::kLoad || what == names::kClear;
-  if (!changes) return;
-  const bool named = text.contains("name") && text["name"].is_string();
-  const std::string name = named ? text["name"].get<std::string>() : std::string();
-  const bool is_glob = name.find_first_of("*?[") != std::string::npos;
-  if (what == names::kRemove && !is_glob) {
-    const std::size_t before = commands_.size();
-    drop_commands_of(names::kMove, name);
-    drop_commands_of(names::kAdd, name);
-    if (commands_.size() < before) return;
-  }
-  if (what == names::kMove || what == names::kProbe) drop_commands_of(what, name);
-  std::vector<std::byte> bytes = bytes_of(query);
-  if (!has_room(bytes.size())) return;
-  bytes_ += bytes.size();
-  commands_.push_back({name, what, std::move(bytes)});
-}
-
-/// A lost publisher's objects are gone where it wished so.
-void FlightOpening::fold(const wire::Status& status) {
-  const auto ids = dds::view(status.publishers);
-  const auto states = dds::view(status.publisher_states);
-  for (std::size_t i = 0; i < std::min(ids.size(), states.size()); ++i) {
-    const auto found = publishers_.find(ids[i]);
-    const bool lost = states[i] == static_cast<std::uint8_t>(wire_contract::PublisherState::lost);
-    if (!lost || found == publishers_.end()) continue;
-    std::erase_if(found->second.objects, [&](const auto& object) {
-      const bool gone = object.second.lost_policy == static_cast<std::uint8_t>(wire_contract::LostPolicy::remove);
-      if (gone) {
-        bytes_ -= object.second.bytes.size();
-        --objects_;
-        poses_ -= found->second.poses.erase(object.first);
-      }
+/// Commands take away what lost publishers left, never what a living one has.
+bool FlightOpening::take_published(const std::string* name, bool moving_only) {
+  bool found = false;
+  for (auto& [id, publisher] : publishers_) {
+    if (!publisher.lost) continue;
+    std::erase_if(publisher.objects, [&](const auto& object) {
+      const Defined& defined = object.second;
+      const bool gone = (name == nullptr || defined.name == *name) && (defined.moving || !moving_only);
+      if (gone) drop(publisher, object.first, defined);
+      found = found || gone;
       return gone;
     });
   }
+  return found;
+}
+
+/// Who is lost, and who is known no longer: one that has left, or that was lost long ago and of which nothing is there.
+void FlightOpening::fold(const wire::Status& status) {
+  const auto ids = dds::view(status.publishers);
+  const auto states = dds::view(status.publisher_states);
+  if (ids.size() != states.size()) return;
+  std::map<std::uint64_t, std::uint8_t> listed;
+  for (std::size_t i = 0; i < ids.size(); ++i) listed[ids[i]] = states[i];
+  for (auto next = publishers_.begin(); next != publishers_.end();) {
+    const auto here = next++;
+    Publisher& publisher = here->second;
+    const auto state = listed.find(here->first);
+    if (state != listed.end()) {
+      publisher.was_listed = true;
+      publisher.lost = state->second == static_cast<std::uint8_t>(wire_contract::PublisherState::lost);
+    } else if (publisher.was_listed) {  // else its first samples are on their way
+      forget(publisher);
+      publishers_.erase(here);
+    }
+  }
+}
+
+/// An object that goes with its publisher is kept all the same: the publisher may come back with it.
+bool FlightOpening::is_there(const Publisher& publisher, const Defined& defined) {
+  return !publisher.lost || defined.lost_policy != static_cast<std::uint8_t>(wire_contract::LostPolicy::remove);
 }
 
 void FlightOpening::write(const std::function<void(Recorded, std::span<const std::byte>)>& put) const {
   for (const auto& [id, publisher] : publishers_) {
     // In the order in which they were defined: ties between objects are broken by their age.
     std::map<std::uint64_t, const Defined*> by_age;
-    for (const auto& [number, defined] : publisher.objects) by_age[defined.sequence] = &defined;
+    for (const auto& [number, defined] : publisher.objects) {
+      if (is_there(publisher, defined)) by_age[defined.sequence] = &defined;
+    }
     for (const auto& [sequence, defined] : by_age) put(Recorded::object, defined->bytes);
   }
   for (const auto& [id, publisher] : publishers_) {
@@ -206,14 +204,15 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
       poses.clear();
     };
     for (const auto& [number, posed] : publisher.poses) {
-      if (publisher.objects.count(number) == 0) continue;
+      const auto defined = publisher.objects.find(number);
+      if (defined == publisher.objects.end() || !is_there(publisher, defined->second)) continue;
       numbers.push_back(number);
       poses.insert(poses.end(), posed.pose.begin(), posed.pose.end());
       if (numbers.size() == wire_contract::kMaxPosesPerBatch) send();
     }
     send();  // an empty one too: it carries the newest sample's number
   }
-  for (const Command& command : commands_) put(Recorded::query, command.bytes);
+  commands_.write(put);
 }
 
 }  // namespace collided::service

@@ -11,36 +11,40 @@
 
 #include "idl/cdr.hpp"
 #include "idl/recording/recorded_topics.hpp"
+#include "server/service/flight_commands.hpp"
 
 namespace collided::service {
 
 /// What a window of records begins with: the newest definition and pose of every object that was sent before it, and the
 /// commands that brought in the others. Folded from the records that leave the window.
 ///
-/// limits   kMostBytes of definitions and commands; what does not fit is left out and counted
+/// limits   kMostBytes of definitions; what does not fit is left out and counted
 /// threads  one
 class FlightOpening {
  public:
-  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+  static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
   static constexpr std::size_t kMostObjects = 200'000;
 
   /// records  whole MCAP messages
   void fold(std::span<const std::byte> records);
   void fold(const wire::Definition& definition);
   void fold(const wire::PoseBatch& batch);
-  void fold(const wire::Query& query);
+  void fold(const wire::Query& query) { commands_.asked(query); }
+  void fold(const wire::Reply& reply);
   void fold(const wire::Status& status);
 
   /// put(channel, CDR bytes): what makes the same state again. Definitions, then a batch of poses of each publisher with
   /// the number of its newest sample, then the commands.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
   /// Samples that had no room; the state that is made again lacks them.
-  std::uint64_t left_out() const { return left_out_; }
+  std::uint64_t left_out() const { return left_out_ + commands_.left_out(); }
 
  private:
   struct Defined {
     std::uint64_t sequence = 0;
     std::uint8_t lost_policy = 0;
+    bool moving = false;
+    std::string name;
     std::vector<std::byte> bytes;
   };
   struct Posed {
@@ -52,21 +56,19 @@ class FlightOpening {
     std::uint64_t last_sequence = 0;
     std::uint64_t definitions_through = 0;
     std::int64_t source_time_ns = 0;
+    bool was_listed = false;  // by a status
+    bool lost = false;
     std::map<std::uint32_t, Defined> objects;
     std::unordered_map<std::uint32_t, Posed> poses;
   };
-  struct Command {
-    std::string name;  // of the object or probe
-    std::string what;
-    std::vector<std::byte> bytes;
-  };
   Publisher* meet(std::uint64_t id, std::uint64_t incarnation);
   void forget(Publisher& publisher);
-  bool has_room(std::size_t bytes);
-  void drop_commands_of(const std::string& what, const std::string& name);
+  void drop(Publisher& publisher, std::uint32_t number, const Defined& defined);
+  static bool is_there(const Publisher& publisher, const Defined& defined);
+  bool take_published(const std::string* name, bool moving_only);
 
   std::map<std::uint64_t, Publisher> publishers_;
-  std::vector<Command> commands_;
+  FlightCommands commands_;
   std::size_t bytes_ = 0;
   std::size_t objects_ = 0;
   std::size_t poses_ = 0;

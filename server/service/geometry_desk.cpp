@@ -23,8 +23,8 @@ void GeometryDesk::stop() {
 }
 
 void GeometryDesk::take(CommandAsk ask) {
-  if (jobs_.has_room()) return jobs_.push(std::move(ask));
-  send_(ask, ReplyStatus::refused, refusal_text("too many viewers ask for shapes already", "ask again"));
+  if (!jobs_.has_room()) return send_(ask, ReplyStatus::refused, refusal_text("too many viewers ask for shapes already", "ask again"));
+  jobs_.push(std::move(ask));
 }
 
 void GeometryDesk::answer(const CommandAsk& ask) {

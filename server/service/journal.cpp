@@ -1,71 +1,26 @@
 #include "server/service/journal.hpp"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <new>
+
+#include "server/service/journal_layout.hpp"
 
 namespace collided::service {
 namespace {
 
-constexpr std::string_view kMagic = "collided journal 1\n";
+namespace layout = journal_layout;
+
 /// Rewritten beyond so many times what is live, and this.
 constexpr std::uint64_t kMostStale = 2;
 constexpr std::uint64_t kSmall = 1 << 20;
-/// Longer ones are damage: a shape comes in one message.
-constexpr std::uint64_t kMostRecordBytes = 64 << 20;
 
-/// Before each record; what follows is key, text and blob.
-struct Head {
-  std::uint32_t checksum = 0;  // of all that follows this number
-  std::uint32_t is_erased = 0;
-  std::uint64_t key_bytes = 0;
-  std::uint64_t text_bytes = 0;
-  std::uint64_t blob_bytes = 0;
-};
-
-std::uint32_t checksum(std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+bool starts_with(std::span<const std::byte> bytes, std::string_view word) {
+  return bytes.size() >= word.size() && std::memcmp(bytes.data(), word.data(), word.size()) == 0;
 }
-
-std::vector<std::byte> record_of(const Journal::Entry& entry, bool is_erased) {
-  const Head head{0, is_erased ? 1u : 0u, entry.key.size(), entry.text.size(), entry.blob.size()};
-  std::vector<std::byte> record(sizeof head + entry.key.size() + entry.text.size() + entry.blob.size());
-  std::memcpy(record.data(), &head, sizeof head);
-  auto to = record.begin() + sizeof head;
-  const auto append = [&](const void* data, std::size_t bytes) {
-    to = std::copy_n(static_cast<const std::byte*>(data), bytes, to);
-  };
-  append(entry.key.data(), entry.key.size());
-  append(entry.text.data(), entry.text.size());
-  append(entry.blob.data(), entry.blob.size());
-  const std::uint32_t sum = checksum(std::span(record).subspan(sizeof sum));
-  std::memcpy(record.data(), &sum, sizeof sum);
-  return record;
-}
-
-/// The record at the start of the bytes and how long it is; nothing where there is no whole one.
-std::optional<Journal::Entry> entry_at(std::span<const std::byte> bytes, bool& is_erased, std::size_t& length) {
-  Head head;
-  if (bytes.size() < sizeof head) return std::nullopt;
-  std::memcpy(&head, bytes.data(), sizeof head);
-  for (const std::uint64_t part : {head.key_bytes, head.text_bytes, head.blob_bytes}) {
-    if (part > kMostRecordBytes) return std::nullopt;
-  }
-  length = sizeof head + head.key_bytes + head.text_bytes + head.blob_bytes;
-  if (length > bytes.size() || head.is_erased > 1) return std::nullopt;
-  if (checksum(bytes.first(length).subspan(sizeof head.checksum)) != head.checksum) return std::nullopt;
-  is_erased = head.is_erased != 0;
-  const auto* at = reinterpret_cast<const char*>(bytes.data()) + sizeof head;
-  const auto* blob = bytes.data() + sizeof head + head.key_bytes + head.text_bytes;
-  return Journal::Entry{.key = {at, head.key_bytes},
-                        .text = {at + head.key_bytes, head.text_bytes},
-                        .blob = {blob, blob + head.blob_bytes}};
-}
-
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
 }  // namespace
 
@@ -74,27 +29,56 @@ Journal::Journal(std::unique_ptr<Disk> disk, std::string name) : disk_(std::move
 void Journal::read() {
   const std::optional<std::vector<std::byte>> bytes = disk_->read(name_);
   if (!bytes) return;
-  std::span<const std::byte> rest = *bytes;
-  const bool is_ours = rest.size() >= kMagic.size() && std::ranges::equal(rest.first(kMagic.size()), bytes_of(kMagic));
-  if (!is_ours) {
+  const std::span<const std::byte> file = *bytes;
+  // Files without slots are read and, at the next change, written anew with them.
+  if (starts_with(file, layout::kMagicWithoutSlots)) {
+    static_cast<void>(read_records(file, layout::kMagicWithoutSlots.size()));
+    return;
+  }
+  if (!starts_with(file, layout::kMagic)) {
     damage_ = fmt::format("{} is not a journal; nothing of it was taken", name_);
     return;
   }
-  rest = rest.subspan(kMagic.size());
-  while (!rest.empty()) {
-    bool is_erased = false;
-    std::size_t length = 0;
-    std::optional<Entry> entry = entry_at(rest, is_erased, length);
-    if (!entry) {
-      damage_ = fmt::format("{}: the record at byte {} is cut or damaged; the {} bytes from there on were not taken", name_,
-                            bytes->size() - rest.size(), rest.size());
-      return;
-    }
-    apply(std::move(*entry), is_erased);
-    rest = rest.subspan(length);
+  if (file.size() < layout::kHeadBytes) {
+    damage_ = fmt::format("{} ends within its head, at byte {}; all that it held is lost", name_, file.size());
+    return;
   }
-  file_bytes_ = bytes->size();
+  const layout::Head head = layout::head_of(file);
+  const bool are_records_whole = read_records(file, layout::kHeadBytes);
+  const std::uint64_t told_bytes = head.newest ? head.newest->bytes : 0;
+  if (file_bytes_ < told_bytes) {
+    damage_ += fmt::format("{}{}: {} records and {} bytes were acknowledged, {} and {} are left; what came after is lost",
+                           damage_.empty() ? "" : ". ", name_, head.newest->records, told_bytes, file_records_, file_bytes_);
+  } else if (!are_records_whole && head.newest) {
+    damage_ += "; none of it had been acknowledged";
+  } else if (!head.newest) {
+    damage_ += fmt::format("{}{}: its head is damaged; whether records are missing at its end is not known",
+                           damage_.empty() ? "" : ". ", name_);
+  } else if (!head.is_whole) {
+    damage_ = fmt::format("{}: one of the two counts in its head is damaged; by the other one nothing is lost", name_);
+  }
+  if (!damage_.empty()) return;
+  slot_number_ = head.newest->number;
   has_file_ = true;
+}
+
+/// False where the last of them is cut or damaged. What the file holds up to there is counted.
+bool Journal::read_records(std::span<const std::byte> file, std::size_t from) {
+  file_bytes_ = from;
+  file_records_ = 0;
+  while (file_bytes_ < file.size()) {
+    const std::span<const std::byte> rest = file.subspan(file_bytes_);
+    std::optional<layout::Record> record = layout::record_at(rest);
+    if (!record) {
+      damage_ = fmt::format("{}: the record at byte {} is cut or damaged; the {} bytes from there on were not taken", name_,
+                            file_bytes_, rest.size());
+      return false;
+    }
+    apply(std::move(record->entry), record->is_erased);
+    file_bytes_ += record->bytes;
+    ++file_records_;
+  }
+  return true;
 }
 
 void Journal::apply(Entry entry, bool is_erased) {
@@ -110,9 +94,9 @@ void Journal::apply(Entry entry, bool is_erased) {
 
 void Journal::put(Entry entry, Sync sync) {
   try {
-    const std::vector<std::byte> record = record_of(entry, false);
+    const std::vector<std::byte> record = layout::encode(entry, false);
     apply(std::move(entry), false);
-    write(record, sync);
+    write(record, 1, sync);
   } catch (const std::bad_alloc&) {
     fail_for_memory();
   }
@@ -121,13 +105,15 @@ void Journal::put(Entry entry, Sync sync) {
 void Journal::erase(std::span<const std::string> keys, Sync sync) {
   try {
     std::vector<std::byte> records;
+    std::uint64_t count = 0;
     for (const std::string& key : keys) {
       if (std::ranges::find(entries_, key, &Entry::key) == entries_.end()) continue;
-      const std::vector<std::byte> record = record_of({.key = key, .text = {}, .blob = {}}, true);
+      const std::vector<std::byte> record = layout::encode({.key = key, .text = {}, .blob = {}}, true);
       records.insert(records.end(), record.begin(), record.end());
+      ++count;
       apply({.key = key, .text = {}, .blob = {}}, true);
     }
-    if (!records.empty()) write(records, sync);
+    if (count > 0) write(records, count, sync);
   } catch (const std::bad_alloc&) {
     fail_for_memory();
   }
@@ -146,34 +132,51 @@ void Journal::clear() {
 }
 
 std::uint64_t Journal::live_bytes() const {
-  std::uint64_t bytes = kMagic.size();
-  for (const Entry& entry : entries_) bytes += sizeof(Head) + entry.key.size() + entry.text.size() + entry.blob.size();
+  std::uint64_t bytes = layout::kHeadBytes;
+  for (const Entry& entry : entries_) bytes += layout::bytes_of(entry);
   return bytes;
 }
 
-void Journal::write(std::span<const std::byte> record, Sync sync) {
+/// The records first and, once they are on the disk, the slot that counts them.
+bool Journal::append(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
+  const auto settle = [&] { return sync == Sync::later || disk_->sync(name_); };
+  if (!disk_->append(name_, records) || !settle()) return false;
+  const layout::Slot slot{.number = slot_number_ + 1, .records = file_records_ + count, .bytes = file_bytes_ + records.size()};
+  if (!disk_->overwrite(name_, layout::place_of_slot(slot.number), layout::encode(slot)) || !settle()) return false;
+  slot_number_ = slot.number;
+  file_records_ = slot.records;
+  file_bytes_ = slot.bytes;
+  return true;
+}
+
+void Journal::write(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
   if (!has_file_ || file_bytes_ > kMostStale * live_bytes() + kSmall) return rewrite();
-  if (!disk_->append(name_, record) || (sync == Sync::now && !disk_->sync(name_))) {
-    // Whether the record is in the file is unknown now; what comes after a cut one would be lost with it. What it has
-    // taken of a full disk is given back, or nothing smaller could be written either.
-    const int why = errno;
-    static_cast<void>(disk_->cut(name_, file_bytes_));
-    errno = why;
-    has_file_ = false;
-    return rewrite();
-  }
-  file_bytes_ += record.size();
+  if (append(records, count, sync)) return;
+  // Whether the records are in the file is unknown now; what comes after a cut one would be lost with it. What it has
+  // taken of a full disk is given back, or nothing smaller could be written either.
+  const int why = errno;
+  static_cast<void>(disk_->cut(name_, file_bytes_));
+  errno = why;
+  has_file_ = false;
+  rewrite();
 }
 
 /// All that is live into a new file, then that one in place of the old, which stays until then.
 void Journal::rewrite() {
   const std::string beside = name_ + ".new";
-  bool done = disk_->create(beside) && disk_->append(beside, bytes_of(kMagic));
-  for (const Entry& entry : entries_) done = done && disk_->append(beside, record_of(entry, false));
+  const std::uint64_t bytes = live_bytes();
+  bool done = disk_->create(beside) && disk_->append(beside, std::as_bytes(std::span(layout::kMagic)));
+  for (const std::uint64_t number : {0, 1}) {
+    done = done && disk_->append(beside, layout::encode(layout::Slot{.number = number, .records = entries_.size(), .bytes = bytes}));
+  }
+  for (const Entry& entry : entries_) done = done && disk_->append(beside, layout::encode(entry, false));
   done = done && disk_->sync(beside) && disk_->rename(beside, name_);
   problem_ = done ? std::string() : fmt::format("{} cannot be written: {}", name_, std::strerror(errno));
   has_file_ = done;
-  if (done) file_bytes_ = live_bytes();
+  if (!done) return;
+  slot_number_ = 1;
+  file_records_ = entries_.size();
+  file_bytes_ = bytes;
 }
 
 }  // namespace collided::service

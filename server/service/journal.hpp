@@ -20,6 +20,8 @@ class Disk {
   /// An empty file in place of whatever is there.
   virtual bool create(const std::string& name) = 0;
   virtual bool append(const std::string& name, std::span<const std::byte> bytes) = 0;
+  /// In place of as many bytes that are there.
+  virtual bool overwrite(const std::string& name, std::uint64_t at, std::span<const std::byte> bytes) = 0;
   /// The first so many bytes of it are left.
   virtual bool cut(const std::string& name, std::uint64_t bytes) = 0;
   /// What was appended outlives a loss of power from now on.
@@ -30,7 +32,7 @@ class Disk {
 std::unique_ptr<Disk> disk_in(const std::string& folder);
 
 /// What must outlive a crash: named entries, the last one of a name counts. Appended to a file, each record with its
-/// length and checksum; rewritten beside it, synced and renamed over it once most of it is stale. A write, sync or rename
+/// length and checksum, and counted at its beginning once synced, so that a lost end is seen (journal_layout); rewritten beside it, synced and renamed over it once most of it is stale. A write, sync or rename
 /// that failed makes the file a failed one: nothing is appended to it any more, the next entry goes to a new one with all
 /// that is live, and until that has worked problem() says so.
 ///
@@ -46,7 +48,7 @@ class Journal {
   enum class Sync : std::uint8_t { now, later };  // later: outlives this process, not a loss of power
 
   /// Reads what an earlier process left. A record that is cut or does not fit its checksum ends the reading: the state
-  /// before it is kept, and damage() says what was lost.
+  /// before it is kept, and damage() says what was lost; so it does where fewer records are there than were acknowledged.
   Journal(std::unique_ptr<Disk> disk, std::string name);
 
   /// In the order of their first writing.
@@ -62,8 +64,10 @@ class Journal {
 
  private:
   void read();
+  bool read_records(std::span<const std::byte> file, std::size_t from);
   void apply(Entry entry, bool is_erased);
-  void write(std::span<const std::byte> record, Sync sync);
+  bool append(std::span<const std::byte> records, std::uint64_t count, Sync sync);
+  void write(std::span<const std::byte> records, std::uint64_t count, Sync sync);
   void fail_for_memory();
   void rewrite();
   std::uint64_t live_bytes() const;
@@ -72,6 +76,8 @@ class Journal {
   std::string name_;
   std::vector<Entry> entries_;
   std::uint64_t file_bytes_ = 0;
+  std::uint64_t file_records_ = 0;
+  std::uint64_t slot_number_ = 0;
   bool has_file_ = false;  // that may be appended to
   std::string damage_;
   std::string problem_;

@@ -60,6 +60,10 @@ class PosixDisk final : public Disk {
     const File file(path(name), O_WRONLY | O_APPEND);
     return file.is_open() && file.write_all(bytes);
   }
+  bool overwrite(const std::string& name, std::uint64_t at, std::span<const std::byte> bytes) override {
+    const File file(path(name), O_WRONLY);
+    return file.is_open() && lseek(file.number(), static_cast<off_t>(at), SEEK_SET) >= 0 && file.write_all(bytes);
+  }
   bool cut(const std::string& name, std::uint64_t bytes) override {
     return truncate(path(name).c_str(), static_cast<off_t>(bytes)) == 0;
   }

@@ -1,8 +1,24 @@
 #include "server/service/listeners.hpp"
 
+#include <new>
+
 #include "server/service/decoding.hpp"
+#include "server/service/out_of_memory.hpp"
 
 namespace collided::service {
+namespace {
+
+/// A sample that was taken does not come again, and DDS, which is C, must not meet an exception.
+template <class Take>
+void take_or_end(Take&& take) {
+  try {
+    take();
+  } catch (const std::bad_alloc&) {
+    end_out_of_memory("samples that come in");
+  }
+}
+
+}  // namespace
 
 void WriterTable::heard(std::uint64_t writer, std::uint64_t publisher) {
   const std::lock_guard lock(mutex_);
@@ -36,12 +52,12 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
       pose_topic_(participant, name_space),
       query_topic_(participant, name_space),
       object_reader_(object_topic_,
-                     {.data = [this](dds::Taker<wire::Definition> taker) { take_definitions(taker); },
-                      .liveliness = [this](const dds::Liveliness& change) { object_writers_.liveliness(change); }}),
+                     {.data = [this](dds::Taker<wire::Definition> taker) { take_or_end([&] { take_definitions(taker); }); },
+                      .liveliness = [this](const dds::Liveliness& change) { take_or_end([&] { object_writers_.liveliness(change); }); }}),
       pose_reader_(pose_topic_,
-                   {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_poses(taker); },
-                    .liveliness = [this](const dds::Liveliness& change) { pose_writers_.liveliness(change); }}),
-      query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) { answering.listen(taker); }}) {}
+                   {.data = [this](dds::Taker<wire::PoseBatch> taker) { take_or_end([&] { take_poses(taker); }); },
+                    .liveliness = [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
+      query_reader_(query_topic_, {.data = [&answering](dds::Taker<wire::Query> taker) { take_or_end([&] { answering.listen(taker); }); }}) {}
 
 void Listeners::take_left_definitions() {
   if (definitions_left_.exchange(false)) take_definitions(object_reader_.taker());

@@ -34,7 +34,7 @@ void refuse_taken_names(const World& world, const Scene& scene) {
 Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
   Load load;
   arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
-                        "foreign"});
+                        "foreign", "covers"});
   load.path = arguments.text("path");
   load.options.name = arguments.text("name");
   load.options.unit_m = arguments.number("unit_m", 1);
@@ -53,6 +53,7 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
   if (arguments.truth("mend", false)) load.options.mend_m = crack_m;
   load.options.srdf = arguments.text("srdf");
   load.options.is_foreign = arguments.truth("foreign", false);
+  load.covers = arguments.boxes("covers");
   if (!(load.options.unit_m > 0))
     throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
   load.options.up = up.empty() ? '\0' : up[0];
@@ -146,7 +147,11 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
   }
   const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
-  if (durable_ != nullptr) durable_->scene_loaded(loaded.scene.name, load.ask);
+  if (!load.covers.empty()) world.state_covers(loaded.scene.name, load.covers);
+  if (durable_ != nullptr) {
+    durable_->scene_loaded(loaded.scene.name, load.ask);
+    if (!load.covers.empty()) durable_->covers_stated();
+  }
   keep_upload(loaded.scene.name, load.path);
   const std::uint64_t version = step();
   json left_out = json::array();
@@ -164,6 +169,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
           {"refused", loaded.report.refused},
           {"warnings", loaded.report.warnings},
           {"left_out", left_out},
+          {"covers", covers_json(load.covers)},
           {"version", version}};
 }
 

@@ -28,13 +28,16 @@ std::vector<std::string> known_flags() {
   return flags;
 }
 
+/// "-.5", "-1,0,0:1,1,1"
+bool starts_as_number(const std::string& text) { return is_number(text.substr(0, text.find_first_of(",:"))); }
+
 /// A number is never an option: "--unit -.5" becomes "--unit=-.5", so that the complaint is about the value.
 std::vector<std::string> join_numbers(const std::vector<std::string>& arguments) {
   std::vector<std::string> joined;
   for (const std::string& argument : arguments) {
     const bool after_flag =
         !joined.empty() && joined.back().starts_with("--") && joined.back().find('=') == std::string::npos;
-    if (after_flag && argument.starts_with('-') && is_number(argument)) {
+    if (after_flag && argument.starts_with('-') && starts_as_number(argument)) {
       joined.back() += "=" + argument;
     } else {
       joined.push_back(argument);

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "server/geometry/aabb.hpp"
+
 namespace collided::service {
 
 /// What the server was told, each value checked. Keys, flags, variables and defaults: settings().
@@ -20,6 +22,7 @@ struct Options {
   double unit_m = 1;
   char up = 0;  // 0: as the format says
   std::optional<double> mend_m{};  // of the scenes: as LoadOptions has it
+  std::vector<Aabb> covers;        // of the world: where what is loaded is complete; none: not stated
   std::uint32_t max_objects = 0;
   std::uint32_t max_contacts = 0;
   double error_m = 0;            // of questions that ask for none; 0: exact on doubt

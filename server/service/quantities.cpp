@@ -1,5 +1,6 @@
 #include "server/service/quantities.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -66,6 +67,23 @@ std::optional<double> parse_length_m(std::string_view text) {
     if (text == name) return *value * metres;
   }
   return std::nullopt;
+}
+
+std::optional<std::array<double, 6>> parse_box_m(std::string_view text) {
+  std::array<double, 6> box{};
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    const std::size_t end = i == 2 ? text.find(':') : i == 5 ? text.size() : text.find(',');
+    if (end == std::string_view::npos) return std::nullopt;
+    std::string_view length = text.substr(0, end);
+    const std::optional<double> value = take_number(length);
+    if (!value || std::isnan(*value)) return std::nullopt;
+    const auto unit = std::find_if(kLengths.begin(), kLengths.end(), [&](const Unit& known) { return known.first == length; });
+    if (!length.empty() && unit == kLengths.end()) return std::nullopt;
+    box[i] = length.empty() ? *value : *value * unit->second;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  const bool is_ordered = box[0] <= box[3] && box[1] <= box[4] && box[2] <= box[5];
+  return is_ordered ? std::optional(box) : std::nullopt;
 }
 
 std::optional<double> parse_unit_m(std::string_view text) {

@@ -72,13 +72,14 @@ std::size_t ReplyFiller::bytes_of(const AnswerHit& hit) {
 
 void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
   const std::uint32_t slot = slot_of(hit.object);
-  if (slot < named_in_.size() && named_in_[slot] != reply_number_) {
+  const bool is_object = (hit.flags & wire_contract::kUncovered) == 0;
+  if (is_object && slot < named_in_.size() && named_in_[slot] != reply_number_) {
     named_in_[slot] = reply_number_;
     columns.named.add_id(hit.object);
     columns.named.append(name_of(hit.object));
   }
   columns.objects.push_back(hit.object);
-  const ObjectInfo* info = info_of(hit.object);
+  const ObjectInfo* info = is_object ? info_of(hit.object) : nullptr;
   columns.triangles.push_back(info ? info->told_triangle(hit.triangle) : hit.triangle);
   columns.hit_flags.push_back(hit.flags);
   const std::size_t end = columns.numbers.size();

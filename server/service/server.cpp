@@ -37,7 +37,7 @@ StartError not_alone(const Options& options, long pid) {
                   pid, options.name_space, options.domain));
 }
 
-/// Two servers under one namespace would both answer every question. A server that lives says so ten times a second,
+/// Two servers under one namespace would both answer every question. A server that lives says so twenty times a second,
 /// and its last status waits for who joins.
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options) {
   constexpr std::int64_t kListenNs = 250'000'000;
@@ -173,6 +173,7 @@ std::unique_ptr<DurableState> Server::Parts::keep() {
   const std::filesystem::path beside = std::filesystem::path(epoch.kept_in).replace_extension(".journal");
   auto kept = std::make_unique<DurableState>(disk_in(beside.parent_path().string()), beside.filename().string(), epoch.crashed,
                                              [this](const std::string& sentence) { log->warn("{}", sentence); });
+  if (kept->had_covers()) world.state_covers("", {});
   if (!kept->publishers_left().empty()) log->warn("waiting for {} publishers from before", kept->publishers_left().size());
   if (!kept->commands_left().empty()) log->warn("adding again {} scenes and objects from before", kept->commands_left().size());
   return kept;

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <sstream>
 #include <string_view>
 
 #include "server/service/options.hpp"
@@ -81,6 +83,17 @@ Allowed apply_mend(Options& options, Values values) {
     return "'off', 'auto' or the widest crack to close, such as 0.1mm";
   }
   options.mend_m = crack;
+  return std::nullopt;
+}
+
+Allowed apply_covers(Options& options, Values values) {
+  options.covers.clear();
+  std::istringstream words(values[0]);
+  for (std::string word; words >> word;) {
+    const std::optional<std::array<double, 6>> box = parse_box_m(word);
+    if (!box) return "boxes X0,Y0,Z0:X1,Y1,Z1 with the lower corner first, blanks between them; or nothing";
+    options.covers.push_back({.low = {(*box)[0], (*box)[1], (*box)[2]}, .high = {(*box)[3], (*box)[4], (*box)[5]}});
+  }
   return std::nullopt;
 }
 
@@ -192,6 +205,8 @@ constexpr Setting kSettings[] = {
     {"world.up", "--up", "COLLIDED_UP", "auto", "AXIS", "of the scene files: y or z; auto: as the format says, else z", false, apply_up},
     {"world.mend", "--mend", "COLLIDED_MEND", "off", "WIDTH",
      "of the scene files: join points and cut edges up to so wide a crack, or auto", false, apply_mend},
+    {"world.covers", "--covers", "COLLIDED_COVERS", "", "BOXES",
+     "where what is loaded is complete: X0,Y0,Z0:X1,Y1,Z1; outside of it nothing is called free", false, apply_covers},
     {"world.max_objects", "--max-objects", "COLLIDED_MAX_OBJECTS", "100000", "N", "static parts and moving objects",
      false, apply_max_objects},
     {"world.max_contacts", "--max-contacts", "COLLIDED_MAX_CONTACTS", "10000000", "N",

@@ -80,6 +80,7 @@ void print_plan(const World& world) {
 void load_start_scenes(const Options& options, World& world, std::int64_t now_ns) {
   for (const std::string& path : options.scenes) add(world, load(options, path));
   if (options.scenes.empty()) add(world, embedded_and_indexed());
+  if (!options.covers.empty()) world.state_covers("", options.covers);
   world.step(now_ns, 1, {});
   print_plan(world);
   std::fflush(stdout);

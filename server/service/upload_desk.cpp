@@ -82,8 +82,8 @@ void UploadDesk::stop() {
 }
 
 void UploadDesk::take(CommandAsk ask) {
-  if (jobs_.has_room()) return jobs_.push(std::move(ask));
-  send_(ask, ReplyStatus::refused, refusal_text("too many pieces of uploads wait already", "send it again"));
+  if (!jobs_.has_room()) return send_(ask, ReplyStatus::refused, refusal_text("too many pieces of uploads wait already", "send it again"));
+  jobs_.push(std::move(ask));
 }
 
 bool UploadDesk::has_taken(const std::string& path) const { return !folder_.empty() && path.starts_with(folder_ + "/"); }

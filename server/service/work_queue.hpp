@@ -17,13 +17,16 @@ class WorkQueue {
  public:
   explicit WorkQueue(std::size_t limit) : limit_(limit) {}
 
-  void push(Item item) {
+  /// False once it is closed: nobody would come for the item.
+  bool push(Item item) {
     {
       const std::lock_guard lock(mutex_);
+      if (closed_) return false;
       items_.push_back(std::move(item));
       size_.fetch_add(1, std::memory_order_relaxed);
     }
     arrived_.notify_one();
+    return true;
   }
   bool empty() const { return size_.load(std::memory_order_relaxed) == 0; }
   bool has_room() const { return size_.load(std::memory_order_relaxed) < limit_; }

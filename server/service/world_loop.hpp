@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/service/broadcast.hpp"
@@ -64,8 +65,10 @@ class WorldLoop {
         recovering_(options.recovery_ns > 0),
         started_ns_(steady_ns()) {}
 
-  /// Runs until stop(); then ends every contact with server_stopping and says so.
+  /// Runs until stop(); then ends every contact with server_stopping and says so. Ends the process where no memory is left.
   void run();
+  /// This is the thread that run() is on.
+  bool runs_here() const { return thread_.load() == std::this_thread::get_id(); }
   /// Any thread.
   void stop();
 
@@ -98,6 +101,7 @@ class WorldLoop {
   std::size_t probe_count() const { return probe_count_.load(std::memory_order_relaxed); }
 
  private:
+  void serve();
   void take(Arrival& arrival);
   void take(DefinitionSample& sample);
   template <class Apply>
@@ -125,6 +129,7 @@ class WorldLoop {
   Publishers publishers_;
   Broadcast broadcast_;
   std::atomic<bool> stopping_{false};
+  std::atomic<std::thread::id> thread_{};
   std::atomic<bool> recovering_{false};
   std::int64_t started_ns_ = 0;
   std::vector<Arrival> arrivals_;
@@ -132,6 +137,7 @@ class WorldLoop {
   std::uint64_t pending_changes_ = 0;
   std::int64_t next_step_ns_ = 0;
   std::int64_t next_status_ns_ = 0;
+  std::int64_t next_tick_ns_ = 0;
   LoopCounts counts_;
   StepSums sums_;
   std::int64_t stepping_ns_ = 0;  // in steps, since the start

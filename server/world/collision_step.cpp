@@ -55,6 +55,7 @@ void Step::fill_snapshot() {
   next.objects = s.objects;
   next.table_version = s.table_version;
   next.stale_objects = s.stale_objects;
+  next.covers = s.covers;
   s.objects_shared = true;
 }
 

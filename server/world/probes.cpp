@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/geometry/float_environment.hpp"
+#include "server/world/covered.hpp"
 #include "server/world/question.hpp"
 
 namespace collided {
@@ -150,7 +151,10 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
     else reading.state = ray.state_about(back_m);
     agree_with_sign(reading);
   }
-  if (ray.undecided) reading.state = ProbeState::undecided;
+  // Up to what is met, or as far as it looks, it must be known that nothing is.
+  const double known_m = back_m + (first == nullptr ? probe.definition.reach_m : reading.clearance_m - reading.error_m);
+  const bool is_covered = !snapshot.covers || !leaves_covered(Ray{start, direction, std::max(0.0, known_m)}, *snapshot.covers);
+  if (ray.undecided || !is_covered) reading.state = ProbeState::undecided;
   itself = met_by_others;
   return reading;
 }

@@ -7,6 +7,7 @@
 
 #include "server/exact_phase/precision.hpp"
 #include "server/geometry/float_environment.hpp"
+#include "server/world/covered.hpp"
 #include "server/world/question.hpp"
 #include "server/world/stale_reach.hpp"
 
@@ -118,6 +119,18 @@ void push_answer(Answers& answers, const Question& question) {
   answers.hits.insert(answers.hits.end(), question.found.begin(), question.found.end());
 }
 
+/// As with lost publishers: what is known stays for who wants it, behind it where it ends.
+void doubt_where_not_covered(Answers& answers, const Question& question, const double* numbers) {
+  const bool is_claim = answers.answers.back() == Answer::miss || answers.answers.back() == Answer::hit;
+  if (!is_claim) return;
+  const std::optional<Leaving> leaving = leaves_covered(question.asked, numbers, question.found, *question.snapshot.covers);
+  if (!leaving) return;
+  answers.answers.back() = Answer::undecided;
+  answers.reasons.back() = UndecidedReason::not_covered;
+  answers.hits.push_back({.flags = wire_contract::kUncovered, .distance_m = leaving->covered_m, .point = leaving->point});
+  ++answers.hit_counts.back();
+}
+
 void note_age(Answers& answers, const Question& question) {
   for (const AnswerHit& hit : question.found) {
     const std::int64_t posed_ns = question.snapshot.posed_ns[slot_of(hit.object)];
@@ -145,8 +158,9 @@ struct Course {
   QueryScratch& scratch;
   Answers& answers;
 
-  void finish(const Question& question) const {
+  void finish(const Question& question, const double* numbers) const {
     push_answer(answers, question);
+    if (snapshot.covers) doubt_where_not_covered(answers, question, numbers);
     note_age(answers, question);
   }
   void answer_one(const double* numbers) const {
@@ -154,7 +168,7 @@ struct Course {
     Question question{.snapshot = snapshot, .asked = asked, .allowed = scratch.allowed,
                       .open_scenes = scratch.open_scenes, .found = scratch.found};
     ask(question, numbers);
-    finish(question);
+    finish(question, numbers);
   }
   void answer_rays(const double* numbers, std::size_t count) const;
 };
@@ -167,7 +181,7 @@ void Course::answer_rays(const double* numbers, std::size_t count) const {
   // A ray that is answered at once ends a group, so that answers keep the order of the questions.
   const auto ask_group = [&] {
     if (size > 0) ask_rays(std::span(group).first(size), std::span<const double* const>(of_group).first(size));
-    for (std::size_t i = 0; i < size; ++i) finish(*group[i]);
+    for (std::size_t i = 0; i < size; ++i) finish(*group[i], of_group[i]);
     size = 0;
   };
   for (std::size_t i = 0; i < count; ++i) {

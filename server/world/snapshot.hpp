@@ -38,6 +38,7 @@ struct Snapshot {
   std::vector<std::int64_t> posed_ns;   // world time of the pose, by slot; 0: never moved
   std::vector<std::uint8_t> stale;      // 1: the publisher is lost, the pose is frozen
   std::vector<StaleObject> stale_objects;
+  std::shared_ptr<const std::vector<Aabb>> covers;  // where the loaded geometry is complete; null: everywhere
   bool contacts_truncated = false;      // there are more contacts than the step could tell
   std::shared_ptr<Grid> grid;           // over bounds, or generous ones; shared while no object moves
   std::vector<std::uint64_t> changed;   // by slot: version of the last change, for cheap catching up

@@ -207,6 +207,17 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
   return static_cast<std::uint32_t>(added);
 }
 
+void World::State::gather_covers() {
+  auto all = std::make_shared<std::vector<Aabb>>();
+  for (const auto& [scene, boxes] : covers_of) all->insert(all->end(), boxes.begin(), boxes.end());
+  covers = std::move(all);
+}
+
+void World::state_covers(std::string_view scene, std::span<const Aabb> boxes) {
+  state_->covers_of.insert_or_assign(std::string(scene), std::vector<Aabb>(boxes.begin(), boxes.end()));
+  state_->gather_covers();
+}
+
 std::uint32_t World::remove_scene(std::string_view name) {
   State& s = *state_;
   std::uint32_t removed_count = 0;
@@ -217,6 +228,10 @@ std::uint32_t World::remove_scene(std::string_view name) {
     ++removed_count;
   }
   std::erase_if(s.scenes, [&](const auto& scene) { return scene->name == name; });
+  if (const auto covers = s.covers_of.find(name); covers != s.covers_of.end()) {
+    s.covers_of.erase(covers);
+    s.gather_covers();
+  }
   s.apart.clear();
   return removed_count;
 }

@@ -85,6 +85,10 @@ class World {
   static std::shared_ptr<StaticScene> index_scene(Scene& scene, const BspOptions& options);
   /// Static triangles and the scene's objects. All or nothing: a clash of names refuses the scene.
   std::variant<std::uint32_t, Refusal> add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed);
+  /// The geometry of a scene ("": of the world, whatever is loaded) is complete inside of these boxes. Once anything was
+  /// stated, with or without boxes, what lies outside of all of them is not covered, even when the scenes that stated it are
+  /// gone: what was taken away must not make more of the world known.
+  void state_covers(std::string_view scene, std::span<const Aabb> boxes);
   /// Number of objects removed; their contacts end with geometry_changed.
   std::uint32_t remove_scene(std::string_view name);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -48,6 +49,8 @@ struct World::State {
   std::vector<std::int64_t> posed_ns;
   std::vector<std::uint8_t> stale;
   std::vector<StaleObject> stale_objects;
+  std::map<std::string, std::vector<Aabb>, std::less<>> covers_of;  // by scene; "": of the world
+  std::shared_ptr<const std::vector<Aabb>> covers;                  // all of them; null while none was ever stated
   std::vector<std::uint64_t> changed;  // step of the last change
 
   std::uint64_t table_version = 0;
@@ -92,6 +95,7 @@ struct World::State {
   void prefetch(std::uint32_t slot) const;
   ObjectId take_slot();
   void forget_stale(ObjectId id);
+  void gather_covers();
 };
 
 }  // namespace collided

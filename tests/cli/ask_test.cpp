@@ -47,7 +47,7 @@ TEST_F(Ask, ARayOnATerminalReadsAsASentence) {
 TEST_F(Ask, OffATerminalARecordIsALineWithTabs) {
   answer_rays(shelf());
   const Ran ran = collide("ray 0 0 5 0 0 -1");
-  EXPECT_EQ(ran.out, "hit\tshelf_3/top\t3.8\t4.4e-16\t0 0 1.2\t0 0 1\t118\t\t\t\t\t\t4.5e-16\n");
+  EXPECT_EQ(ran.out, "hit\tshelf_3/top\t3.8\t4.4e-16\t0 0 1.2\t0 0 1\t118\t\t\t\t\t\t4.5e-16\t\t\n");
   EXPECT_EQ(ran.err, "");
 }
 
@@ -96,6 +96,17 @@ TEST_F(Ask, UndecidedSaysWhy) {
   answer_rays(answer(Verdict::undecided, Undecided::numeric));
   EXPECT_EQ(at_terminal("ray 0 0 5 0 0 -1").out, "undecided: numeric; both answers are consistent with the input\n");
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --json").out, "{\"answer\":\"undecided\",\"reason\":\"numeric\"}\n");
+}
+
+TEST_F(Ask, WhatIsNotCoveredSaysWhere) {
+  Answer uncovered = answer(Verdict::undecided, Undecided::not_covered);
+  uncovered.uncovered = Uncovered{.point = {0, 0, 8}, .covered_m = 3};
+  answer_rays(uncovered);
+  const Ran ran = at_terminal("ray 0 0 5 0 0 1");
+  EXPECT_EQ(ran.code, 3);
+  EXPECT_EQ(ran.out, "undecided: not_covered; it reaches out of what the server's geometry covers, at 0 0 8 (3 m on)\n");
+  EXPECT_EQ(collide("ray 0 0 5 0 0 1 --json").out,
+            "{\"answer\":\"undecided\",\"reason\":\"not_covered\",\"covered\":3,\"covered_to\":[0,0,8]}\n");
 }
 
 TEST_F(Ask, EverySpellingOfARayIsTheSameRay) {

@@ -77,6 +77,7 @@ TEST_F(Errors, BadUseIsRefusedBeforeAnythingIsSent) {
       {"add crate bx 1 1 1", "error: add: no shape 'bx'; did you mean 'box'?\n       shapes: sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z, plane [NX NY NZ],\n       points FILE R, polyline FILE R, heights FILE DX [DY]\n"},
       {"add crate box 1 1", "error: add: a box takes 3: full lengths along x, y, z; 2 given\n"},
       {"--jsn status", "error: status: unknown option '--jsn'; did you mean '--json'?\n"},
+      {"get \xff", "error: get: a name or path is not UTF-8 text\n"},
       {"help rya", "error: help: no verb 'rya'; did you mean 'ray'?\n"},
   };
   for (const auto& [words, expected] : cases) {
@@ -93,7 +94,7 @@ TEST_F(Errors, AFieldThatDoesNotExistNamesThoseThatDo) {
   EXPECT_EQ(ran.code, 2);
   EXPECT_EQ(ran.err,
             "error: ray: no field 'distanze'; did you mean 'distance'?\n"
-            "       fields: answer,object,distance,error,point,normal,triangle,order,exit,inside,stale,reason,point_error\n");
+            "       fields: answer,object,distance,error,point,normal,triangle,order,exit,inside,stale,reason,point_error,covered,covered_to\n");
 }
 
 TEST_F(Errors, QuietLeavesOutTheHint) {

@@ -20,7 +20,7 @@ class World : public testing::Test {
     };
   }
 
-  std::map<std::string, nlohmann::json> replies;
+  std::map<std::string, nlohmann::json> replies{{"covers", {{"covers", nullptr}, {"version", 1}}}};
   std::vector<std::pair<std::string, nlohmann::json>> asked;
   Shape last_shape;
 };
@@ -76,6 +76,25 @@ TEST_F(World, LoadSendsAnAbsolutePathAndTheUnitInMetres) {
   EXPECT_EQ(asked[0].second["unit_m"], 0.001);
   EXPECT_EQ(asked[0].second["up"], "y");
   EXPECT_EQ(asked[0].second["path"].get<std::string>().front(), '/');
+}
+
+TEST_F(World, LoadAndStatusKnowWhatIsCovered) {
+  replies["load"] = {{"scene", "hall"}, {"triangles", 1}, {"parts", 1}, {"objects", 0}, {"seconds", 0.1}, {"version", 5},
+                     {"covers", {{-1, 0, 0, 1, 1, "inf"}}}};
+  const Ran ran = collide("load hall.obj --covers -1,0,0:1,1m,inf --covers 5,5,5:6,6,6 --fields covers");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(asked[0].second["covers"], nlohmann::json({{-1, 0, 0, 1, 1, "inf"}, {5, 5, 5, 6, 6, 6}}));
+  EXPECT_EQ(ran.out, "[[-1,0,0,1,1,\"inf\"]]\n");
+  for (const char* wrong : {"1,2,3", "1,2,3:4,5", "1,2,3:0,5,6", "a:b", "0,0,nan:1,1,1"}) {
+    EXPECT_EQ(collide("load hall.obj --covers " + std::string(wrong)).code, 2) << wrong;
+  }
+  EXPECT_EQ(asked.size(), 1U);
+  fake::server().status.state = "ready";
+  replies["covers"] = {{"covers", {{-1, 0, 0, 1, 1, "inf"}}}, {"version", 5}};
+  EXPECT_NE(at_terminal("status").out.find("\ncovers -1 0 0 to 1 1 inf\n"), std::string::npos) << at_terminal("status").out;
+  EXPECT_EQ(collide("status --fields covers").out, "[[-1,0,0,1,1,\"inf\"]]\n");
+  replies["covers"] = {{"covers", nullptr}, {"version", 5}};
+  EXPECT_EQ(at_terminal("status").out.find("cover"), std::string::npos);
 }
 
 TEST_F(World, UploadSendsTheBytesAndANameThatIsOne) {

@@ -67,8 +67,10 @@ dds::Sample<wire::Definition> definition(std::uint64_t publisher, std::uint32_t 
   return sample;
 }
 
-dds::Sample<wire::Query> command(const std::string& text) {
+dds::Sample<wire::Query> command(const std::string& text, std::uint64_t request = 0) {
   dds::Sample<wire::Query> sample;
+  sample->client = request == 0 ? 0 : 5;
+  sample->request = request;
   sample->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
   sample->chunk_count = 1;
   EXPECT_TRUE(dds::set_text(sample->text, text));
@@ -236,31 +238,128 @@ TEST(FlightOpening, ANewLifeOfAPublisherReplacesTheOld) {
   EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{1, 1}}));
 }
 
-TEST(FlightOpening, ALostPublishersObjectsGoAsItWished) {
+void tell(FlightOpening& opening, const std::vector<std::pair<std::uint64_t, wire_contract::PublisherState>>& listed) {
+  std::vector<std::uint64_t> publishers;
+  std::vector<std::uint8_t> states;
+  for (const auto& [publisher, state] : listed) publishers.push_back(publisher), states.push_back(static_cast<std::uint8_t>(state));
+  dds::Sample<wire::Status> status;
+  dds::borrow(status->publishers, publishers);
+  dds::borrow(status->publisher_states, states);
+  opening.fold(*status);
+  dds::borrow(status->publishers, std::span<const std::uint64_t>());
+  dds::borrow(status->publisher_states, std::span<const std::uint8_t>());
+}
+
+/// Asks and lets the server say what it did.
+void ask(FlightOpening& opening, const std::string& text, const std::string& answer = "{}",
+         wire_contract::ReplyStatus status = wire_contract::ReplyStatus::ok) {
+  static std::uint64_t request = 0;
+  opening.fold(*command(text, ++request));
+  dds::Sample<wire::Reply> reply;
+  reply->client = 5;
+  reply->request = request;
+  reply->chunk_count = 1;
+  reply->status = static_cast<std::uint8_t>(status);
+  const std::vector<std::uint8_t> bytes(answer.begin(), answer.end());
+  dds::borrow(reply->text, bytes);
+  opening.fold(*reply);
+  dds::borrow(reply->text, std::span<const std::uint8_t>());
+}
+
+using wire_contract::PublisherState;
+
+TEST(FlightOpening, ALostPublishersObjectsGoAsItWishedAndComeBackWithIt) {
   FlightOpening opening;
   dds::Sample<wire::Definition> kept = definition(7, 1, 2);
   kept->lost_policy = static_cast<std::uint8_t>(wire_contract::LostPolicy::freeze);
   opening.fold(*definition(7, 0, 1));
   opening.fold(*kept);
-  dds::Sample<wire::Status> status;
-  const std::vector<std::uint64_t> publishers{7};
-  const std::vector<std::uint8_t> states{static_cast<std::uint8_t>(wire_contract::PublisherState::lost)};
-  dds::borrow(status->publishers, publishers);
-  dds::borrow(status->publisher_states, states);
-  opening.fold(*status);
+  tell(opening, {{7, PublisherState::lost}});
   EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{1, 2}}));
+  tell(opening, {{7, PublisherState::alive}});
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{0, 1}, {1, 2}}));
+}
+
+// A thousand publishers have room; those that came and went do not take it from the next.
+TEST(FlightOpening, PublishersThatTheServerForgotAreForgotten) {
+  FlightOpening opening;
+  for (std::uint64_t publisher = 1; publisher <= 3'000; ++publisher) {
+    tell(opening, {});
+    opening.fold(*definition(publisher, 0, 1));
+    opening.fold(*batch(publisher, 2, 1, 5));
+    tell(opening, {});  // on its way: not listed yet
+    EXPECT_EQ(written(opening).objects.size(), 1U);
+    tell(opening, {{publisher, PublisherState::alive}});
+    EXPECT_EQ(written(opening).x.at(0), 5);
+    tell(opening, {});
+    EXPECT_TRUE(written(opening).objects.empty());
+  }
+  EXPECT_EQ(opening.left_out(), 0U);
 }
 
 TEST(FlightOpening, CommandsThatUndoEachOtherTakeNoRoom) {
   FlightOpening opening;
   for (int i = 0; i < 10; ++i) {
-    opening.fold(*command(R"({"command":"add","name":"crate"})"));
-    opening.fold(*command(R"({"command":"move","name":"crate","pose":[1]})"));
-    opening.fold(*command(R"({"command":"move","name":"crate","pose":[2]})"));
-    opening.fold(*command(R"({"command":"list"})"));
-    if (i < 9) opening.fold(*command(R"({"command":"remove","name":"crate"})"));
+    ask(opening, R"({"command":"add","name":"crate"})");
+    ask(opening, R"({"command":"move","name":"crate","pose":[1]})");
+    ask(opening, R"({"command":"move","name":"crate","pose":[2]})");
+    ask(opening, R"({"command":"list"})");
+    if (i < 9) ask(opening, i % 2 == 0 ? R"({"command":"remove","name":"crate"})" : R"({"command":"remove","name":"c*"})", R"({"removed":["crate"]})");
   }
   EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})", R"({"command":"move","name":"crate","pose":[2]})"}));
+  for (int i = 0; i < 10; ++i) {
+    ask(opening, R"({"command":"load","path":"/a/plate.obj"})", R"({"scene":"plate"})");
+    ask(opening, R"({"command":"clear","scene":"plate"})");
+    ask(opening, R"({"command":"probe","name":"ear","object":"crate"})");
+    ask(opening, R"({"command":"probe","name":"e*","remove":true})", R"({"probes":["ear"]})");
+  }
+  EXPECT_EQ(written(opening).commands.size(), 2U);
+  ask(opening, R"({"command":"clear"})");
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"clear"})"})) << "the scenes of the start are gone too";
+}
+
+TEST(FlightOpening, WhatWasRefusedChangedNothing) {
+  FlightOpening opening;
+  ask(opening, R"({"command":"add","name":"crate"})");
+  ask(opening, R"({"command":"remove","name":"*"})", "a living publisher has one", wire_contract::ReplyStatus::refused);
+  ask(opening, R"({"command":"load","path":"/nowhere.obj"})", "no such file", wire_contract::ReplyStatus::refused);
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})"}));
+}
+
+TEST(FlightOpening, AnObjectOfASceneStaysAwayOnceItWasRemoved) {
+  FlightOpening opening;
+  for (int i = 0; i < 3; ++i) {
+    ask(opening, R"({"command":"load","path":"/a/hall.obj","replace":true})", R"({"scene":"hall"})");
+    ask(opening, R"({"command":"remove","name":"door?"})", R"({"removed":["door1","door2"]})");
+  }
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"load","path":"/a/hall.obj","replace":true})",
+                                                                 R"({"command":"remove","name":"door1"})", R"({"command":"remove","name":"door2"})"}));
+}
+
+TEST(FlightOpening, WhatALostPublisherLeftCanBeRemovedAndOfALivingOneNothing) {
+  FlightOpening opening;
+  for (const std::uint64_t publisher : {7, 8}) {
+    dds::Sample<wire::Definition> frozen = definition(publisher, 10 + static_cast<std::uint32_t>(publisher), 1);
+    frozen->lost_policy = static_cast<std::uint8_t>(wire_contract::LostPolicy::freeze);
+    opening.fold(*frozen);
+  }
+  tell(opening, {{7, PublisherState::lost}, {8, PublisherState::alive}});
+  ask(opening, R"({"command":"remove","name":"object 17"})", R"({"removed":["object 17"]})");
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{18, 1}}));
+  EXPECT_TRUE(written(opening).commands.empty());
+  ask(opening, R"({"command":"clear"})");
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{18, 1}}));
+}
+
+// What the window's end cuts off from its answer is written, and so is what the server carried out by itself.
+TEST(FlightOpening, ACommandWithoutAnAnswerIsWrittenLast) {
+  FlightOpening opening;
+  opening.fold(*command(R"({"command":"add","name":"late"})", 1'000'000));
+  opening.fold(*command(R"({"command":"add","name":"from the journal"})"));
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"from the journal"})", R"({"command":"add","name":"late"})"}));
+  for (std::uint64_t i = 0; i < 200; ++i) opening.fold(*command(R"({"command":"add","name":"lost"})", 2'000'000 + i));
+  EXPECT_EQ(written(opening).commands.size(), 1 + FlightCommands::kMostUnanswered);
+  EXPECT_EQ(opening.left_out(), 201 - FlightCommands::kMostUnanswered);
 }
 
 // What has left the window comes back as the state that the file begins with.

@@ -88,7 +88,7 @@ TEST_F(ServerCommands, ASceneIsLoadedReplacedAndCleared) {
   EXPECT_NEAR(client.ask(RayQuestion{.origin = {3, 2, 1}, .direction = {0, 0, 1}})->hits.at(0).distance_m, 2, 1e-12);
   done(client, "clear", {{"scene", "roof"}});
   EXPECT_EQ(client.ask(up)->verdict, Verdict::miss);
-  // Statuses come ten times a second.
+  // Statuses come twenty times a second.
   const auto until = std::chrono::steady_clock::now() + 5s;
   while (client.status()->scenes.size() > 1 && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(10ms);
   EXPECT_EQ(client.status()->scenes, std::vector<std::string>{"warehouse"});

@@ -18,7 +18,7 @@ class ServerTest : public ServerProcess {
   static Watch watch(Client& client) {
     Result<Watch> watch = client.watch();
     EXPECT_TRUE(watch) << watch.error().message;
-    // Until a status has vouched for what holds, events count as part of it; statuses come ten times a second.
+    // Until a status has vouched for what holds, events count as part of it; statuses come twenty times a second.
     std::this_thread::sleep_for(milliseconds(300));
     return std::move(*watch);
   }

@@ -130,6 +130,19 @@ TEST_F(ServerPairs, EveryAnswerComesWithAProofThatIsCheckedHere) {
   std::printf("%d touching, %d apart (%d by one plane), all proved here\n", touching, apart, with_one_plane);
 }
 
+// Such a name is nobody's, and must not become another one's on the way.
+TEST_F(ServerPairs, NamesThatAreNotTextAreRefusedBeforeAnythingIsSent) {
+  start();
+  Client client = connect();
+  const Result<PairAnswer> pair = client.pair("\xff", "warehouse/floor");
+  ASSERT_FALSE(pair);
+  EXPECT_EQ(pair.error().code, ErrorCode::bad_input);
+  EXPECT_EQ(pair.error().message, "pair: a name is not UTF-8 text. Nothing was sent");
+  const Result<Done> probe = client.add_probe({.name = "eye", .object = "cr\xc3te"});
+  ASSERT_FALSE(probe);
+  EXPECT_EQ(probe.error().code, ErrorCode::bad_input);
+}
+
 TEST_F(ServerPairs, TrianglesComeAsTheyAreAskedFor) {
   start();
   Client client = connect();

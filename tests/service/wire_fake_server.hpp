@@ -59,7 +59,7 @@ class FakeServer {
     }
   }
 
-  /// Change under `mutex`; sent ten times a second while `beating`.
+  /// Change under `mutex`; sent twenty times a second while `beating`.
   std::mutex mutex;
   dds::Sample<wire::Status> status;
   std::atomic<bool> beating{true};

@@ -87,6 +87,17 @@ TEST(Options, EverySettingRefusesNonsense) {
   }
 }
 
+TEST(Options, CoversAreBoxes) {
+  const Options options = parse({"--covers", "-1,0,0:1mm,2,3 -inf,-inf,0:inf,inf,inf"}).options;
+  ASSERT_EQ(options.covers.size(), 2U);
+  EXPECT_EQ(options.covers[0].low, Vec3(-1, 0, 0));
+  EXPECT_EQ(options.covers[0].high, Vec3(1e-3, 2, 3));
+  EXPECT_EQ(options.covers[1].high[0], HUGE_VAL);
+  for (const char* wrong : {"1,2,3", "0,0,0:1,1", "0,0,0:1,1,1,1", "0,0,0:-1,1,1", "0,0,nan:1,1,1", "0,0,0:1,1,1x", "0,0:0,1,1,1"}) {
+    EXPECT_THROW(parse({"--covers", wrong}), OptionsError) << wrong;
+  }
+}
+
 TEST(Options, Quantities) {
   EXPECT_EQ(parse_duration_ns("1.5s"), 1'500'000'000);
   EXPECT_EQ(parse_duration_ns("200us"), 200'000);

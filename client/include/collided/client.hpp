@@ -110,7 +110,7 @@ struct AskOptions {
 };
 
 enum class Verdict { miss, hit, undecided, invalid };
-enum class Undecided { none, numeric, stale_object, recovering, truncated, deadline };
+enum class Undecided { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 
@@ -139,11 +139,18 @@ struct Cost {
   int level = 0;  // 0 double filter, 1 expansions or intervals, 2 rationals
 };
 
+/// Where what was asked leaves the space in which the server's geometry is complete, and how far rays are covered at least.
+struct Uncovered {
+  Vec3 point = Vec3::Zero();
+  double covered_m = 0;
+};
+
 struct Answer {
   Verdict verdict = Verdict::miss;
   Undecided reason = Undecided::none;
   std::vector<Hit> hits;  // ordered by (distance, object id, triangle)
   Cost cost;
+  std::optional<Uncovered> uncovered = {};  // with reason not_covered
 };
 
 /// One request's answers, all on one state of the world.
@@ -315,7 +322,7 @@ class Watch {
   std::optional<Event> next(std::chrono::nanoseconds wait);
   std::uint64_t lost() const;      // events dropped because nobody called next()
   std::uint64_t resyncs() const;
-  /// False while no status has come for 300 ms.
+  /// False while no status has come for 240 ms.
   bool connected() const;
   /// Contacts that hold now by this watch's own account.
   std::size_t open_contacts() const;

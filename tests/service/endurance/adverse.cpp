@@ -57,7 +57,7 @@ class Bench {
     publisher_.emplace(value_of(client_->publish("marker"), "publish"));
     ball_ = value_of(publisher_->add({.name = "marker", .shape = {SphereShape{.radius_m = 0.1}}, .pose = {.position = {6, 0, 1}}}), "add");
     first_mib_ = resident_mib(server_.pid());
-    // Until a status has vouched for what holds, events count as part of it; statuses come ten times a second.
+    // Until a status has vouched for what holds, events count as part of it; statuses come twenty times a second.
     for (int i = 0; i < 6; ++i) keep_alive(), std::this_thread::sleep_for(50ms);
   }
 
@@ -288,7 +288,7 @@ int clock_jump(const std::string& server, const std::string& preload) {
     if (answers && answers->oldest_pose_age) oldest_ms = std::max(oldest_ms, 1e-6 * static_cast<double>(answers->oldest_pose_age->count()));
   }
   std::printf("world time drifted %.0f ms, oldest pose %.0f ms\n", drift_ms, oldest_ms);
-  // Statuses come every 100 ms; a pose is shifted by a second at most before its publisher's clock is known anew.
+  // Statuses come every 50 ms; a pose is shifted by a second at most before its publisher's clock is known anew.
   const bool keeps_time = drift_ms < 500 && oldest_ms < 1'500;
   return report("clock_jump", bench, serves && keeps_time && bench.is_quiet(), true);
 }

@@ -15,8 +15,8 @@
 #include <functional>
 #include <iterator>
 #include <random>
-#include <set>
 #include <string>
+#include <vector>
 
 #include "server/intake/scene_file.hpp"
 #include "server/service/journal.hpp"
@@ -224,16 +224,16 @@ Outcome convert_from(const std::string& path, const std::string& importer, const
 struct Corruptions {
   int made = 0, detected = 0, bad_loads = 0;
 
-  /// whole_at  sizes at which a cut leaves what was whole once: nothing can show those
+  /// cuts  sizes to cut to besides those that chance finds
   template <class Detected>
-  void make(const char* what, const std::string& path, int count, std::mt19937_64& random, const std::set<std::size_t>& whole_at,
+  void make(const char* what, const std::string& path, int count, std::mt19937_64& random, const std::vector<std::size_t>& cuts,
             Detected&& is_detected) {
     const std::string whole = read_all(path);
     for (int i = 0; i < count; ++i) {
       std::string bytes = whole;
-      const bool is_cut = i % 4 == 0;
-      std::size_t at = random() % whole.size();
-      while (is_cut && whole_at.contains(at)) at = random() % whole.size();
+      const auto number = static_cast<std::size_t>(i);
+      const bool is_cut = i % 4 == 0 || number < cuts.size();
+      const std::size_t at = number < cuts.size() ? cuts[number] : random() % whole.size();
       is_cut ? bytes.resize(at) : void(bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8)));
       write_all(path, bytes);
       bool is_bad = false;
@@ -263,16 +263,17 @@ int corrupt(const std::string& folder, const Scene& scene, int count) {
   });
   std::vector<Journal::Entry> entries;
   const std::string journal_path = folder + "/it.journal";
-  std::set<std::size_t> whole_at;
+  std::vector<std::size_t> between_records;
   {
     Journal journal(service::disk_in(folder), "it.journal");
     for (int i = 0; i < 40; ++i) {
       journal.put({.key = "object/" + std::to_string(i), .text = std::string(random() % 90, 'x'), .blob = std::vector<std::byte>(random() % 200)}, Journal::Sync::later);
-      whole_at.insert(std::filesystem::file_size(journal_path));
+      between_records.push_back(std::filesystem::file_size(journal_path));
     }
+    between_records.pop_back();
     entries = journal.entries();
   }
-  corruptions.make("journal", journal_path, count - count / 2, random, whole_at, [&](bool& is_bad) {
+  corruptions.make("journal", journal_path, count - count / 2, random, between_records, [&](bool& is_bad) {
     const Journal journal(service::disk_in(folder), "it.journal");
     // What it has is what was written first.
     is_bad = journal.entries().size() > entries.size() || !std::equal(journal.entries().begin(), journal.entries().end(), entries.begin());

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "idl/cdr.hpp"
+#include "idl/recording/recorded_topics.hpp"
+
+namespace collided::service {
+
+/// The commands that brought in what is in the world beside publishers' objects, as few as make the same state again:
+/// adding, moving and taking away over and over takes no more room.
+///
+/// limits   kMostBytes; what does not fit is left out and counted
+/// threads  one
+class FlightCommands {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
+  static constexpr std::size_t kMostUnanswered = 64;
+  /// Takes an object that no publisher of a living process has: of a name (nullptr: all of them), moving ones alone.
+  /// True where there was one.
+  using TakePublished = std::function<bool(const std::string* name, bool moving_only)>;
+
+  /// It counts once the server has said that it was done. One without a client, which the server carries out by itself
+  /// after a restart, counts at once.
+  void asked(const wire::Query& query);
+  void answered(const wire::Reply& reply, const TakePublished& take);
+
+  /// Oldest first; those that have had no answer so far at the end.
+  void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
+  std::uint64_t left_out() const { return left_out_; }
+
+ private:
+  struct Kept {
+    std::string what;
+    std::string name;  // of the object, scene or probe
+    bool moving = false;
+    std::vector<std::byte> bytes;
+  };
+  struct Unanswered {
+    std::uint64_t client = 0, request = 0;
+    std::vector<std::byte> bytes;
+  };
+  void done(const std::vector<std::byte>& query, const nlohmann::json& answer, const TakePublished& take);
+  void removed(const nlohmann::json& names, const TakePublished& take);
+  void cleared(Kept clear, const nlohmann::json& arguments, const TakePublished& take);
+  void probed(Kept probe, const nlohmann::json& arguments, const nlohmann::json& answer);
+  void keep(Kept command);
+  /// How many of a kind and name there were.
+  std::size_t drop(std::string_view what, std::string_view name);
+
+  std::vector<Kept> kept_;
+  std::deque<Unanswered> unanswered_;
+  std::size_t bytes_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace collided::service

@@ -1,0 +1,92 @@
+// What becomes of a server in which a thread finds no memory.
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+#ifdef COLLIDED_NO_MEMORY
+class ServerMemory : public testing_support::ServerTest {
+ protected:
+  void SetUp() override {
+    path_ = folder_.write("starved", std::string(16, '\0'));
+    const int file = open(path_.c_str(), O_RDWR | O_CLOEXEC);
+    ASSERT_GE(file, 0);
+    name_ = static_cast<char*>(mmap(nullptr, 16, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0));
+    close(file);
+    ASSERT_NE(static_cast<void*>(name_), MAP_FAILED);
+  }
+  void TearDown() override { munmap(name_, 16); }
+  std::unique_ptr<testing_support::ChildProcess> start_starvable() {
+    auto server = std::make_unique<testing_support::ChildProcess>(
+        std::vector<std::string>{"/usr/bin/env", "LD_PRELOAD=" COLLIDED_NO_MEMORY, "COLLIDED_NO_MEMORY=" + path_, COLLIDED_SERVER, "--domain",
+                                 std::to_string(domain_), "--state-dir", folder_.path()},
+        folder_.path(), "starvable");
+    EXPECT_TRUE(server->says("ready:", 20s)) << server->errors();
+    return server;
+  }
+  /// Threads of that name find no memory; "": all do.
+  void starve(const char* name) { std::strncpy(name_, name, 16); }
+
+ private:
+  std::string path_;
+  char* name_ = nullptr;
+};
+
+// A change that is half done cannot be taken back, so the process ends and says why; the next one has what commands had
+// added, and calls nothing a miss until its publisher is back.
+TEST_F(ServerMemory, WithoutItInTheWorldsThreadTheServerEndsInALineAndTheNextOneRecovers) {
+  const std::unique_ptr<testing_support::ChildProcess> server = start_starvable();
+  Client client = connect();
+  const json crate{{"name", "crate"}, {"pose", {3, 3, 9, 1, 0, 0, 0}}};
+  ASSERT_TRUE(client.command("add", crate.dump(), {BoxShape{.half_m = {0.2, 0.2, 0.2}}}));
+  Publisher publisher = publish(client, "thrower");
+  add_ball(publisher, "ball", at(6, 0, 1));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  starve("world");
+  const json box{{"name", "box"}, {"pose", {9, 3, 9, 1, 0, 0, 0}}};
+  EXPECT_FALSE(client.command("add", box.dump(), {BoxShape{.half_m = {0.2, 0.2, 0.2}}}, 1s));
+  EXPECT_EQ(server->wait(5s), 71) << server->errors();
+  EXPECT_NE(server->errors().find("error: no memory left for the world's thread; ending"), std::string::npos) << server->errors();
+  starve("");
+  start({}, "next");
+  Client other = connect();
+  EXPECT_EQ(other.ask(RayQuestion{.origin = {15, 15, 1}, .direction = {0, 0, 1}})->reason, Undecided::recovering);
+  const auto until = std::chrono::steady_clock::now() + 15s;
+  while (std::chrono::steady_clock::now() < until && !(other.status() && other.status()->state == "ready")) {
+    EXPECT_TRUE(publisher.keep_alive());
+    std::this_thread::sleep_for(50ms);
+  }
+  EXPECT_EQ(other.ask(RayQuestion{.origin = {3, 3, 12}, .direction = {0, 0, -1}})->hits.at(0).object, "crate");
+  EXPECT_EQ(other.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}})->hits.at(0).object, "ball");
+  EXPECT_EQ(other.ask(RayQuestion{.origin = {15, 15, 1}, .direction = {0, 0, 1}})->verdict, Verdict::miss);
+}
+
+// Threads that answer hold nothing but the question at hand: it is refused, and the next one is answered.
+TEST_F(ServerMemory, WithoutItInTheThreadsThatAnswerQuestionsAreRefused) {
+  const std::unique_ptr<testing_support::ChildProcess> server = start_starvable();
+  Client client = connect();
+  const std::vector<RayQuestion> rays(5'000, RayQuestion{.origin = {0, 0, 5}, .direction = {0, 0, -1}});
+  starve("answer");
+  const Result<Answers> refused = client.ask(std::span(rays), {.timeout = 3s});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::refused) << refused.error().message;
+  EXPECT_NE(refused.error().message.find("memory"), std::string::npos) << refused.error().message;
+  starve("");
+  const Result<Answers> answered = client.ask(std::span(rays));
+  ASSERT_TRUE(answered) << answered.error().message;
+  EXPECT_EQ(answered->answers.at(4'999).verdict, Verdict::hit);
+}
+#endif
+
+}  // namespace
+}  // namespace collided

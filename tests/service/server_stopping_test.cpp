@@ -1,0 +1,67 @@
+// Whoever asks a server that is stopping hears so.
+#include <atomic>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+using ServerStopping = testing_support::ServerTest;
+
+#ifdef COLLIDED_SLOW_DISK
+// The stop waits for the disk, on which an object that was added last is being written: commands of every kind that come in
+// the meantime are refused, and the one that was first is done.
+TEST_F(ServerStopping, CommandsThatComeTooLateAreRefusedAndNotForgotten) {
+  testing_support::ChildProcess server(
+      {"/usr/bin/env", "LD_PRELOAD=" COLLIDED_SLOW_DISK, "COLLIDED_FSYNC_MS=700", COLLIDED_SERVER, "--domain", std::to_string(domain_),
+       "--state-dir", folder_.path()},
+      folder_.path(), "slow");
+  ASSERT_TRUE(server.says("ready:", 20s)) << server.errors();
+  Client first = connect();
+  Client second = connect();
+  std::atomic<bool> is_added{false};
+  std::thread adding([&] {
+    const json crate{{"name", "crate"}, {"pose", {6, 0, 5, 1, 0, 0, 0}}};
+    const Result<std::string> answer = first.command("add", crate.dump(), {BoxShape{.half_m = {0.2, 0.2, 0.2}}}, 10s);
+    is_added.store(answer && !json::parse(*answer).contains("not_kept"));
+  });
+  // It is in the world before it is on the disk.
+  const RayQuestion down{.origin = {6, 0, 9}, .direction = {0, 0, -1}};
+  const auto until = std::chrono::steady_clock::now() + 10s;
+  const auto is_there = [&] {
+    const Result<Answer> answer = second.ask(down);
+    return answer && !answer->hits.empty() && answer->hits[0].object == "crate";
+  };
+  while (!is_there() && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(1ms);
+  server.signal(SIGTERM);
+  const std::vector<std::pair<std::string, json>> commands{
+      {"add", {{"name", "late"}, {"pose", {9, 0, 5, 1, 0, 0, 0}}}}, {"move", {{"name", "crate"}, {"pose", {6, 0, 6, 1, 0, 0, 0}}}},
+      {"pair", {{"a", "crate"}, {"b", "warehouse/floor"}}},        {"menu", json::object()},
+      {"load", {{"path", "/nowhere/x.obj"}}},                      {"list", json::object()}};
+  // Until the first refusal the signal may still be on its way.
+  bool is_stopping = false;
+  for (int i = 0; i < 400 && !is_stopping; ++i) {
+    const Result<std::string> answer = second.command("list", "{}", {}, 1s);
+    is_stopping = !answer && answer.error().message.find("stopping") != std::string::npos;
+  }
+  ASSERT_TRUE(is_stopping);
+  for (const auto& [name, arguments] : commands) {
+    const Shape shape = name == "add" ? Shape{SphereShape{.radius_m = 0.1}} : Shape{};
+    const Result<std::string> answer = second.command(name, arguments.dump(), shape, 1s);
+    ASSERT_FALSE(answer) << name;
+    EXPECT_EQ(answer.error().code, ErrorCode::refused) << name << ": " << answer.error().message;
+    EXPECT_NE(answer.error().message.find("the server is stopping"), std::string::npos) << name << ": " << answer.error().message;
+  }
+  adding.join();
+  EXPECT_TRUE(is_added.load()) << "what was taken before is done, and kept";
+  EXPECT_EQ(server.wait(10s), 0) << server.errors();
+}
+#endif
+
+}  // namespace
+}  // namespace collided
