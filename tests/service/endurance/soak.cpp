@@ -1,5 +1,5 @@
 // Objects, publishers, clients, meshes and scenes that come and go for as long as is asked, and what is left of them:
-//   soak SERVER SECONDS WARM_UP_SECONDS
+//   soak SERVER SECONDS WARM_UP_SECONDS [RECORDER_SECONDS]
 // Prints one line; exits 1 where memory grows, files stay open, a count goes back or something is not answered. An hour
 // shows a slope; less only what is lost at a rate that nobody could live with.
 
@@ -86,9 +86,11 @@ int run_guest(int domain, std::uint64_t seed) {
 
 class Soak {
  public:
-  Soak(std::string self, const std::string& server)
+  /// recorder  how far back the flight recorder keeps: memory grows until it is full
+  Soak(std::string self, const std::string& server, const std::string& recorder)
       : self_(std::move(self)),
-        server_({server, "--domain", std::to_string(domain_), "--state-dir", folder_.path()}, folder_.path(), "server") {
+        server_({server, "--domain", std::to_string(domain_), "--state-dir", folder_.path(), "--flight-recorder", recorder},
+                folder_.path(), "server") {
     if (!server_.says("ready:", 20s)) std::exit(2);
     client_.emplace(value_of(Client::connect({.domain = domain_, .wait = 10s}), "connect"));
     scene_ = folder_.write("plate.obj", "v 50 0 0\nv 51 0 0\nv 50 1 0\nf 1 2 3\n");
@@ -177,11 +179,11 @@ class Soak {
 int main(int argc, char** argv) {
   using namespace collided::testing_support;
   if (argc == 4 && std::string(argv[1]) == "--guest") return run_guest(std::atoi(argv[2]), std::strtoull(argv[3], nullptr, 10));
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: soak SERVER SECONDS WARM_UP_SECONDS\n");
+  if (argc != 4 && argc != 5) {
+    std::fprintf(stderr, "usage: soak SERVER SECONDS WARM_UP_SECONDS [RECORDER_SECONDS]\n");
     return 2;
   }
-  Soak soak(argv[0], argv[1]);
+  Soak soak(argv[0], argv[1], std::string(argc == 5 ? argv[4] : "30") + "s");
   soak.run(std::chrono::seconds(std::atoi(argv[2])), std::chrono::seconds(std::atoi(argv[3])));
   return soak.report();
 }
