@@ -1,10 +1,13 @@
 #include "server/intake/cross_beyond_shared.hpp"
 
 #include <array>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "server/geometry/orientation.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/intake/planar.hpp"
 
 namespace collided {
@@ -133,26 +136,63 @@ bool share_edge_and_fold(const Points& one, const Vec3& other_tip) {
   return !parts(a, b, seen_along(one[2], axis), std::array<PlanePoint, 1>{seen_along(other_tip, axis)});
 }
 
-/// Every corner of the other that is not shared is strictly on one side of one's plane: they share what they share.
-bool is_beside(const std::vector<Vec3>& vertices, const TriangleCorners& one, const OrientedPlane& plane,
-               const TriangleCorners& other) {
-  int common_side = 0;
-  for (const std::uint32_t corner : other) {
-    if (corner == one[0] || corner == one[1] || corner == one[2]) continue;
-    const int side = plane.quick_side(vertices[corner]);
-    if (side == 0 || side == -common_side) return false;
-    common_side = side;
-  }
-  return common_side != 0;
-}
-
 }  // namespace
 
-bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleCorners& one, const OrientedPlane& plane_of_one,
-                         const TriangleCorners& other) {
-  if (is_beside(vertices, one, plane_of_one, other)) return false;
-  const OrientedPlane plane_of_other(vertices[other[0]], vertices[other[1]], vertices[other[2]]);
-  return !is_beside(vertices, other, plane_of_other, one) && cross_beyond_shared(vertices, one, other);
+TriangleSides::TriangleSides(const std::vector<Vec3>& vertices, const TriangleCorners& corners)
+    : corners_(corners), plane_(vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]) {
+  const Points points = points_of(vertices, corners);
+  const int axis = axis_to_drop(points);
+  u_ = (axis + 1) % 3;
+  v_ = (axis + 2) % 3;
+  for (std::size_t i = 0; i < 3; ++i) from_[i] = seen_along(points[i], axis);
+  const int inside = turn(from_[0], from_[1], from_[2]);
+  has_sides_ = inside != 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const PlanePoint& to = from_[(i + 1) % 3];
+    along_[i] = {inside * (to[0] - from_[i][0]), inside * (to[1] - from_[i][1])};
+  }
+}
+
+TriangleSides::Rest TriangleSides::rest_of(const std::vector<Vec3>& vertices, const TriangleCorners& other) const {
+  Rest rest;
+  for (const std::uint32_t corner : other) {
+    const unsigned equal = (corner == corners_[0] ? 1u : 0u) | (corner == corners_[1] ? 2u : 0u) | (corner == corners_[2] ? 4u : 0u);
+    rest.shared |= equal;
+    rest.points[rest.count] = &vertices[corner];
+    rest.count += equal == 0 ? 1 : 0;
+  }
+  return rest;
+}
+
+/// As in turn(): its filter with the same bound, by the differences to the side's begin.
+bool TriangleSides::is_beyond(std::size_t side, const Rest& rest) const {
+  for (std::size_t i = 0; i < rest.count; ++i) {
+    const double left = along_[side][0] * ((*rest.points[i])[v_] - from_[side][1]);
+    const double right = along_[side][1] * ((*rest.points[i])[u_] - from_[side][0]);
+    const double bound = kTurnError * (std::abs(left) + std::abs(right)) + std::numeric_limits<double>::min();
+    if (!(left - right < -bound)) return false;
+  }
+  return true;
+}
+
+bool TriangleSides::keep_apart(const std::vector<Vec3>& vertices, const TriangleCorners& other) const {
+  const Rest rest = rest_of(vertices, other);
+  if (rest.count == 0) return false;
+  int side_sum = 0;
+  for (std::size_t i = 0; i < rest.count; ++i) side_sum += plane_.quick_side(*rest.points[i]);
+  if (side_sum == static_cast<int>(rest.count) || side_sum == -static_cast<int>(rest.count)) return true;
+  if (!has_sides_) return false;
+  // A side runs from corner i to the next.
+  constexpr std::array<unsigned, 3> kCornersOfSide{1u | 2u, 2u | 4u, 4u | 1u};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if ((rest.shared & ~kCornersOfSide[i]) == 0 && is_beyond(i, rest)) return true;
+  }
+  return false;
+}
+
+bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleSides& one, const TriangleCorners& other) {
+  return !one.keep_apart(vertices, other) && !TriangleSides(vertices, other).keep_apart(vertices, one.corners()) &&
+         cross_beyond_shared(vertices, one.corners(), other);
 }
 
 bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleCorners& one, const TriangleCorners& other) {

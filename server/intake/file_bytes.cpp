@@ -14,15 +14,6 @@
 namespace collided {
 namespace {
 
-struct OpenFile {
-  int number;
-  ~OpenFile() {
-    if (number >= 0) {
-      ::close(number);
-    }
-  }
-};
-
 [[noreturn]] void refuse_file(const std::string& name, const std::string& what) {
   throw LoadError(fmt::format("{}: {}. Nothing was loaded.", name, what));
 }
@@ -33,12 +24,12 @@ std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZ
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& options) {
-  const std::string name = file_name(path);
+FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& options)
+    : name_(file_name(path)) {
   // Not blocking: opening a pipe that nobody writes would wait for ever.
-  const OpenFile file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  file_.number = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat state {};
-  if (file.number < 0 || ::fstat(file.number, &state) != 0) {
+  if (file_.number < 0 || ::fstat(file_.number, &state) != 0) {
     refuse_file(path, fmt::format("cannot be opened: {}", std::strerror(errno)));
   }
   if (!S_ISREG(state.st_mode)) {
@@ -46,47 +37,71 @@ FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& 
   }
   byte_count_ = static_cast<std::size_t>(state.st_size);
   if (byte_count_ > options.max_file_bytes) {
-    refuse_file(name, fmt::format("{} bytes, limit {}", byte_count_, options.max_file_bytes));
+    refuse_file(name_, fmt::format("{} bytes, limit {}", byte_count_, options.max_file_bytes));
   }
   if (byte_count_ == 0) {
-    refuse_file(name, "the file is empty");
+    refuse_file(name_, "the file is empty");
   }
-  if (access == Access::copied) {
-    copy(file.number, name, options);
+  if (access != Access::mapped) {
+    reserve();
+    // The first bytes tell a format's marks.
+    if (access == Access::copied_as_asked) fetch_before(1);
+    else copy_all(options);
     return;
   }
-  map_ = ::mmap(nullptr, byte_count_, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.number, 0);
+  map_ = ::mmap(nullptr, byte_count_, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file_.number, 0);
   if (map_ == MAP_FAILED) {
     map_ = nullptr;
-    refuse_file(name, fmt::format("cannot be mapped: {}", std::strerror(errno)));
+    refuse_file(name_, fmt::format("cannot be mapped: {}", std::strerror(errno)));
   }
   data_ = static_cast<const char*>(map_);
+  file_.close();
 }
 
-void FileBytes::copy(int file, const std::string& name, const LoadOptions& options) {
-  constexpr std::size_t kPieceBytes = std::size_t{32} << 20;
-  void* const memory = ::mmap(nullptr, byte_count_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+/// Addresses for the whole file, none of which may be touched before fetch_before() makes it a copy of the file's.
+void FileBytes::reserve() {
+  void* const memory = ::mmap(nullptr, byte_count_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (memory == MAP_FAILED) {
-    refuse_file(name, fmt::format("no memory for its {} bytes: {}", byte_count_, std::strerror(errno)));
+    refuse_file(name_, fmt::format("no memory for its {} bytes: {}", byte_count_, std::strerror(errno)));
   }
   copy_ = {static_cast<char*>(memory), Unmap{byte_count_}};
-  ::madvise(memory, byte_count_, MADV_HUGEPAGE);
-  std::size_t done = 0;
-  while (done < byte_count_) {
-    if (options.cancelled && options.cancelled()) {
-      refuse_file(name, "cancelled while reading");
-    }
-    const ssize_t got = ::read(file, copy_.get() + done, std::min(kPieceBytes, byte_count_ - done));
+  data_ = copy_.get();
+}
+
+void FileBytes::copy_all(const LoadOptions& options) {
+  constexpr std::size_t kPieceBytes = std::size_t{32} << 20;
+  ::madvise(copy_.get(), byte_count_, MADV_HUGEPAGE);
+  while (fetched_bytes_ < byte_count_) {
+    if (options.cancelled && options.cancelled()) refuse_file(name_, "cancelled while reading");
+    fetch_before(fetched_bytes_ + kPieceBytes);
+  }
+}
+
+/// Whole pages, so that pieces do not share one.
+void FileBytes::fetch_before(std::size_t byte) {
+  const std::size_t end = std::min((byte + page_bytes() - 1) / page_bytes() * page_bytes(), byte_count_);
+  if (!copy_ || end <= fetched_bytes_) return;
+  if (::mprotect(copy_.get() + fetched_bytes_, end - fetched_bytes_, PROT_READ | PROT_WRITE) != 0) {
+    refuse_file(name_, fmt::format("no memory for its {} bytes: {}", byte_count_, std::strerror(errno)));
+  }
+  for (std::size_t done = fetched_bytes_; done < end;) {
+    const ssize_t got = ::read(file_.number, copy_.get() + done, end - done);
     if (got < 0 && errno == EINTR) {
       continue;
     }
     if (got <= 0) {
-      refuse_file(name, got < 0 ? fmt::format("cannot be read: {}", std::strerror(errno))
-                                : fmt::format("ended at byte {} of {} while it was read", done, byte_count_));
+      refuse_file(name_, got < 0 ? fmt::format("cannot be read: {}", std::strerror(errno))
+                                 : fmt::format("ended at byte {} of {} while it was read", done, byte_count_));
     }
     done += static_cast<std::size_t>(got);
   }
-  data_ = copy_.get();
+  fetched_bytes_ = end;
+  if (fetched_bytes_ == byte_count_) file_.close();
+}
+
+void FileBytes::OpenFile::close() {
+  if (number >= 0) ::close(number);
+  number = -1;
 }
 
 void FileBytes::Unmap::operator()(char* memory) const { ::munmap(memory, byte_count); }

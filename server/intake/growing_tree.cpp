@@ -10,11 +10,10 @@
 namespace collided {
 namespace {
 
-constexpr float kEndless = std::numeric_limits<float>::infinity();
-
+/// Below the value, by at most 2^-22 of it: rounding takes back at most half of the 2^-23 that are taken off first.
 float down(double value) {
-  const auto rounded = static_cast<float>(value);
-  return rounded > value ? std::nextafter(rounded, -kEndless) : rounded;
+  const auto lower = static_cast<float>(value - (std::abs(value) * 0x1p-23 + 0x1p-140));
+  return std::min(lower, std::numeric_limits<float>::max());
 }
 float up(double value) { return -down(-value); }
 
@@ -24,10 +23,8 @@ GrowingTree::Box GrowingTree::box_of(const Aabb& bounds) const {
   Box box;
   for (int axis = 0; axis < 3; ++axis) {
     // The difference is rounded to double first, which the step outward covers.
-    const double from = bounds.low[axis] - origin_[axis];
-    const double to = bounds.high[axis] - origin_[axis];
-    box.low[axis] = down(from - std::abs(from) * 0x1p-52);
-    box.high[axis] = up(to + std::abs(to) * 0x1p-52);
+    box.low[axis] = down(bounds.low[axis] - origin_[axis]);
+    box.high[axis] = up(bounds.high[axis] - origin_[axis]);
   }
   return box;
 }
@@ -41,8 +38,6 @@ bool GrowingTree::contains(const Box& box, const Box& inner) {
   return ((box.low <= inner.low) && (inner.high <= box.high)).all();
 }
 
-bool GrowingTree::overlaps(const Box& a, const Box& b) { return ((a.low <= b.high) && (b.low <= a.high)).all(); }
-
 void GrowingTree::build(const std::vector<Vec3>& vertices, const std::vector<TriangleCorners>& corners,
                         const std::vector<std::uint32_t>& triangles) {
   std::vector<Vec3> places;
@@ -54,8 +49,7 @@ void GrowingTree::build(const std::vector<Vec3>& vertices, const std::vector<Tri
   place_of_.resize(corners.size());
   own_boxes_.resize(order_.size());
   leaf_count_ = std::bit_ceil(static_cast<std::uint32_t>(order_.size() / kLeafTriangles + 1));
-  const Box nothing{Eigen::Array3f::Constant(kEndless), Eigen::Array3f::Constant(-kEndless)};
-  boxes_.assign(2 * std::size_t{leaf_count_}, nothing);
+  boxes_.assign(2 * std::size_t{leaf_count_}, Box{});
   for (std::uint32_t place = 0; place < order_.size(); ++place) {
     Aabb bounds;
     for (const std::uint32_t corner : corners[order_[place]]) bounds.extend(vertices[corner]);
@@ -77,23 +71,33 @@ void GrowingTree::update(std::uint32_t triangle, const Aabb& bounds) {
   }
 }
 
-void GrowingTree::find(const Aabb& bounds, std::vector<std::uint32_t>& found) const {
-  const Box asked = box_of(bounds);
+void GrowingTree::find(std::span<const Aabb> asked, std::vector<Meeting>& found) {
+  asked_.clear();
+  Box all;
+  for (const Aabb& bounds : asked) extend(all, asked_.emplace_back(box_of(bounds)));
   std::array<std::uint32_t, 64> waiting;
   std::size_t waiting_count = 0;
-  if (!order_.empty()) waiting[waiting_count++] = 1;
+  if (!order_.empty() && overlaps(boxes_[1], all)) waiting[waiting_count++] = 1;
   while (waiting_count > 0) {
     const std::uint32_t node = waiting[--waiting_count];
-    if (!overlaps(boxes_[node], asked)) continue;
-    if (node < leaf_count_) {
-      waiting[waiting_count++] = 2 * node;
-      waiting[waiting_count++] = 2 * node + 1;
+    if (node >= leaf_count_) {
+      find_in_leaf(node - leaf_count_, all, found);
       continue;
     }
-    const std::size_t first = std::size_t{node - leaf_count_} * kLeafTriangles;
-    const std::size_t end = std::min(first + kLeafTriangles, order_.size());
-    for (std::size_t place = first; place < end; ++place) {
-      if (overlaps(own_boxes_[place], asked)) found.push_back(order_[place]);
+    waiting[waiting_count] = 2 * node;
+    waiting_count += overlaps(boxes_[2 * std::size_t{node}], all) ? 1 : 0;
+    waiting[waiting_count] = 2 * node + 1;
+    waiting_count += overlaps(boxes_[2 * std::size_t{node} + 1], all) ? 1 : 0;
+  }
+}
+
+void GrowingTree::find_in_leaf(std::uint32_t leaf, const Box& all, std::vector<Meeting>& found) const {
+  const std::size_t first = std::size_t{leaf} * kLeafTriangles;
+  const std::size_t end = std::min(first + kLeafTriangles, order_.size());
+  for (std::size_t place = first; place < end; ++place) {
+    if (!overlaps(own_boxes_[place], all)) continue;
+    for (std::uint32_t i = 0; i < asked_.size(); ++i) {
+      if (overlaps(own_boxes_[place], asked_[i])) found.push_back({i, order_[place]});
     }
   }
 }

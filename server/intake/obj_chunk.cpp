@@ -166,25 +166,40 @@ bool is_joined(std::string_view text, std::size_t newline) {
 
 }  // namespace
 
-std::vector<ObjChunk> split_obj(const Reading& reading) {
-  constexpr std::size_t kChunkBytes = std::size_t{2} << 20;
-  const std::string_view text(reading.begin(), reading.bytes.size());
-  std::vector<ObjChunk> chunks;
-  std::int64_t lines_before = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
-    std::size_t newline = text.find('\n', std::min(begin + kChunkBytes, text.size()));
-    while (newline != std::string_view::npos && is_joined(text, newline)) {
-      newline = text.find('\n', newline + 1);
+void ObjSplitter::fetch(std::size_t end) {
+  fetched_ = std::min(end, text_.size());
+  if (reading_.fetch) reading_.fetch(text_.data() + fetched_);
+}
+
+/// One past the first line end from there on that no backslash joins, or the end of the text.
+std::size_t ObjSplitter::line_end_from(std::size_t place) {
+  while (true) {
+    const std::size_t newline = text_.substr(0, fetched_).find('\n', place);
+    if (newline == std::string_view::npos) {
+      if (fetched_ == text_.size()) return fetched_;
+      place = fetched_;
+      fetch(fetched_ + kChunkBytes);
+    } else if (!is_joined(text_, newline)) {
+      return newline + 1;
+    } else {
+      place = newline + 1;
     }
-    const std::size_t end = newline == std::string_view::npos ? text.size() : newline + 1;
-    if (end - begin > kMaxObjChunkBytes) {
-      refuse_byte(reading, begin, fmt::format("line of {} bytes, limit {}", end - begin, kMaxObjChunkBytes));
-    }
-    chunks.push_back({.text = text.substr(begin, end - begin), .lines_before = lines_before});
-    lines_before += std::count(text.begin() + static_cast<std::ptrdiff_t>(begin), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
-    begin = end;
   }
-  return chunks;
+}
+
+ObjChunk ObjSplitter::next() {
+  if (begin_ == text_.size()) return {};
+  // A little beyond, where the line that is cut there mostly ends.
+  constexpr std::size_t kLineBytes = 4096;
+  fetch(std::max(fetched_, begin_ + kChunkBytes + kLineBytes));
+  const std::size_t end = line_end_from(std::min(begin_ + kChunkBytes, text_.size()));
+  if (end - begin_ > kMaxObjChunkBytes) {
+    refuse_byte(reading_, begin_, fmt::format("line of {} bytes, limit {}", end - begin_, kMaxObjChunkBytes));
+  }
+  ObjChunk chunk{.text = text_.substr(begin_, end - begin_), .lines_before = lines_before_};
+  lines_before_ += std::count(chunk.text.begin(), chunk.text.end(), '\n');
+  begin_ = end;
+  return chunk;
 }
 
 void parse_obj_chunk(const Reading& reading, ObjChunk& chunk) {

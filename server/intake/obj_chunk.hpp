@@ -47,8 +47,33 @@ struct ObjChunk {
 /// Bytes a chunk may have, so that 32 bits number its lines and vertices.
 inline constexpr std::size_t kMaxObjChunkBytes = std::size_t{1} << 31;
 
-/// Splits at line ends, never inside a line that a backslash continues.
-std::vector<ObjChunk> split_obj(const Reading& reading);
+/// Cuts a file into chunks at line ends, never inside a line that a backslash continues, one after the other as they are
+/// asked for: no more of the file need be there than what is being parsed.
+///
+/// threads  one at a time
+class ObjSplitter {
+ public:
+  /// The reading must live as long as this.
+  explicit ObjSplitter(const Reading& reading) : reading_(reading), text_(reading.begin(), reading.bytes.size()) {}
+
+  std::size_t chunk_count_at_most() const { return text_.size() / kChunkBytes + 1; }
+  /// Without text: there are no more.
+  /// throws  LoadError for a line of more than kMaxObjChunkBytes, and where the file cannot be read on
+  ObjChunk next();
+
+ private:
+  static constexpr std::size_t kChunkBytes = std::size_t{2} << 20;
+
+  void fetch(std::size_t end);
+  std::size_t line_end_from(std::size_t place);
+
+  const Reading& reading_;
+  std::string_view text_;
+  std::size_t fetched_ = 0;  // bytes that are there
+  std::size_t begin_ = 0;    // of the next chunk
+  std::int64_t lines_before_ = 0;
+};
+
 /// Takes a chunk in and gives its text back.
 void parse_obj_chunk(const Reading& reading, ObjChunk& chunk);
 

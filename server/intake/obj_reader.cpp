@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <utility>
 
 #include "server/intake/limits.hpp"
@@ -47,12 +48,17 @@ struct ChunkTriangles {
 
 class ObjReader {
  public:
-  explicit ObjReader(const Reading& reading) : reading_(reading), chunks_(split_obj(reading)) {}
+  explicit ObjReader(const Reading& reading)
+      : reading_(reading), splitter_(reading), chunks_(splitter_.chunk_count_at_most()) {}
 
   Scene read() {
     run_in_parallel(
-        chunks_.size(), [this](std::size_t i) { parse_obj_chunk(reading_, chunks_[i]); },
+        chunks_.size(),
+        [this](std::size_t i) {
+          if (is_cut(i)) parse_obj_chunk(reading_, chunks_[i]);
+        },
         [this](std::size_t done) { tell_progress(reading_, 0.6 * fraction(done)); });
+    chunks_.resize(cut_count_);
     gather_vertices();
     find_runs();
     triangles_.resize(chunks_.size());
@@ -66,6 +72,17 @@ class ObjReader {
   }
 
  private:
+  /// Cuts the chunks up to that one, which some thread asks for next; false: there are not so many.
+  bool is_cut(std::size_t index) {
+    const std::lock_guard lock(cutting_);
+    while (cut_count_ <= index) {
+      ObjChunk chunk = splitter_.next();
+      if (chunk.text.empty()) return false;
+      chunks_[cut_count_++] = std::move(chunk);
+    }
+    return true;
+  }
+
   double fraction(std::size_t done) const { return static_cast<double>(done) / static_cast<double>(chunks_.size()); }
 
   void gather_vertices() {
@@ -277,6 +294,9 @@ class ObjReader {
   }
 
   const Reading& reading_;
+  std::mutex cutting_;  // guards the splitter, cut_count_ and the chunks from there on
+  ObjSplitter splitter_;
+  std::size_t cut_count_ = 0;
   std::vector<ObjChunk> chunks_;
   std::vector<std::int64_t> first_vertices_;
   Belonging now_;

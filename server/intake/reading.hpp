@@ -23,6 +23,9 @@ struct Reading {
   // Gives memory of a piece of the bytes back that is not read again, not even to number a line; empty: nothing to do.
   // Any thread.
   std::function<void(std::span<const char>)> give_back{};
+  // Makes the bytes before that place readable, for a format that asks for them; empty: all are. Throws LoadError. One
+  // thread at a time.
+  std::function<void(const char*)> fetch{};
   std::int64_t lines_before = 0;  // of the file, where the bytes are a piece of it
 
   const char* begin() const { return bytes.data(); }

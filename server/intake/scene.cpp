@@ -36,10 +36,11 @@ struct Format {
   Scene (*read)(const Reading&);
   bool says_metres = false;  // by its definition
   char up = 0;               // the same; 0: it does not say
+  bool asks_for_bytes = false;  // its reader calls fetch
 };
 
 constexpr Format kFormats[] = {
-    {".obj", "OBJ", Content::mesh, read_obj},
+    {".obj", "OBJ", Content::mesh, read_obj, false, 0, true},
     {".stl", "STL", Content::mesh, read_stl},
     {".ply", "PLY", Content::mesh, read_ply},
     {".off", "OFF", Content::mesh, read_off},
@@ -302,11 +303,14 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
   } else if (options.is_foreign) {
     scene = load_apart(path, options, report);
   } else {
-    const auto access = format.content == Content::saved ? FileBytes::Access::mapped : FileBytes::Access::copied;
+    const auto access = format.content == Content::saved ? FileBytes::Access::mapped
+                        : format.asks_for_bytes          ? FileBytes::Access::copied_as_asked
+                                                         : FileBytes::Access::copied;
     const auto bytes = std::make_shared<FileBytes>(path, access, options);
     const std::string folder = std::filesystem::absolute(path).parent_path().string();
     const auto give_back = [&](std::span<const char> piece) { bytes->give_back(piece); };
-    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder, give_back});
+    const auto fetch = [&](const char* end) { bytes->fetch_before(static_cast<std::size_t>(end - bytes->bytes().data())); };
+    scene = load(format, {file_name(path), bytes->bytes(), options, report, bytes, folder, give_back, fetch});
     // Saved indexes go on using the end of a mapping.
     if (access == FileBytes::Access::mapped) bytes->forget_before(table_bytes(bytes->bytes()));
   }

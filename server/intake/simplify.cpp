@@ -8,7 +8,6 @@
 #include <queue>
 
 #include "server/geometry/aabb.hpp"
-#include "server/geometry/orientation.hpp"
 #include "server/intake/cross_beyond_shared.hpp"
 #include "server/intake/growing_tree.hpp"
 #include "server/intake/quadric.hpp"
@@ -167,7 +166,7 @@ class Simplifier {
   void rebuild_tree() {
     const std::vector<std::uint32_t> live = surface_.live_triangles();
     tree_.build(surface_.vertices(), surface_.corners(), live);
-    rebuild_at_ = live.size() / 2;
+    rebuild_at_ = live.size() / 4 * 3;
   }
 
   double cost_of(std::uint32_t removed, std::uint32_t kept) const {
@@ -292,37 +291,26 @@ class Simplifier {
   /// Some triangle as it would be meets another of them, or one of the rest.
   bool crosses() {
     const std::vector<Vec3>& vertices = surface_.vertices();
-    Aabb all;
-    planes_.clear();
-    for (Moved& moved : moved_) {
-      moved.bounds = {};
-      for (const std::uint32_t corner : moved.corners) moved.bounds.extend(vertices[corner]);
-      all.extend(moved.bounds);
-      planes_.emplace_back(vertices[moved.corners[0]], vertices[moved.corners[1]], vertices[moved.corners[2]]);
+    moved_sides_.clear();
+    moved_bounds_.clear();
+    for (const Moved& moved : moved_) {
+      Aabb& bounds = moved_bounds_.emplace_back();
+      for (const std::uint32_t corner : moved.corners) bounds.extend(vertices[corner]);
+      moved_sides_.emplace_back(vertices, moved.corners);
     }
     for (std::size_t i = 0; i < moved_.size(); ++i) {
       for (std::size_t k = 0; k < i; ++k) {
-        if (cross_beyond_shared(vertices, moved_[i].corners, planes_[i], moved_[k].corners)) return true;
+        if (cross_beyond_shared(vertices, moved_sides_[i], moved_[k].corners)) return true;
       }
     }
     ++ring_stamp_;
     for (const std::uint32_t triangle : ring_) is_in_ring_[triangle] = ring_stamp_;
     near_.clear();
-    if (!all.empty()) tree_.find(all, near_);
-    return std::any_of(near_.begin(), near_.end(), [&](std::uint32_t other) {
-      return is_in_ring_[other] != ring_stamp_ && surface_.is_live(other) && crosses_with(surface_.corners()[other]);
+    tree_.find(moved_bounds_, near_);
+    return std::any_of(near_.begin(), near_.end(), [&](const GrowingTree::Meeting& near) {
+      return is_in_ring_[near.triangle] != ring_stamp_ &&
+             cross_beyond_shared(vertices, moved_sides_[near.asked_index], surface_.corners()[near.triangle]);
     });
-  }
-
-  bool crosses_with(const TriangleCorners& other) const {
-    const std::vector<Vec3>& vertices = surface_.vertices();
-    Aabb bounds;
-    for (const std::uint32_t corner : other) bounds.extend(vertices[corner]);
-    for (std::size_t i = 0; i < moved_.size(); ++i) {
-      if (!overlaps(moved_[i].bounds, bounds)) continue;
-      if (cross_beyond_shared(vertices, moved_[i].corners, planes_[i], other)) return true;
-    }
-    return false;
   }
 
   void collapse(std::uint32_t vertex, const Neighbour& merged) {
@@ -330,7 +318,10 @@ class Simplifier {
     left_in_part_[part_of_[ring_.front()]] -= merged.triangle_count;
     surface_.merge(vertex, kept);
     offered_[vertex] = kNever;
-    for (const Moved& moved : moved_) tree_.update(moved.triangle, moved.bounds);
+    for (const std::uint32_t triangle : ring_) {
+      if (!surface_.is_live(triangle)) tree_.remove(triangle);
+    }
+    for (std::size_t i = 0; i < moved_.size(); ++i) tree_.update(moved_[i].triangle, moved_bounds_[i]);
     if (options_.cost == CollapseCost::quadric) {
       quadrics_[kept].add(quadrics_[vertex]);
       weights_[kept] += weights_[vertex];
@@ -345,7 +336,6 @@ class Simplifier {
   struct Moved {
     std::uint32_t triangle;
     TriangleCorners corners;
-    Aabb bounds{};
   };
 
   const SimplifyOptions& options_;
@@ -373,8 +363,9 @@ class Simplifier {
   std::vector<Neighbour> changed_;
   std::vector<Target> targets_;
   std::vector<Moved> moved_;
-  std::vector<OrientedPlane> planes_;  // of those
-  std::vector<std::uint32_t> near_;
+  std::vector<TriangleSides> moved_sides_;  // of those
+  std::vector<Aabb> moved_bounds_;          // and theirs
+  std::vector<GrowingTree::Meeting> near_;
 };
 
 /// A mesh whose numbers follow its places, without equal vertices in use.

@@ -5,6 +5,7 @@
 
 #include "server/exact_phase/neighbours.hpp"
 #include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/parted_in_projection.hpp"
 #include "server/intake/mesh_health.hpp"
 
 namespace collided {
@@ -45,8 +46,11 @@ bool meet(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
   const Corners q = corners_of(mesh, b);
   const Common common = common_corners(p, q);
   switch (common.count) {
-    case 0:
-      return overlaps(Triangle{*p[0], *p[1], *p[2]}, Triangle{*q[0], *q[1], *q[2]}).yes();
+    case 0: {
+      const Triangle one{*p[0], *p[1], *p[2]};
+      const Triangle other{*q[0], *q[1], *q[2]};
+      return !parted_in_projection(one, other) && overlaps(one, other).yes();
+    }
     case 1:
       return meet_beyond_corner(turned(p, common.of_a[0], (common.of_a[0] + 1) % 3),
                                 turned(q, common.of_b[0], (common.of_b[0] + 1) % 3))

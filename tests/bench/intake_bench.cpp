@@ -114,6 +114,10 @@ void check_rows(const TriangleMesh& mesh) {
   std::printf("  index                %6.3f s\n",
               seconds([&] { tree = BspTree::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}); }));
   std::printf("  self-intersections   %6.3f s\n", seconds([&] { self_intersections(mesh, tree); }));
+  TriangleMesh flat = mesh;
+  for (Vec3& v : flat.vertices) v[2] = 0;
+  const BspTree flat_tree = BspTree::build(flat, {.threads = 1, .progress = {}, .cancelled = {}});
+  std::printf("  the same, laid flat  %6.3f s\n", seconds([&] { self_intersections(flat, flat_tree); }));
   std::printf("  mending a clean mesh %6.3f s\n", seconds([&] { mend(mesh, 0); }));
 }
 

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "server/exact_phase/overlap.hpp"
 #include "server/intake/cross_beyond_shared.hpp"
+#include "tests/oracle/mesh_twins.hpp"
 #include "tests/oracle/seed.hpp"
 
 // What the guards of simplification and of mending go by.  // A18
@@ -60,12 +62,53 @@ TEST(IntakeTriangleCrossing, TwoTrianglesOfAMeshOnALatticeCrossExactlyWhenPairsS
     const bool expected = cross_by_pairs(mesh);
     crossing_counts[shared] += expected ? 1 : 0;
     const std::vector<Vec3>& v = mesh.vertices;
-    const OrientedPlane plane(v[mesh.triangles[0][0]], v[mesh.triangles[0][1]], v[mesh.triangles[0][2]]);
+    const TriangleSides sides(v, mesh.triangles[0]);
     ASSERT_EQ(cross_beyond_shared(v, mesh.triangles[0], mesh.triangles[1]), expected) << i;
     ASSERT_EQ(cross_beyond_shared(v, mesh.triangles[1], mesh.triangles[0]), expected) << i;
-    ASSERT_EQ(cross_beyond_shared(v, mesh.triangles[0], plane, mesh.triangles[1]), expected) << i;
+    ASSERT_EQ(cross_beyond_shared(v, sides, mesh.triangles[1]), expected) << i;
   }
   for (int shared = 0; shared < 3; ++shared) EXPECT_GT(crossing_counts[shared], 1000) << shared;
+}
+
+// A corner all but on a side, the other two well beyond it: touching or not by less than plain double can tell.
+TEST(IntakeTriangleCrossing, WhatARoundingPutsBeyondASideIsNotKeptApart) {
+  std::mt19937_64 random = oracle::seeded(183);
+  std::uniform_real_distribution<double> share(0, 1);
+  // Of many sizes, so that differences of two are rounded too.
+  const auto coordinate = [&](std::mt19937_64& r) { return std::ldexp(share(r) - 0.5, -static_cast<int>(r() % 12)); };
+  int touching_count = 0;
+  for (int i = 0; i < 2'000; ++i) {
+    TriangleMesh mesh{{}, {{0, 1, 2}, {3, 4, 5}}};
+    std::vector<Vec3>& v = mesh.vertices;
+    for (int k = 0; k < 3; ++k) v.emplace_back(coordinate(random), coordinate(random), 0.1);
+    v.push_back(v[0] + share(random) * (v[1] - v[0]));
+    for (int k = 0; k < 2; ++k) v.push_back(v[k] + (v[k] - v[2]));
+    for (Vec3& vertex : v) vertex[2] = 0.1;
+    const bool is_touching = !oracle::self_intersections(mesh).empty();
+    touching_count += is_touching ? 1 : 0;
+    if (is_touching) {
+      ASSERT_FALSE(TriangleSides(v, mesh.triangles[0]).keep_apart(v, mesh.triangles[1])) << i;
+    }
+  }
+  EXPECT_GT(touching_count, 300);
+}
+
+// What is kept apart by a plane or a side never crosses.
+TEST(IntakeTriangleCrossing, WhatSidesKeepApartDoesNotCross) {
+  std::mt19937_64 random = oracle::seeded(182);
+  int apart_counts[3] = {};
+  for (int i = 0; i < 20'000; ++i) {
+    const int shared = static_cast<int>(random() % 3);
+    const auto coordinate = [&] { return static_cast<double>(random() % 4) * 0.1 + (i % 2 == 0 ? 0 : 1000); };
+    TriangleMesh mesh;
+    for (int k = 0; k < 6; ++k) mesh.vertices.emplace_back(coordinate(), coordinate(), i % 4 < 2 ? 0.1 : coordinate());
+    mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+    for (int k = 0; k < shared; ++k) mesh.triangles[1][(k + i) % 3] = static_cast<std::uint32_t>((k + i / 3) % 3);
+    if (!TriangleSides(mesh.vertices, mesh.triangles[0]).keep_apart(mesh.vertices, mesh.triangles[1])) continue;
+    ++apart_counts[shared];
+    ASSERT_TRUE(oracle::self_intersections(mesh).empty()) << i;
+  }
+  for (const int count : apart_counts) EXPECT_GT(count, 500);
 }
 
 TEST(IntakeTriangleCrossing, OnlyWhatLiesBeyondTheSharedCornersCounts) {

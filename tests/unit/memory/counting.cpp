@@ -43,13 +43,14 @@ constexpr std::size_t kPageBytes = 4096;
 struct Mapping {
   char* begin = nullptr;
   std::size_t bytes = 0;
+  std::size_t held_bytes = 0;                          // from its begin
   std::atomic<std::uint8_t>* is_given_back = nullptr;  // a page each
 
-  std::size_t end_of(std::size_t page) const { return std::min((page + 1) * kPageBytes, bytes); }
+  std::size_t end_of(std::size_t page) const { return std::min((page + 1) * kPageBytes, held_bytes); }
   /// Bytes of the pages from offset on that were not given back before.
   std::size_t give_back(std::size_t offset, std::size_t count) {
     std::size_t given = 0;
-    for (std::size_t page = offset / kPageBytes; page * kPageBytes < std::min(offset + count, bytes); ++page) {
+    for (std::size_t page = offset / kPageBytes; page * kPageBytes < std::min(offset + count, held_bytes); ++page) {
       if (is_given_back[page].exchange(1) == 0) given += end_of(page) - page * kPageBytes;
     }
     return given;
@@ -86,12 +87,23 @@ extern "C" {
 void* mmap(void* address, std::size_t bytes, int protection, int flags, int file, off_t offset) noexcept {
   void* const memory = reinterpret_cast<void*>(::syscall(SYS_mmap, address, bytes, protection, flags, file, offset));
   if (memory != MAP_FAILED && (flags & MAP_ANONYMOUS) != 0) {
-    hold(bytes);
+    if (protection != PROT_NONE) hold(bytes);  // addresses alone hold nothing
+    mapping.held_bytes = protection != PROT_NONE ? bytes : 0;
     mapping.begin = static_cast<char*>(memory);
     mapping.bytes = bytes;
     mapping.is_given_back = static_cast<std::atomic<std::uint8_t>*>(std::calloc(bytes / kPageBytes + 1, 1));
   }
   return memory;
+}
+
+// The reader makes what it has reserved usable from the begin on.
+int mprotect(void* address, std::size_t bytes, int protection) noexcept {
+  const int result = static_cast<int>(::syscall(SYS_mprotect, address, bytes, protection));
+  if (result == 0 && mapping.begin != nullptr && address == mapping.begin + mapping.held_bytes && (protection & PROT_WRITE) != 0) {
+    hold(bytes);
+    mapping.held_bytes += bytes;
+  }
+  return result;
 }
 
 int madvise(void* address, std::size_t bytes, int advice) noexcept {
