@@ -98,7 +98,8 @@ Vector<Bounded> scaled_alike(const std::array<Enclosure, 3>& e) {
   std::array<Bounded, 3> result;
   for (int axis = 0; axis < 3; ++axis) {
     const double middle = down(e[axis].middle);
-    const bool exact = e[axis].radius.sign() == 0 && (middle == 0 ? e[axis].middle.sign() == 0 : e[axis].middle.short_mantissa());
+    const bool exact =
+        e[axis].radius.sign() == 0 && (middle == 0 ? e[axis].middle.sign() == 0 : e[axis].middle.short_mantissa());
     const double rounding = 4 * kRoundoff * std::abs(middle) + kUnderflow;
     result[axis] = exact ? Bounded(middle) : Bounded(middle, down(e[axis].radius) * (1 + kBoundSlack) + rounding);
   }
@@ -123,7 +124,8 @@ void find_normal(const Ray& ray, const ImplicitSurface& surface, RealRoot& root,
     return;
   }
   for (int round = 0; round < kMostRounds; ++round) {
-    const double error = set_normal(scaled_alike({enclosed(slope[0], root), enclosed(slope[1], root), enclosed(slope[2], root)}), hit);
+    const double error =
+        set_normal(scaled_alike({enclosed(slope[0], root), enclosed(slope[1], root), enclosed(slope[2], root)}), hit);
     if (error <= kSharp) return;
     for (int i = 0; i < 16; ++i) root.halve();
   }

@@ -77,7 +77,8 @@ Bounded moved(double origin, double t, double direction) {
 
 Shifted shifted(const Ray& ray, const ImplicitSurface& surface) {
   constexpr double kWorthIt = 8;
-  const Vec3 middle = surface.low.allFinite() && surface.high.allFinite() ? Vec3(surface.low / 2 + surface.high / 2) : Vec3(Vec3::Zero());
+  const Vec3 middle =
+      surface.low.allFinite() && surface.high.allFinite() ? Vec3(surface.low / 2 + surface.high / 2) : Vec3(Vec3::Zero());
   const Shifted as_it_is{0, Vector<Bounded>(ray.origin), Vector<Bounded>(ray.direction)};
   const Vec3 away = middle - ray.origin;
   const double t = away.dot(ray.direction) / ray.direction.squaredNorm();
@@ -120,7 +121,7 @@ double root_bound(const Along& p) {
 /// The most changes of sign that the coefficients may have, whatever the unsure ones are.
 int most_sign_changes(const Along::Coefficients& coefficient, int count) {
   constexpr int kNever = -100;
-  int up = kNever;    // as many, if the last one not zero is positive
+  int up = kNever;  // as many, if the last one not zero is positive
   int down = kNever;
   for (int j = 0; j < count; ++j) {
     const Sign s = sign(coefficient[j]);
@@ -242,7 +243,8 @@ FilteredMeeting first_meeting(const Ray& ray, const ImplicitSurface& surface) {
   p.trim();
   if (p.count() == 0) return result;
   const double bound = p.count() > 1 ? root_bound(p) : 0;
-  const Span whole{std::max(sum_down(range.entry_low, -from.shift), -bound), std::min(sum_up(range.exit_high, -from.shift), bound)};
+  const Span whole{std::max(sum_down(range.entry_low, -from.shift), -bound),
+                   std::min(sum_up(range.exit_high, -from.shift), bound)};
   if (!std::isfinite(whole.low) || !std::isfinite(whole.high)) return result;
   if (p.count() == 1 || whole.low > whole.high) {
     const bool sure = p.count() > 1 || sign(p[0]) == Sign::positive || sign(p[0]) == Sign::negative;
@@ -261,7 +263,11 @@ FilteredMeeting first_meeting(const Ray& ray, const ImplicitSurface& surface) {
     if (low > range.exit_high) return {.meets = Decision::no, .low = 0, .high = 0, .point = {}};
     if (!(low >= range.entry_high && high <= range.exit_low)) return result;
     const Bounded s = between(close.low, close.high);
-    return {Decision::yes, low, high, {from.origin.x + s * from.direction.x, from.origin.y + s * from.direction.y, from.origin.z + s * from.direction.z}};
+    return {
+        Decision::yes,
+        low,
+        high,
+        {from.origin.x + s * from.direction.x, from.origin.y + s * from.direction.y, from.origin.z + s * from.direction.z}};
   }
   return result;
 }

@@ -32,7 +32,9 @@ void set_place(const Ray& ray, double low, double high, ImplicitHit& hit) {
   hit.low = low;
   hit.high = high;
   const double middle = std::isfinite(high) ? low + (high - low) / 2 : low;
-  const Bounded t(middle, low == high ? 0.0 : std::max(high - middle, middle - low) * (1 + kBoundSlack) + std::numeric_limits<double>::denorm_min());
+  const Bounded t(middle, low == high ? 0.0
+                                      : std::max(high - middle, middle - low) * (1 + kBoundSlack) +
+                                            std::numeric_limits<double>::denorm_min());
   const Bounded distance = plain(Scaled{t, 0} * length_of_direction(ray));
   hit.distance_m = distance.value;
   hit.distance_error_m = or_infinite(distance.bound());

@@ -67,15 +67,36 @@ Ring evaluate(const ImplicitSurface& surface, const Ring& x, const Ring& y, cons
   Ring* top = stack.data() - 1;
   for (const PolynomialStep& step : surface.steps) {
     switch (step.kind) {
-      case Kind::constant: *++top = ConstantOf<Ring>::make(step.constant); break;
-      case Kind::x: *++top = x; break;
-      case Kind::y: *++top = y; break;
-      case Kind::z: *++top = z; break;
-      case Kind::negate: *top = -*top; break;
-      case Kind::power: *top = powered(*top, step.exponent); break;
-      case Kind::add: --top; top[0] = top[0] + top[1]; break;
-      case Kind::subtract: --top; top[0] = top[0] - top[1]; break;
-      case Kind::multiply: --top; top[0] = top[0] * top[1]; break;
+      case Kind::constant:
+        *++top = ConstantOf<Ring>::make(step.constant);
+        break;
+      case Kind::x:
+        *++top = x;
+        break;
+      case Kind::y:
+        *++top = y;
+        break;
+      case Kind::z:
+        *++top = z;
+        break;
+      case Kind::negate:
+        *top = -*top;
+        break;
+      case Kind::power:
+        *top = powered(*top, step.exponent);
+        break;
+      case Kind::add:
+        --top;
+        top[0] = top[0] + top[1];
+        break;
+      case Kind::subtract:
+        --top;
+        top[0] = top[0] - top[1];
+        break;
+      case Kind::multiply:
+        --top;
+        top[0] = top[0] * top[1];
+        break;
     }
   }
   return std::move(stack[0]);
@@ -98,7 +119,8 @@ Jet<Ring> coordinate(Ring value, int axis) {
 /// Of f, by x, y, z.
 template <class Ring>
 std::array<Ring, 3> gradient(const ImplicitSurface& surface, Ring x, Ring y, Ring z) {
-  return std::move(evaluate(surface, coordinate(std::move(x), 0), coordinate(std::move(y), 1), coordinate(std::move(z), 2)).slope);
+  return std::move(
+      evaluate(surface, coordinate(std::move(x), 0), coordinate(std::move(y), 1), coordinate(std::move(z), 2)).slope);
 }
 
 }  // namespace collided::kernel

@@ -43,8 +43,8 @@ SignChanges sign_changes(const ExactRayPolynomial& polynomial, const Dyadic& low
 /// Whole, n / d rounded up, d > 0.
 long ceiling(long n, long d) { return n > 0 ? (n + d - 1) / d : -(-n / d); }
 
-/// Powers of two that all positive roots lie strictly between. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n - k)), and the same of
-/// the reversed polynomial; c_0 and c_n are not zero.
+/// Powers of two that all positive roots lie strictly between. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n - k)), and the
+/// same of the reversed polynomial; c_0 and c_n are not zero.
 std::pair<long, long> powers_around_roots(const ExactRayPolynomial& p) {
   const int n = p.count() - 1;
   long high = std::numeric_limits<long>::min();

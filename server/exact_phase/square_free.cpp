@@ -30,7 +30,9 @@ Whole whole(const ExactRayPolynomial& polynomial) {
   }
   Whole result(static_cast<std::size_t>(polynomial.count()));
   for (int i = 0; i < polynomial.count(); ++i) {
-    if (polynomial[i].sign() != 0) result[static_cast<std::size_t>(i)] = polynomial[i].mantissa() << static_cast<mp_bitcnt_t>(polynomial[i].exponent() - lowest);
+    if (polynomial[i].sign() != 0)
+      result[static_cast<std::size_t>(i)] = polynomial[i].mantissa()
+                                            << static_cast<mp_bitcnt_t>(polynomial[i].exponent() - lowest);
   }
   take_content_out(result);
   return result;

@@ -30,7 +30,8 @@ class PolynomialReader {
 
   ImplicitSurface read() {
     if (text_.size() > kMaxPolynomialBytes) {
-      throw std::invalid_argument(fmt::format("{} bytes of polynomial, at most {} are read", text_.size(), kMaxPolynomialBytes));
+      throw std::invalid_argument(
+          fmt::format("{} bytes of polynomial, at most {} are read", text_.size(), kMaxPolynomialBytes));
     }
     surface_.degree = sum();
     if (next_is_word("in")) read_box();
@@ -74,9 +75,11 @@ class PolynomialReader {
     skip_blanks();
     unsigned exponent = 0;
     const auto [stop, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), exponent);
-    if (error == std::errc::invalid_argument) complain(fmt::format("{} after ^; a whole number from 0 to {} is needed", found(), ImplicitSurface::kMostDegree));
+    if (error == std::errc::invalid_argument)
+      complain(fmt::format("{} after ^; a whole number from 0 to {} is needed", found(), ImplicitSurface::kMostDegree));
     if (error != std::errc{} || exponent > ImplicitSurface::kMostDegree) {
-      complain(fmt::format("exponent {}, allowed are 0 to {}", quoted(text_.substr(at_, static_cast<std::size_t>(stop - text_.data()) - at_)),
+      complain(fmt::format("exponent {}, allowed are 0 to {}",
+                           quoted(text_.substr(at_, static_cast<std::size_t>(stop - text_.data()) - at_)),
                            ImplicitSurface::kMostDegree));
     }
     at_ = static_cast<std::size_t>(stop - text_.data());
@@ -99,7 +102,8 @@ class PolynomialReader {
   }
 
   int in_parentheses() {
-    if (++parentheses_ > kMostParentheses) complain(fmt::format("more than {} parentheses within each other", kMostParentheses));
+    if (++parentheses_ > kMostParentheses)
+      complain(fmt::format("more than {} parentheses within each other", kMostParentheses));
     const int degree = sum();
     if (skip_one_of(")") == 0) complain(fmt::format("{}; expected + - * ^ or ')'", found()));
     --parentheses_;
@@ -112,7 +116,8 @@ class PolynomialReader {
     const std::string_view digits = text_.substr(at_, static_cast<std::size_t>(stop - text_.data()) - at_);
     if (error == std::errc::invalid_argument) complain(fmt::format("{} is no number", found()));
     // Zero instead of 1e-999 would be another polynomial.
-    if (error != std::errc{} || !std::isfinite(value)) complain(fmt::format("number {} is beyond the doubles (4.9e-324 to 1.8e308)", quoted(digits)));
+    if (error != std::errc{} || !std::isfinite(value))
+      complain(fmt::format("number {} is beyond the doubles (4.9e-324 to 1.8e308)", quoted(digits)));
     at_ += digits.size();
     return value;
   }
@@ -131,7 +136,8 @@ class PolynomialReader {
     }
     for (int axis = 0; axis < 3; ++axis) {
       if (!(surface_.low[axis] <= surface_.high[axis])) {
-        complain(fmt::format("the box is empty: along {} from {} to {}", "xyz"[axis], surface_.low[axis], surface_.high[axis]));
+        complain(
+            fmt::format("the box is empty: along {} from {} to {}", "xyz"[axis], surface_.low[axis], surface_.high[axis]));
       }
     }
   }
@@ -146,7 +152,8 @@ class PolynomialReader {
   void emit(const PolynomialStep& step, int grows_by) {
     stack_ += grows_by;
     if (stack_ > ImplicitSurface::kMostStack) {
-      complain(fmt::format("more than {} values wait for their operator: fewer parentheses to the right of + - * are needed", ImplicitSurface::kMostStack));
+      complain(fmt::format("more than {} values wait for their operator: fewer parentheses to the right of + - * are needed",
+                           ImplicitSurface::kMostStack));
     }
     if (surface_.steps.size() == ImplicitSurface::kMostSteps) {
       complain(fmt::format("more than {} numbers, variables and operators", ImplicitSurface::kMostSteps));
@@ -184,7 +191,9 @@ class PolynomialReader {
     if (c == '/') hint = ": a quotient is no polynomial; of a number, write 0.5*x";
     return quoted(text_.substr(at_, 1)) + hint;
   }
-  [[noreturn]] void complain(const std::string& what) const { throw std::invalid_argument(fmt::format("column {}: {}", at_ + 1, what)); }
+  [[noreturn]] void complain(const std::string& what) const {
+    throw std::invalid_argument(fmt::format("column {}: {}", at_ + 1, what));
+  }
 
   std::string_view text_;
   std::size_t at_ = 0;

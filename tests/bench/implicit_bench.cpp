@@ -1,5 +1,5 @@
-// What a ray against a polynomial surface costs, beside what it tells: a sphere and a torus at three widths of the bracket, the
-// sphere of closed form for comparison, and what rationals alone take. Processor time of this thread.
+// What a ray against a polynomial surface costs, beside what it tells: a sphere and a torus at three widths of the bracket,
+// the sphere of closed form for comparison, and what rationals alone take. Processor time of this thread.
 
 #include <algorithm>
 #include <cmath>
@@ -48,8 +48,8 @@ void time_rays(const char* name, const std::vector<Ray>& rays, const Cast& cast)
     ns.push_back(1e9 * (thread_seconds() - begin) / static_cast<double>(rays.size()));
   }
   std::sort(ns.begin(), ns.end());
-  std::printf("  %-34s %9.0f ns a ray (%.0f to %.0f), %zu of %zu hit, %zu by double alone, distances within %.2g m\n", name, ns[2], ns.front(),
-              ns.back(), hits, rays.size(), by_double, worst_m);
+  std::printf("  %-34s %9.0f ns a ray (%.0f to %.0f), %zu of %zu hit, %zu by double alone, distances within %.2g m\n", name,
+              ns[2], ns.front(), ns.back(), hits, rays.size(), by_double, worst_m);
 }
 
 void time_surface(const char* name, const char* text, const std::vector<Ray>& rays) {
@@ -69,7 +69,8 @@ void time_surface(const char* name, const char* text, const std::vector<Ray>& ra
     const PrecisionScope within({.highest = Level::rational, .error_asked_m = 1e-6});
     time_rays("within 1 um", rays, cast(kBracketAsked));
   }
-  const std::vector<Ray> few(rays.begin(), rays.begin() + std::min<std::ptrdiff_t>(2000, static_cast<std::ptrdiff_t>(rays.size())));
+  const std::vector<Ray> few(rays.begin(),
+                             rays.begin() + std::min<std::ptrdiff_t>(2000, static_cast<std::ptrdiff_t>(rays.size())));
   time_rays("rationals alone", few, [&](const Ray& ray, double& error_m) {
     ImplicitHit hit;
     const Verdict verdict = cast_ray_by_rationals(ray, surface, hit);

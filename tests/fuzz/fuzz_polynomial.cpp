@@ -15,7 +15,8 @@ using Kind = collided::PolynomialStep::Kind;
 void check_program(const ImplicitSurface& surface) {
   int stack = 0;
   for (const collided::PolynomialStep& step : surface.steps) {
-    const bool is_value = step.kind == Kind::constant || step.kind == Kind::x || step.kind == Kind::y || step.kind == Kind::z;
+    const bool is_value =
+        step.kind == Kind::constant || step.kind == Kind::x || step.kind == Kind::y || step.kind == Kind::z;
     const bool takes_one = step.kind == Kind::negate || step.kind == Kind::power;
     collided::fuzz::require(is_value || stack >= (takes_one ? 1 : 2), "an operator finds its values");
     stack += is_value ? 1 : takes_one ? 0 : -1;
@@ -25,7 +26,8 @@ void check_program(const ImplicitSurface& surface) {
   }
   collided::fuzz::require(stack == 1, "one value is left");
   collided::fuzz::require(surface.steps.size() <= ImplicitSurface::kMostSteps, "the program is short");
-  collided::fuzz::require(surface.degree >= 1 && surface.degree <= ImplicitSurface::kMostDegree, "the degree is within its limits");
+  collided::fuzz::require(surface.degree >= 1 && surface.degree <= ImplicitSurface::kMostDegree,
+                          "the degree is within its limits");
   collided::fuzz::require((surface.low.array() <= surface.high.array()).all(), "the box is not empty");
 }
 

@@ -132,7 +132,8 @@ Truth truth_of(const Ray& ray, const Twin& twin, const ImplicitSurface& surface)
   truth.roots.emplace(truth.along);
   const Rational& last = *truth.stay->last;
   const Rational beyond = last + Rational(1) / Rational(boost::multiprecision::cpp_int(1) << 600);
-  EXPECT_TRUE(end_is_exact || truth.roots->within(last, beyond) == (truth.roots->is_root(last) ? 1 : 0)) << "too near to the end for the oracle";
+  EXPECT_TRUE(end_is_exact || truth.roots->within(last, beyond) == (truth.roots->is_root(last) ? 1 : 0))
+      << "too near to the end for the oracle";
   truth.is_met = truth.roots->within(truth.stay->first, last) > 0;
   return truth;
 }
@@ -237,7 +238,8 @@ TEST_P(ExactImplicitRay, RandomPolynomialsAreMetAsByRationals) {
   Counts counts;
   for (int i = 0; i < ray_count(); ++i) {
     const bool wild = i % 4 == 3;
-    const Twin twin = random_polynomial(GetParam(), generator, [&] { return std::ldexp(any(generator), wild ? exponent(generator) : 0); });
+    const Twin twin =
+        random_polynomial(GetParam(), generator, [&] { return std::ldexp(any(generator), wild ? exponent(generator) : 0); });
     const double length = i % 3 == 0 ? std::abs(any(generator)) * 4 : kInfinity;
     const Ray ray{any_point(generator, 2), any_point(generator, 1), length};
     SCOPED_TRACE(twin.text);
@@ -264,8 +266,19 @@ Twin planted(const std::vector<int>& roots) {
 // Double, triple and eightfold roots, at the start, at the end, an ulp beyond either, behind simple ones.
 TEST(ExactImplicitRayPlanted, MultipleRootsAndRootsAtTheEndsAreMet) {
   Counts counts;
-  const std::vector<std::vector<int>> plans{{9}, {9, 9}, {9, 9, 9}, {0}, {0, 0}, {0, 0, 9}, {-9, 0, 9}, {18, 18, 18, 18, 18, 18, 18, 18},
-                                            {9, 18, 18, 27}, {9, 9, 10, 10}, {-9, -9}, {27, 18, 9, 9, 18, 27}, {1, 2, 3, 4, 5, 6, 7, 8}};
+  const std::vector<std::vector<int>> plans{{9},
+                                            {9, 9},
+                                            {9, 9, 9},
+                                            {0},
+                                            {0, 0},
+                                            {0, 0, 9},
+                                            {-9, 0, 9},
+                                            {18, 18, 18, 18, 18, 18, 18, 18},
+                                            {9, 18, 18, 27},
+                                            {9, 9, 10, 10},
+                                            {-9, -9},
+                                            {27, 18, 9, 9, 18, 27},
+                                            {1, 2, 3, 4, 5, 6, 7, 8}};
   for (const std::vector<int>& roots : plans) {
     for (const double length : {0.0, 3.0, std::nextafter(3.0, 0.0), std::nextafter(3.0, 4.0), 6.0, kInfinity}) {
       for (const double start : {0.0, 1.0, 0x1p-60, -0x1p-60}) {
@@ -343,7 +356,8 @@ TEST(ExactImplicitRayPlanted, GrazingRaysHoldTheirBrackets) {
     const double way = exponent % 2 == 0 ? 3 : 1e7;
     const Vec3 origin = Vec3(top.x(), 0, top.z()) - way * across + top.y() * Vec3(0, 1, 0);
     cast_and_compare({origin, across}, sphere({0.1, 0, -0.2}, 1), "", counts);
-    cast_and_compare({{-way, 3 - depth, 0.25 * depth}, {1, 0, 0}}, torus(), exponent % 3 == 0 ? " in -1 2 -1 1 4 1" : "", counts);
+    cast_and_compare({{-way, 3 - depth, 0.25 * depth}, {1, 0, 0}}, torus(), exponent % 3 == 0 ? " in -1 2 -1 1 4 1" : "",
+                     counts);
     if (HasFatalFailure()) return;
   }
   EXPECT_GT(counts.hits, 50);
@@ -376,7 +390,8 @@ TEST(ExactImplicitRayPlanted, NumbersAtTheEndsOfDoubleAreDecided) {
   cast_and_compare({{0, 0, 0}, {1, 0, 0}}, {"1e300*x-1e-300", kX * Trivariate(1e300) - 1e-300}, "", counts);
   cast_and_compare({{0, 0, 0}, {5e-324, 0, 0}}, {"x-1e-300", kX - 1e-300}, "", counts);
   cast_and_compare({{1e300, 0, 0}, {-1, 0, 0}}, {"x^2-1", power(kX, 2) - 1}, "", counts);
-  cast_and_compare({{-1e200, 1e-200, 0}, {1e200, 0, 0}}, {"x^2+y^2-5e-324", power(kX, 2) + power(kY, 2) - 5e-324}, "", counts);
+  cast_and_compare({{-1e200, 1e-200, 0}, {1e200, 0, 0}}, {"x^2+y^2-5e-324", power(kX, 2) + power(kY, 2) - 5e-324}, "",
+                   counts);
   cast_and_compare({{-1, 0, 0}, {1, 0, 0}}, {"x^2+1e-320", power(kX, 2) + 1e-320}, "", counts);
   EXPECT_EQ(counts.hits, 5);
   EXPECT_EQ(counts.misses, 1);

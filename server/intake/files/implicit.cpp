@@ -39,8 +39,11 @@ ImplicitSurface surface_of(const ImplicitOptions& options) {
   LoadReport report;
   const LoadOptions reading_options;
   const FileBytes bytes(options.file, FileBytes::Access::copied, reading_options);
-  const std::optional<ImplicitSurface> found = find_implicit_surface({file_name(options.file), bytes.bytes(), reading_options, report}, options.surface);
-  if (!found) throw LoadError(fmt::format("{}: no line has the name '{}'. Nothing was asked.", file_name(options.file), options.surface));
+  const std::optional<ImplicitSurface> found =
+      find_implicit_surface({file_name(options.file), bytes.bytes(), reading_options, report}, options.surface);
+  if (!found)
+    throw LoadError(
+        fmt::format("{}: no line has the name '{}'. Nothing was asked.", file_name(options.file), options.surface));
   return *found;
 }
 
@@ -48,7 +51,8 @@ double finite_number(const std::string& word) {
   double value = 0;
   const char* const begin = word.data() + (word.size() > 1 && word[0] == '+' && word[1] != '-' ? 1 : 0);
   const auto [end, error] = std::from_chars(begin, word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value)) throw LoadError(fmt::format("'{}' is no finite number", word.substr(0, 40)));
+  if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value))
+    throw LoadError(fmt::format("'{}' is no finite number", word.substr(0, 40)));
   return value;
 }
 
@@ -59,15 +63,20 @@ std::vector<double> question_of(const std::vector<std::string>& words) {
   if (numbers.size() != 3 && numbers.size() != 6) {
     throw LoadError(fmt::format("{} numbers; a point X Y Z or a ray X Y Z DX DY DZ is needed", numbers.size()));
   }
-  if (numbers.size() == 6 && numbers[3] == 0 && numbers[4] == 0 && numbers[5] == 0) throw LoadError("direction 0 0 0 has no direction");
+  if (numbers.size() == 6 && numbers[3] == 0 && numbers[4] == 0 && numbers[5] == 0)
+    throw LoadError("direction 0 0 0 has no direction");
   return numbers;
 }
 
 /// Infinities as text: JSON has none.
 json number_json(double value) { return std::isfinite(value) ? json(value) : json(value > 0 ? "inf" : "-inf"); }
 json point_json(const Vec3& point) { return {number_json(point.x()), number_json(point.y()), number_json(point.z())}; }
-std::string point_text(const Vec3& point) { return fmt::format("{} {} {}", shortest(point.x()), shortest(point.y()), shortest(point.z())); }
-const char* level_name(const Verdict& verdict) { return verdict.level == Level::filter ? "double" : verdict.level == Level::expansion ? "expansions" : "rationals"; }
+std::string point_text(const Vec3& point) {
+  return fmt::format("{} {} {}", shortest(point.x()), shortest(point.y()), shortest(point.z()));
+}
+const char* level_name(const Verdict& verdict) {
+  return verdict.level == Level::filter ? "double" : verdict.level == Level::expansion ? "expansions" : "rationals";
+}
 
 std::string normal_text(const ImplicitHit& hit) {
   if (hit.normal_state == ImplicitHit::Normal::singular) return "no normal: the gradient is 0 there";
@@ -77,12 +86,19 @@ std::string normal_text(const ImplicitHit& hit) {
 
 void print_hit(const Verdict& verdict, const ImplicitHit& hit, bool as_json) {
   if (!as_json) {
-    fmt::print("hit  distance {} ±{:.2g}  at {}  {}  t in [{}, {}]{}\n", shortest(hit.distance_m), hit.distance_error_m, point_text(hit.point),
-               normal_text(hit), shortest(hit.low), shortest(hit.high), hit.runs_along ? "  runs along the surface from there" : "");
+    fmt::print("hit  distance {} ±{:.2g}  at {}  {}  t in [{}, {}]{}\n", shortest(hit.distance_m), hit.distance_error_m,
+               point_text(hit.point), normal_text(hit), shortest(hit.low), shortest(hit.high),
+               hit.runs_along ? "  runs along the surface from there" : "");
     return;
   }
-  json answer{{"answer", "hit"}, {"distance", number_json(hit.distance_m)}, {"error", number_json(hit.distance_error_m)}, {"low", hit.low},
-              {"high", number_json(hit.high)}, {"point", point_json(hit.point)}, {"point_error", number_json(hit.point_error_m)}, {"by", level_name(verdict)}};
+  json answer{{"answer", "hit"},
+              {"distance", number_json(hit.distance_m)},
+              {"error", number_json(hit.distance_error_m)},
+              {"low", hit.low},
+              {"high", number_json(hit.high)},
+              {"point", point_json(hit.point)},
+              {"point_error", number_json(hit.point_error_m)},
+              {"by", level_name(verdict)}};
   if (hit.normal_state == ImplicitHit::Normal::known) {
     answer["normal"] = point_json(hit.normal);
     answer["normal_error"] = hit.normal_error;
@@ -181,7 +197,9 @@ double length_of(const std::string& text) {
 int implicit(const ImplicitOptions& options) {
   const ImplicitSurface surface = surface_of(options);
   const double length_m = length_of(options.length);
-  const PrecisionScope precision({.highest = Level::rational, .error_asked_m = options.within.empty() ? 0 : length_in_metres("--within", options.within)});
+  const PrecisionScope precision(
+      {.highest = Level::rational,
+       .error_asked_m = options.within.empty() ? 0 : length_in_metres("--within", options.within)});
   if (options.numbers == std::vector<std::string>{"-"}) return ask_lines(surface, length_m, options.as_json);
   return ask(surface, question_of(options.numbers), length_m, options.as_json);
 }
