@@ -6,16 +6,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "server/geometry/surface_tolerance.hpp"
 #include "server/intake/sphere_mesh.hpp"
 
 namespace collided {
 namespace {
 
 using std::numbers::pi;
-
-/// Roundings of a vertex, relative to the surface's reach: a product of three or fewer numbers that are off by a few units
-/// in the last place, or a spline's point, which takes two of them for each degree.
-constexpr double kVertexRounding = 0x1p-46;
 
 void require(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);

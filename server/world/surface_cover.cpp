@@ -5,20 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "server/geometry/edge_table.hpp"
+#include "server/geometry/surface_tolerance.hpp"
 #include "server/intake/weld.hpp"
 
 namespace collided {
 namespace {
 
 using Flat = Eigen::Vector2d;
-
-/// The table that is looked at is smaller by this share of its size, so that an edge along its rim does not run over it.
-/// What lies in the rim is that much farther from the sheet at most.
-constexpr double kRim = 0x1p-20;
-
-/// Roundings of a point turned into the table's frame are below 16 of 2^-53 of its largest coordinate there; this share is
-/// taken for them wherever they could matter, many times over.
-constexpr double kFlatSlack = 0x1p-40;
 
 /// A piece of more triangles is given up.
 constexpr std::size_t kMostTriangles = 2048;
@@ -29,32 +23,18 @@ double cross(const Flat& a, const Flat& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 TriangleNeighbours::TriangleNeighbours(const TriangleMesh& mesh, std::span<const std::uint32_t> part_of)
     : across_(3 * mesh.triangles.size(), kNone) {
-  struct Side {
-    std::uint64_t edge;
-    std::uint32_t part;
-    std::uint32_t place;  // 3 * triangle + corner
-    bool operator<(const Side& o) const { return edge != o.edge ? edge < o.edge : part != o.part ? part < o.part : place < o.place; }
-    bool is_beside(const Side& o) const { return edge == o.edge && part == o.part; }
-  };
-  const std::vector<std::uint32_t> first_equal = first_equal_vertices(mesh.vertices);
-  std::vector<Side> sides;
-  sides.reserve(across_.size());
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = first_equal[mesh.triangles[i][k]];
-      const std::uint32_t b = first_equal[mesh.triangles[i][(k + 1) % 3]];
-      if (a != b) sides.push_back({std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), part_of[i], 3 * i + k});
+  const EdgeTable table = edge_table(mesh, first_equal_vertices(mesh.vertices));
+  const auto part = [&](HalfEdge half) { return part_of[triangle_of(half)]; };
+  std::vector<HalfEdge> uses;
+  for (std::size_t edge = 0; edge < table.size(); ++edge) {
+    uses.assign(table.uses_of(edge).begin(), table.uses_of(edge).end());
+    std::stable_sort(uses.begin(), uses.end(), [&](HalfEdge a, HalfEdge b) { return part(a) < part(b); });
+    for (std::size_t first = 0, end = 0; first < uses.size(); first = end) {
+      while (end < uses.size() && part(uses[end]) == part(uses[first])) ++end;
+      if (end - first != 2) continue;
+      across_[uses[first]] = triangle_of(uses[first + 1]);
+      across_[uses[first + 1]] = triangle_of(uses[first]);
     }
-  }
-  std::sort(sides.begin(), sides.end());
-  for (std::size_t first = 0; first < sides.size();) {
-    std::size_t end = first + 1;
-    while (end < sides.size() && sides[end].is_beside(sides[first])) ++end;
-    if (end - first == 2) {
-      across_[sides[first].place] = sides[first + 1].place / 3;
-      across_[sides[first + 1].place] = sides[first].place / 3;
-    }
-    first = end;
   }
 }
 
