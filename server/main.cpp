@@ -15,6 +15,7 @@
 #include "server/service/log.hpp"
 #include "server/service/options.hpp"
 #include "server/service/server.hpp"
+#include "server/service/short_turns.hpp"
 #include "server/service/start_scenes.hpp"
 #include "server/service/supervisor.hpp"
 
@@ -53,6 +54,7 @@ void limit_stopping() {
 
 int serve(const Options& options) {
   const sigset_t signals = block_signals();
+  ask_for_short_turns();
   Server server(options, make_log(options.log_level, options.log_json));
   const std::string ready = server.start();
   if (options.scenes.empty()) fmt::print("{}", how_to_ask());

@@ -26,6 +26,7 @@ constexpr double kMostSlope_mib_h = 1;
 /// A slope of so little counts only over so long; before that growth does.
 constexpr double kSlopeCounts_s = 1'800;
 constexpr double kMostGrowth_mib = 4;
+constexpr std::chrono::milliseconds kPace{600};
 
 struct Look {
   double time_s = 0;
@@ -99,6 +100,8 @@ class Soak {
   void run(std::chrono::seconds time, std::chrono::seconds warm_up) {
     const auto started = SteadyClock::now();
     for (std::uint64_t round = 0; SteadyClock::now() - started < time; ++round) {
+      // At an even pace: what is remembered for a time is more where more happens in it.
+      std::this_thread::sleep_until(started + kPace * round);
       guest(round);
       things(round);
       if (round % 4 == 0) load_and_clear();
