@@ -19,10 +19,23 @@ void FlightWindow::add(std::span<const std::byte> record, std::uint64_t log_time
 void FlightWindow::open_block(std::uint64_t log_time) {
   if (count_ == kBlocks) drop_oldest();
   Block& block = blocks_[(first_ + count_) % kBlocks];
-  if (!block.bytes) block.bytes.reset(new std::byte[kBlockBytes]);  // not zeroed: pages come as they are written
+  if (!block.bytes) block.bytes = memory_of_a_free_block();
   block.used.store(0);
   block.first_time = block.last_time = log_time;
   count_.store(count_ + 1, std::memory_order_release);
+}
+
+std::unique_ptr<std::byte[]> FlightWindow::memory_of_a_free_block() {
+  for (std::size_t i = count_; i < kBlocks; ++i) {
+    Block& free = blocks_[(first_ + i) % kBlocks];
+    if (free.bytes) return std::move(free.bytes);
+  }
+  return std::unique_ptr<std::byte[]>(new std::byte[kBlockBytes]);  // not zeroed: pages come as they are written
+}
+
+std::size_t FlightWindow::held_bytes() const {
+  const auto has_memory = [](const Block& block) { return block.bytes != nullptr; };
+  return kBlockBytes * static_cast<std::size_t>(std::count_if(blocks_.begin(), blocks_.end(), has_memory));
 }
 
 void FlightWindow::drop_oldest() {

@@ -28,6 +28,9 @@ class FlightWindow {
   /// Lets go what is older than the window.
   void expire(std::uint64_t now);
 
+  /// Memory taken so far: of as many blocks as were ever in use at once.
+  std::size_t held_bytes() const;
+
   /// Oldest first: see(records, first log time, last log time).
   template <class See>
   void for_each_block(See&& see) const {
@@ -49,6 +52,7 @@ class FlightWindow {
   Block& newest() { return blocks_[(first_ + count_ - 1) % kBlocks]; }
   void open_block(std::uint64_t log_time);
   void drop_oldest();
+  std::unique_ptr<std::byte[]> memory_of_a_free_block();
 
   const std::uint64_t window_ns_;
   std::function<void(std::span<const std::byte>)> leave_;

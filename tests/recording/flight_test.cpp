@@ -168,6 +168,17 @@ TEST(FlightWindow, WhatIsOldLeavesOnceAndInOrder) {
   EXPECT_EQ(oldest_kept, left.size() + 1);
 }
 
+// A window of 16 blocks, the one that is being filled and the one that leaves, however long it goes on.
+TEST(FlightWindow, BlocksThatLeftAreFilledAgain) {
+  FlightWindow window(160, [](std::span<const std::byte>) {});
+  for (std::uint64_t time = 1; time <= 10'000; ++time) {
+    window.add(std::as_bytes(std::span(&time, 1)), time);
+    window.expire(time);
+    ASSERT_LE(window.held_bytes(), 18 * FlightWindow::kBlockBytes) << time;
+  }
+  EXPECT_GE(window.held_bytes(), 16 * FlightWindow::kBlockBytes);
+}
+
 // Memory is bounded: megabytes beyond it push out the oldest, however young.
 TEST(FlightWindow, ABusyWindowIsShorterAndNoLarger) {
   std::uint64_t left = 0;
