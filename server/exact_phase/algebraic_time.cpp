@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "server/exact_phase/root_isolation.hpp"
 #include "server/exact_phase/rounded_outward.hpp"
 #include "server/exact_phase/time_between.hpp"
 
@@ -23,23 +24,6 @@ TimePolynomial without_multiple_roots(TimePolynomial polynomial) {
   if (polynomial.count() < 3) return polynomial;
   const TimePolynomial shared = common_divisor(polynomial, polynomial.derivative());
   return shared.count() < 2 ? polynomial : TimePolynomial::divided(std::move(polynomial), shared).first;
-}
-
-struct SignChanges {
-  int count = 0;
-  Sign last = Sign::zero;
-};
-
-SignChanges sign_changes(const TimePolynomial& polynomial, const Dyadic& low, const Dyadic& high) {
-  const auto span = polynomial.on_span(low, high);
-  SignChanges changes;
-  for (int i = 0; i < polynomial.count(); ++i) {
-    const Sign s = sign(span[i]);
-    if (s == Sign::zero) continue;
-    if (changes.last != Sign::zero && s != changes.last) ++changes.count;
-    changes.last = s;
-  }
-  return changes;
 }
 
 Dyadic middle(const Dyadic& a, const Dyadic& b) { return (a + b) * Dyadic(0.5); }
@@ -133,26 +117,9 @@ std::vector<AlgebraicTime> roots_between(TimePolynomial polynomial, const Dyadic
   if (polynomial.count() < 2) return roots;
   polynomial = without_multiple_roots(std::move(polynomial));
   if (sign(polynomial.at(low)) == Sign::zero) roots.emplace_back(low);
-  // Spans still to search, the next one last; one of no width is a point to look at.
-  std::vector<std::pair<Dyadic, Dyadic>> spans{{low, high}};
-  for (int step = 0; step < kMostHalvings && !spans.empty(); ++step) {
-    const auto [from, to] = std::move(spans.back());
-    spans.pop_back();
-    if (sign(to - from) == Sign::zero) {
-      if (sign(polynomial.at(from)) == Sign::zero) roots.emplace_back(from);
-      continue;
-    }
-    const SignChanges changes = sign_changes(polynomial, from, to);
-    if (changes.count == 0) continue;
-    if (changes.count == 1) {
-      roots.emplace_back(polynomial, from, to, changes.last);
-      continue;
-    }
-    const Dyadic half = middle(from, to);
-    spans.emplace_back(half, to);
-    spans.emplace_back(half, half);
-    spans.emplace_back(from, half);
-  }
+  isolate_roots(
+      polynomial, low, high, kMostHalvings, middle, [&](const Dyadic& at) { roots.emplace_back(at); },
+      [&](const Dyadic& from, const Dyadic& to, Sign before_to) { roots.emplace_back(polynomial, from, to, before_to); });
   if (sign(polynomial.at(high)) == Sign::zero) roots.emplace_back(high);
   return roots;
 }

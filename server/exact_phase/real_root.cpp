@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/exact_phase/root_isolation.hpp"
 #include "server/exact_phase/rounded_outward.hpp"
 #include "server/exact_phase/time_between.hpp"
 
@@ -21,23 +22,6 @@ Dyadic between(const Dyadic& low, const Dyadic& high) {
   const long above_high = power_above(high);
   if (low.sign() == 0 || above_high - above_low < 3) return (low + high) * Dyadic(0.5);
   return two_to(above_low + (above_high - above_low) / 2);
-}
-
-struct SignChanges {
-  int count = 0;
-  Sign last = Sign::zero;
-};
-
-SignChanges sign_changes(const ExactRayPolynomial& polynomial, const Dyadic& low, const Dyadic& high) {
-  const auto span = polynomial.on_span(low, high);
-  SignChanges changes;
-  for (int i = 0; i < polynomial.count(); ++i) {
-    const Sign s = sign(span[i]);
-    if (s == Sign::zero) continue;
-    if (changes.last != Sign::zero && s != changes.last) ++changes.count;
-    changes.last = s;
-  }
-  return changes;
 }
 
 /// Whole, n / d rounded up, d > 0.
@@ -160,27 +144,9 @@ RealRoots roots_from_zero(const ExactRayPolynomial& polynomial) {
   }
   if (simple.count() < 2) return result;
   const auto [low, high] = powers_around_roots(simple);
-  // Spans still to search, the next one last; one of no width is a point to look at.
-  std::vector<std::pair<Dyadic, Dyadic>> spans{{two_to(low), two_to(high)}};
-  for (int step = 0; step < kMostHalvings && !spans.empty(); ++step) {
-    const auto [from, to] = std::move(spans.back());
-    spans.pop_back();
-    if (sign(to - from) == Sign::zero) {
-      if (sign(simple.at(from)) == Sign::zero) roots.emplace_back(from);
-      continue;
-    }
-    const SignChanges changes = sign_changes(simple, from, to);
-    if (changes.count == 0) continue;
-    if (changes.count == 1) {
-      roots.emplace_back(simple, from, to, changes.last);
-      continue;
-    }
-    const Dyadic middle = between(from, to);
-    spans.emplace_back(middle, to);
-    spans.emplace_back(middle, middle);
-    spans.emplace_back(from, middle);
-  }
-  result.complete = spans.empty();
+  result.complete = isolate_roots(
+      simple, two_to(low), two_to(high), kMostHalvings, between, [&](const Dyadic& at) { roots.emplace_back(at); },
+      [&](const Dyadic& from, const Dyadic& to, Sign before_to) { roots.emplace_back(simple, from, to, before_to); });
   return result;
 }
 
