@@ -21,7 +21,8 @@ inline constexpr double kRim = 0x1p-20;
 /// Of the table's size and the farthest coordinate met in its frame: a point turned into that frame is off by 16 roundings
 /// of its largest coordinate there (differences 1, unit axes 6, products and sums 3, three of each), a clipped height by as
 /// much again. 2^13 roundings, since it costs nothing. No unit.
-/// At zero, WorldSurfaceCover.AnEqualSheetWhoseBorderIsTheTablesCoversIt fails: a rounding decides what is open.
+/// At zero, WorldSurfaceCover.AnEqualSheetWhoseBorderIsTheTablesCoversIt fails, a rounding decides what is open, and so does
+/// TheBoundHoldsUnderASheetOfAMillionMillionTimesItsSize.
 inline constexpr double kFlatSlack = 0x1p-40;
 
 }  // namespace collided
