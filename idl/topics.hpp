@@ -94,7 +94,7 @@ struct TopicQos {
 };
 
 inline constexpr TopicQos kObjectTopic{"object", Reliability::reliable, Durability::transient_local, 1, 0, false};
-inline constexpr TopicQos kPoseTopic{"pose", Reliability::reliable, Durability::volatile_data, 64, 0, false};
+inline constexpr TopicQos kPoseTopic{"pose", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kQueryTopic{"query", Reliability::reliable, Durability::volatile_data, 0, 4'096, false};
 inline constexpr TopicQos kReplyTopic{"reply", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kEventTopic{"event", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};

@@ -6,6 +6,7 @@
 
 #include "client/library/connection.hpp"
 #include "client/library/published_objects.hpp"
+#include "client/library/unacknowledged_poses.hpp"
 
 namespace collided {
 
@@ -31,8 +32,8 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::optional<Error> say_alive();
   bool is_forgotten() const;
   bool is_behind() const;
-  bool is_followed() const;
   bool is_applied() const;
+  bool has_room();
   std::optional<Error> define_all();
   std::optional<Error> write_definition(std::uint32_t number, const client::PublishedObject& object, bool removed);
   std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, bool teleported, std::int64_t time_ns);
@@ -48,7 +49,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::uint64_t definitions_through_ = 0;
   std::uint64_t defined_all_at_ = 0;  // sequence at which everything was last defined anew
   std::uint64_t server_ = 0;
-  std::uint32_t batches_unacknowledged_ = 0;
+  client::UnacknowledgedPoses unacknowledged_;
   client::Clock::time_point last_word_;
   client::Clock::time_point last_sample_;
   client::Clock::time_point defined_all_;

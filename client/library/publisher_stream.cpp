@@ -13,9 +13,6 @@ using wire_contract::kPoseNumbers;
 
 namespace {
 
-// The pose writer keeps 64 batches; one more would push out a batch that the server has not got, and with it the only
-// pose of some object.
-constexpr std::uint32_t kMostUnacknowledged = wire_contract::kPoseTopic.keep_last - 8;
 constexpr std::int64_t kAcknowledgementNs = 1'000'000'000;
 // So long after everything was sent anew each batch says so: the first ones may come before the new server's reader is there.
 constexpr std::chrono::milliseconds kSaysSo{2'000};
@@ -75,16 +72,21 @@ bool Publisher::State::is_behind() const {
          Clock::now() - last_sample_ > kBehind;
 }
 
-// The server itself says that it has nearly all: whoever has not acknowledged is a dead server's reader, which DDS keeps
-// for its participant's lease of ten seconds.
-bool Publisher::State::is_followed() const {
+// What the server's status says goes before what DDS knows: acknowledgements come up to 20 ms late, and those of a dead
+// server's reader, which DDS keeps for its participant's lease of ten seconds, never.
+bool Publisher::State::has_room() {
+  if (!unacknowledged_.is_full()) return true;
   const auto view = connection_->pulse().publisher(publisher_);
-  return view && !connection_->pulse().silent() && view->applied_sequence + kMostUnacknowledged > sequence_;
+  if (view && !connection_->pulse().silent()) unacknowledged_.note_known(view->applied_sequence);
+  if (!unacknowledged_.is_full()) return true;
+  if (!pose_writer_.wait_for_acknowledgements(kAcknowledgementNs)) return false;
+  unacknowledged_.note_all_known();
+  return true;
 }
 
 std::optional<Error> Publisher::State::define_all() {
   // A new server's reader has everything of this life still before it.
-  if (server_ != connection_->pulse().server()) batches_unacknowledged_ = 0;
+  if (server_ != connection_->pulse().server()) unacknowledged_.note_all_known();
   server_ = connection_->pulse().server();
   defined_all_at_ = sequence_ + 1;
   for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
@@ -139,17 +141,11 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
   dds::borrow(batch_->object_numbers, numbers);
   dds::borrow(batch_->poses, poses_);
   return guarded([&]() -> std::optional<Error> {
-    if (batches_unacknowledged_ >= kMostUnacknowledged && !is_followed()) {
-      if (!pose_writer_.wait_for_acknowledgements(kAcknowledgementNs)) {
-        return not_taken();
-      }
-      batches_unacknowledged_ = 0;
-    }
-    if (!pose_writer_.write(*batch_)) {
+    if (!has_room() || !pose_writer_.write(*batch_)) {
       return not_taken();
     }
-    ++batches_unacknowledged_;
     note_written();
+    unacknowledged_.note_written(sequence_, numbers.size_bytes() + poses_.size() * sizeof(double));
     return std::nullopt;
   });
 }

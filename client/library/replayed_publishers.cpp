@@ -8,7 +8,6 @@
 namespace collided::client {
 namespace {
 
-constexpr std::uint32_t kMostUnacknowledged = wire_contract::kPoseTopic.keep_last - 8;
 constexpr std::int64_t kPatienceNs = 2'000'000'000;
 
 std::uint64_t now_since_1970_ns() {
@@ -114,12 +113,12 @@ bool ReplayedPublishers::publish(wire::PoseBatch& batch, std::uint64_t log_time,
   batch.sequence_number = ++publisher->sequence;
   batch.definitions_through = publisher->definitions_through;
   batch.source_time_ns = source_time_ns;
-  if (publisher->unacknowledged >= kMostUnacknowledged) {
+  if (publisher->unacknowledged.is_full()) {
     if (!publisher->pose_writer.wait_for_acknowledgements(kPatienceNs)) throw dds::DdsError("replay: the server takes no more poses");
-    publisher->unacknowledged = 0;
+    publisher->unacknowledged.note_all_known();
   }
   if (!publisher->pose_writer.write(batch)) throw dds::DdsError("replay: the server takes no more poses");
-  ++publisher->unacknowledged;
+  publisher->unacknowledged.note_written(publisher->sequence, dds::view(batch.poses).size_bytes());
   return true;
 }
 

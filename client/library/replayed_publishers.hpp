@@ -8,6 +8,7 @@
 #include <set>
 
 #include "client/library/connection.hpp"
+#include "client/library/unacknowledged_poses.hpp"
 
 namespace collided::client {
 
@@ -43,7 +44,7 @@ class ReplayedPublishers {
     std::map<std::uint32_t, std::uint64_t> defined;  // recorded sequence, by object number
     std::set<std::uint32_t> objects;                 // that are there
     std::uint64_t posed = 0, posed_at = 0;           // recorded sequence and time of the newest batch
-    std::uint32_t unacknowledged = 0;
+    UnacknowledgedPoses unacknowledged;
     dds::Writer<wire::Definition> object_writer;
     dds::Writer<wire::PoseBatch> pose_writer;
   };

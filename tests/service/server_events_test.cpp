@@ -211,11 +211,14 @@ TEST_F(ServerEvents, AFrozenSubscriberIsNobodyElsesTrouble) {
   frozen.signal(SIGSTOP);
   constexpr int kTouches = 5'000;
   double slowest_ms = 0;
+  int slow = 0;
   for (int i = 0; i < kTouches; ++i) {
     const auto before = std::chrono::steady_clock::now();
     move(publisher, ball, at(6, 0, 1));
     move(publisher, ball, at(6, 0, 0.05));
-    slowest_ms = std::max(slowest_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
+    const double took_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count();
+    slowest_ms = std::max(slowest_ms, took_ms);
+    slow += took_ms > 5 ? 1 : 0;
     if (i % 100 == 99) {
       ASSERT_TRUE(publisher.wait_applied(10s));
     }
@@ -226,13 +229,18 @@ TEST_F(ServerEvents, AFrozenSubscriberIsNobodyElsesTrouble) {
   }
   EXPECT_EQ(healthy.lost(), 0u);
   EXPECT_EQ(healthy.resyncs(), 0u);
+  // Other programs of a full machine take turns of some milliseconds; whoever waits for the frozen one does so every time.
+  EXPECT_LE(slow, kTouches / 1'000) << "of " << kTouches << " pairs of flushes took more than 5 ms";
+  const auto awake = std::chrono::steady_clock::now();
   frozen.signal(SIGCONT);
   move(publisher, ball, at(6, 5, 3));
   EXPECT_EQ(next(healthy).what, What::ended);
   const Publisher::Object last = add_ball(publisher, "the last one", at(8, 0, 0.05));
   EXPECT_TRUE(frozen.says("the last one", 10s)) << "it goes on where the world is now";
   static_cast<void>(last);
-  std::printf("two flushes took at most %.1f ms\n", slowest_ms);
+  const double resync_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - awake).count();
+  EXPECT_LT(resync_ms, 1'000);
+  std::printf("max_write_ms=%.1f healthy_lost=%llu resync_ms=%.0f\n", slowest_ms, static_cast<unsigned long long>(healthy.lost()), resync_ms);
 }
 
 // DDS holds on to a killed server's reader for ten seconds, and it acknowledges nothing; the next server gets every pose.
@@ -256,6 +264,30 @@ TEST_F(ServerEvents, ADeadServersReaderHoldsNobodyUp) {
   { const Publisher gone = std::move(publisher); }
   { const Client gone = std::move(client); }
   EXPECT_LT(std::chrono::steady_clock::now() - leaving, 1s) << "nor whoever leaves";
+}
+
+// The same in batches of thousands of poses, which fill what a writer may keep.
+TEST_F(ServerEvents, ADeadServersReaderHoldsNoCrowdUp) {
+  testing_support::ChildProcess& first = start({}, "first");
+  Client client = connect();
+  Publisher publisher = publish(client, "thrower");
+  std::vector<Publisher::Object> balls;
+  for (int i = 0; i < 4'000; ++i) balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(6 + 3 * i, 0, 1)));
+  ASSERT_TRUE(publisher.wait_applied(10s));
+  first.signal(SIGKILL);
+  first.wait(5s);
+  start({}, "second");
+  int held_up = 0;
+  double slowest_ms = 0;
+  for (int round = 0; round < 150; ++round) {
+    for (std::size_t i = 0; i < balls.size(); ++i) static_cast<void>(publisher.move(balls[i], at(6 + 3 * static_cast<double>(i), 0, 1 + 0.01 * round)));
+    const auto before = std::chrono::steady_clock::now();
+    held_up += publisher.flush() ? 0 : 1;
+    slowest_ms = std::max(slowest_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_EQ(held_up, 0) << "flushes; the slowest took " << slowest_ms << " ms";
+  EXPECT_TRUE(publisher.wait_applied(5s));
 }
 
 // Objects and scenes that commands added are there again after a crash, those that were removed are not; after an orderly
