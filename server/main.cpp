@@ -15,9 +15,9 @@
 #include "server/service/log.hpp"
 #include "server/service/options.hpp"
 #include "server/service/server.hpp"
-#include "server/service/short_turns.hpp"
 #include "server/service/start_scenes.hpp"
 #include "server/service/supervisor.hpp"
+#include "server/service/turns.hpp"
 
 namespace {
 
@@ -54,7 +54,7 @@ void limit_stopping() {
 
 int serve(const Options& options) {
   const sigset_t signals = block_signals();
-  ask_for_short_turns();
+  ask_for_turns(kShortTurn);
   Server server(options, make_log(options.log_level, options.log_json));
   const std::string ready = server.start();
   if (options.scenes.empty()) fmt::print("{}", how_to_ask());

@@ -14,6 +14,7 @@
 #include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/service/reply_columns.hpp"
+#include "server/service/turns.hpp"
 #include "server/world/indexed_mesh.hpp"
 #include "server/world/query.hpp"
 
@@ -72,6 +73,8 @@ class Answering::Worker {
 
 void Answering::Worker::run() {
   pthread_setname_np(pthread_self(), "answer");
+  // Single questions are answered by who reads them; what comes here takes long or can wait.
+  ask_for_turns(kLongTurn);
   while (std::optional<Work> item = owner_.queue_.pop()) {
     try {
       std::visit([this](auto&& one) { work(std::move(one)); }, std::move(*item));

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "idl/topics.hpp"
+#include "server/service/turns.hpp"
 #include "server/world/audit.hpp"
 
 namespace collided::service {
@@ -86,6 +87,7 @@ std::shared_ptr<const BackgroundAudit::Pinned> BackgroundAudit::pin(const Snapsh
 }
 
 void BackgroundAudit::run() {
+  ask_for_turns(kLongTurn);
   for (;;) {
     std::unique_ptr<Item> item;
     {

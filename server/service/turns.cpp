@@ -1,4 +1,4 @@
-#include "server/service/short_turns.hpp"
+#include "server/service/turns.hpp"
 
 #include <sched.h>
 #include <sys/resource.h>
@@ -10,8 +10,6 @@
 namespace collided::service {
 namespace {
 
-constexpr std::uint64_t kTurnNs = 100'000;
-
 /// As the kernel has it; the C library of today does not.
 struct SchedulingAttributes {
   std::uint32_t size = sizeof(SchedulingAttributes);
@@ -19,7 +17,7 @@ struct SchedulingAttributes {
   std::uint64_t flags = 0;
   std::int32_t nice = 0;
   std::uint32_t priority = 0;
-  std::uint64_t runtime_ns = kTurnNs;
+  std::uint64_t runtime_ns = 0;
   std::uint64_t deadline_ns = 0;
   std::uint64_t period_ns = 0;
 };
@@ -27,10 +25,11 @@ static_assert(sizeof(SchedulingAttributes) == 48);
 
 }  // namespace
 
-bool ask_for_short_turns() {
+bool ask_for_turns(std::chrono::nanoseconds turn) {
   // Under another policy somebody has decided already.
   if (sched_getscheduler(0) != SCHED_OTHER) return false;
   SchedulingAttributes attributes;
+  attributes.runtime_ns = static_cast<std::uint64_t>(turn.count());
   attributes.nice = getpriority(PRIO_PROCESS, 0);
   return syscall(SYS_sched_setattr, 0, &attributes, 0U) == 0;
 }

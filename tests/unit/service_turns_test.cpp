@@ -9,7 +9,7 @@
 #include <cstring>
 #include <thread>
 
-#include "server/service/short_turns.hpp"
+#include "server/service/turns.hpp"
 
 namespace collided::service {
 namespace {
@@ -31,27 +31,30 @@ Scheduling of_this_thread() {
 }
 
 // Of a thread of its own, so that the rest of the tests keep what they have.
-TEST(ShortTurns, AreThoseOfWhoAsksAndOfWhomItStarts) {
+TEST(Turns, AreThoseOfWhoAsksAndOfWhomItStarts) {
   std::thread([] {
     const Scheduling before = of_this_thread();
     if (before.runtime_ns == 0) GTEST_SKIP() << "a kernel before 6.12 has turns of one length for all";
-    ASSERT_TRUE(ask_for_short_turns());
+    ASSERT_TRUE(ask_for_turns(kShortTurn));
     std::thread([&] {
       const Scheduling after = of_this_thread();
       EXPECT_EQ(after.runtime_ns, 100'000U);
       EXPECT_LT(after.runtime_ns, before.runtime_ns);
       EXPECT_EQ(after.policy, before.policy);
       EXPECT_EQ(after.nice, before.nice);
+      ASSERT_TRUE(ask_for_turns(kLongTurn));
+      EXPECT_EQ(of_this_thread().runtime_ns, 20'000'000U);
     }).join();
+    EXPECT_EQ(of_this_thread().runtime_ns, 100'000U);
   }).join();
 }
 
 // Whoever chose another policy for the server keeps it.
-TEST(ShortTurns, LeaveAnotherPolicyAlone) {
+TEST(Turns, LeaveAnotherPolicyAlone) {
   std::thread([] {
     const sched_param none{};
     ASSERT_EQ(sched_setscheduler(0, SCHED_BATCH, &none), 0);
-    EXPECT_FALSE(ask_for_short_turns());
+    EXPECT_FALSE(ask_for_turns(kShortTurn));
     EXPECT_EQ(sched_getscheduler(0), SCHED_BATCH);
   }).join();
 }
