@@ -21,10 +21,15 @@ struct WholeLadder {
     auto quick = value.template operator()<Bounded>();
     if (crisp(quick)) return quick;
     ++rungs.sharpened;
+    const RangeWatch range;
     auto traced = value.template operator()<Traced>();
     if (crisp(traced)) return traced;
-    auto slow = value.template operator()<Expansion>();
-    if (crisp(slow)) return slow;
+    if (!range.was_left()) {
+      auto slow = value.template operator()<Expansion>();
+      if (crisp(slow)) return slow;
+    }
+    auto scaled = value.template operator()<Scaled>();
+    if (crisp(scaled)) return scaled;
     return value.template operator()<Dyadic>();
   }
 };

@@ -221,6 +221,8 @@ bool sharp_direction(const Vector<N>& v) {
   return error <= kRefineDirection * largest && std::isfinite(error);
 }
 
+inline bool sharp_direction(const Vector<Scaled>& v) { return sharp_direction(in_range(v)); }
+
 /// |true unit vector - unit(v)|: at most |error| / |v| for the direction (the chord of an angle below 2^-30), and the
 /// roundings of making it a unit vector.
 template <class N>
@@ -233,6 +235,7 @@ double unit_error(const Vector<N>& v) {
   const double error = v.x.bound() + v.y.bound() + v.z.bound();
   return largest == 0 ? 0 : error / largest * (1 + 0x1p-20) + kUnitVector;
 }
+inline double unit_error(const Vector<Scaled>& v) { return unit_error(in_range(v)); }
 
 template <class N>
 NearestValue value_of(const Nearest<N>& nearest, const N& radius) {

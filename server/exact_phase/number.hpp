@@ -5,6 +5,8 @@
 
 #include "server/exact_phase/dyadic.hpp"
 #include "server/exact_phase/precision.hpp"
+#include "server/exact_phase/range_watch.hpp"
+#include "server/exact_phase/scaled.hpp"
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/bounded.hpp"
 #include "server/geometry/expansion.hpp"
@@ -13,13 +15,16 @@
 namespace collided::kernel {
 
 // The number types under one set of questions. A kernel is written once, as a template over the number type N, and
-// uses only N(double), + - *, and the questions below. "Undecided" may come from Bounded and Traced (too close) and
-// from Expansion (out of room); Dyadic decides everything finite.
+// uses only N(double), + - *, and the questions below. "Undecided" may come from Bounded and Traced (too close), from
+// Expansion (out of room) and from Scaled (too close, of what is out of a double's range); Dyadic decides everything finite.
 
 enum class Sign : signed char { negative = -1, zero = 0, positive = 1, unsure = 2 };
 
 template <class N>
 concept Rounding = std::same_as<N, Bounded> || std::same_as<N, Traced>;
+/// Known up to a bound only.
+template <class N>
+concept Inexact = Rounding<N> || std::same_as<N, Scaled>;
 
 template <Rounding N>
 Sign sign(const N& x) {
@@ -27,6 +32,8 @@ Sign sign(const N& x) {
   if (x.value < -x.bound()) return Sign::negative;
   return x.exactly_zero() ? Sign::zero : Sign::unsure;
 }
+
+inline Sign sign(const Scaled& x) { return sign(x.value); }
 
 inline Sign sign(const Expansion& x) {
   if (x.lost()) return Sign::unsure;
@@ -174,10 +181,13 @@ Verdict climb(const Kernel& kernel) {
   Decision decision = kernel.template operator()<Bounded>();
   if (decision != Decision::undecided) return {decision, Level::filter};
   ++rungs.uncertain;
+  const RangeWatch range;
   decision = kernel.template operator()<Traced>();
   if (decision != Decision::undecided || precision.highest == Level::filter) return {decision, Level::filter};
   ++rungs.expansion;
-  decision = kernel.template operator()<Expansion>();
+  // Out of range expansions are lost, but then most answers are not close.
+  if (!range.was_left()) decision = kernel.template operator()<Expansion>();
+  if (decision == Decision::undecided) decision = kernel.template operator()<Scaled>();
   if (decision != Decision::undecided || precision.highest == Level::expansion) return {decision, Level::expansion};
   ++rungs.rational;
   return {kernel.template operator()<Dyadic>(), Level::rational};

@@ -17,7 +17,7 @@ struct Precision {
 /// What the tests of one thread have needed since it started: the honest price of exactness.
 struct RungCounts {
   std::uint64_t uncertain = 0;  // questions that double with a running bound left open
-  std::uint64_t expansion = 0;  // of those, asked of expansions
+  std::uint64_t expansion = 0;  // of those, asked of expansions or, out of a double's range, of scaled numbers
   std::uint64_t rational = 0;   // of those, asked of rationals
   std::uint64_t sharpened = 0;  // numbers worked out again because double knew too few digits
 };

@@ -168,7 +168,7 @@ Bounded wall_exit(const Ray& ray, const Capsule& capsule) {
   const N speed = dot(Vector<N>(ray.direction), axis);
   const Bounded along = plain((scaled(start) + scaled(speed) * parameter) / scaled(square(axis)));
   // At the seam wall and ball touch: on the last rung, which side of it a rounding puts the exit is the same to e^2.
-  if constexpr (Rounding<N>) {
+  if constexpr (Inexact<N>) {
     if (!(along.low() >= 0 && along.high() <= 1) && !(along.high() < 0 || along.low() > 1)) {
       return {0, std::numeric_limits<double>::infinity()};
     }

@@ -11,15 +11,10 @@ namespace collided::kernel {
 // From a kernel's numbers to reported doubles with bounds. Ratios and roots of exact numbers leave the range of double
 // long before the answer does (the square of 1e-200 m), so the exponent travels apart.
 
-/// value * 2^power, the value near 1 when it came from an exact number.
-struct Scaled {
-  Bounded value;
-  long power = 0;
-};
-
 inline Scaled scaled(const Bounded& x) { return {x, 0}; }
 
 inline Scaled scaled(const Traced& x) { return {{x.value, x.error}, 0}; }
+inline Scaled scaled(const Scaled& x) { return x; }
 
 inline Scaled scaled(const Expansion& x) {
   if (x.lost()) return {{0, std::numeric_limits<double>::infinity()}, 0};
@@ -33,30 +28,6 @@ inline Scaled scaled(const Dyadic& x) {
   if (!x.finite()) return {{0, std::numeric_limits<double>::infinity()}, 0};
   const auto [fraction, power] = x.split();
   return {{fraction, x.short_mantissa() ? 0 : 2 * kRoundoff}, power};
-}
-
-inline Scaled operator*(const Scaled& a, const Scaled& b) { return {a.value * b.value, a.power + b.power}; }
-inline Scaled operator/(const Scaled& a, const Scaled& b) { return {a.value / b.value, a.power - b.power}; }
-inline Scaled operator-(const Scaled& a) { return {-a.value, a.power}; }
-
-inline Bounded shifted(const Bounded& x, long power) {
-  if (power == 0) return x;
-  const int clipped = static_cast<int>(std::clamp(power, -4000L, 4000L));
-  return {std::ldexp(x.value, clipped), std::ldexp(x.error, clipped) + (x.exactly_zero() ? 0 : kUnderflow)};
-}
-
-inline Scaled operator+(const Scaled& a, const Scaled& b) {
-  if (a.value.exactly_zero()) return b;
-  if (b.value.exactly_zero()) return a;
-  const long power = std::max(a.power, b.power);
-  return {shifted(a.value, a.power - power) + shifted(b.value, b.power - power), power};
-}
-inline Scaled operator-(const Scaled& a, const Scaled& b) { return a + -b; }
-
-/// Of a number known to be >= 0.
-inline Scaled sqrt(const Scaled& x) {
-  const bool odd = x.power % 2 != 0;
-  return {collided::sqrt(odd ? Bounded(2) * x.value : x.value), (x.power - (odd ? 1 : 0)) / 2};
 }
 
 /// Back to a double. Too large: the largest double, with an infinite bound.
@@ -79,23 +50,25 @@ double rounded(const N& x) {
   return plain(scaled(x)).value;
 }
 
+/// The same direction, its longest component near 1.
+inline Vector<Bounded> in_range(const Vector<Scaled>& v) {
+  const Scaled* component[3] = {&v.x, &v.y, &v.z};
+  long power = std::numeric_limits<long>::min();
+  for (const Scaled* c : component) {
+    int own = 0;
+    std::frexp(c->value.value, &own);
+    if (c->value.value != 0) power = std::max(power, c->power + own);
+  }
+  if (power == std::numeric_limits<long>::min()) power = 0;
+  return {shifted(v.x.value, v.x.power - power), shifted(v.y.value, v.y.power - power), shifted(v.z.value, v.z.power - power)};
+}
+
 /// The unit vector along v, or zero if v is.
 template <class N>
 Vec3 unit(const Vector<N>& v) {
-  const Scaled component[3] = {scaled(v.x), scaled(v.y), scaled(v.z)};
-  long power = std::numeric_limits<long>::min();
-  for (const Scaled& c : component) {
-    int own = 0;
-    std::frexp(c.value.value, &own);
-    if (c.value.value != 0) power = std::max(power, c.power + own);
-  }
-  if (power == std::numeric_limits<long>::min()) return Vec3::Zero();
-  Vec3 result;
-  for (int k = 0; k < 3; ++k) {
-    const long shift = std::clamp(component[k].power - power, -4000L, 4000L);
-    result[k] = std::ldexp(component[k].value.value, static_cast<int>(shift));
-  }
-  return result / std::sqrt(result.squaredNorm());
+  const Vector<Bounded> near_one = in_range({scaled(v.x), scaled(v.y), scaled(v.z)});
+  const Vec3 result(near_one.x.value, near_one.y.value, near_one.z.value);
+  return result.isZero(0) ? Vec3(Vec3::Zero()) : Vec3(result / std::sqrt(result.squaredNorm()));
 }
 
 inline Vec3 unit(const Vec3& v) { return unit(Vector<Bounded>(v)); }

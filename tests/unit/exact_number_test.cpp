@@ -3,6 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/precision.hpp"
+#include "server/exact_phase/scaled.hpp"
 #include "server/geometry/bounded.hpp"
 #include "server/geometry/expansion.hpp"
 #include "tests/oracle/exact_oracle.hpp"
@@ -100,6 +103,69 @@ TEST(ExactExpansion, SumsAndProductsAreExact) {
   }
   const Expansion x = Expansion(0.1) + Expansion(1e30) - Expansion(1e30) - Expansion(0.1);
   EXPECT_EQ(x.leading(), 0);
+}
+
+/// value * 2^power
+Rational shifted_exactly(double value, long power) {
+  const Rational factor(boost::multiprecision::cpp_int(1) << static_cast<unsigned long>(std::abs(power)));
+  return power < 0 ? Rational(Rational(value) / factor) : Rational(Rational(value) * factor);
+}
+
+/// From the smallest double to the largest.
+double of_any_size(std::mt19937_64& generator) {
+  const double mantissa = std::uniform_real_distribution<double>(-2, 2)(generator);
+  return std::ldexp(mantissa, std::uniform_int_distribution<int>(-1'074, 1'022)(generator));
+}
+
+// Beyond both ends of double: the truth is within the bound, and products stay sharp.
+TEST(ExactScaled, TheBoundHoldsAtAnySize) {
+  using kernel::Scaled;
+  std::mt19937_64 generator = oracle::seeded(75);
+  int beyond = 0;
+  for (int chain = 0; chain < 300; ++chain) {
+    Scaled x(of_any_size(generator));
+    Rational exact = shifted_exactly(x.value.value, x.power);
+    const bool products_alone = chain % 3 == 0;
+    for (int step = 0; step < 8; ++step) {
+      const double operand = of_any_size(generator);
+      switch (products_alone ? 0 : step % 4) {
+        case 0: x = x * Scaled(operand); exact *= Rational(operand); break;
+        case 1: x = x + Scaled(operand); exact += Rational(operand); break;
+        case 2: x = Scaled(operand) - x; exact = Rational(operand) - exact; break;
+        default: x = x * x; exact *= exact;
+      }
+      ASSERT_LE(abs(shifted_exactly(x.value.value, x.power) - exact), shifted_exactly(x.value.bound(), x.power)) << "chain " << chain << ", step " << step;
+      ASSERT_TRUE(!products_alone || x.value.bound() <= 1e-14 * std::abs(x.value.value));
+      beyond += x.power > 1'000 || x.power < -1'100 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(beyond, 500);
+}
+
+TEST(ExactScaled, DoublesAreExactAndEqualOnesDifferByZero) {
+  using kernel::Scaled;
+  std::mt19937_64 generator = oracle::seeded(76);
+  for (int i = 0; i < 2'000; ++i) {
+    const double number = of_any_size(generator);
+    const Scaled x(number);
+    ASSERT_EQ(shifted_exactly(x.value.value, x.power), Rational(number));
+    ASSERT_EQ(x.value.error, 0);
+    ASSERT_TRUE((x - Scaled(number)).value.exactly_zero());
+  }
+}
+
+// What leaves the range of double is not close as a rule, and then needs no rational.
+TEST(ExactScaled, DecidesWhatIsFarOutOfRange) {
+  const Triangle triangle{{0.1, 0.2, 0.3}, {1.3, 0.2, 0.1}, {0.2, 1.4, 0.7}};
+  const std::uint64_t before = kernel::rungs.rational;
+  EXPECT_EQ(overlaps(Sphere{{-1.9, 2.7, -3.3}, 1e300}, triangle).decision, Decision::yes);
+  EXPECT_EQ(overlaps(Sphere{{1e252, 0.5, -2}, 1e300}, triangle).decision, Decision::yes);
+  EXPECT_EQ(overlaps(Sphere{{1.5e300, 0.5, -2}, 1e300}, triangle).decision, Decision::no);
+  EXPECT_EQ(overlaps(Sphere{{0.1, 0.2, 0.3}, 1e-300}, triangle).decision, Decision::yes);
+  EXPECT_EQ(kernel::rungs.rational, before);
+  // As close as that only rationals know.
+  EXPECT_EQ(overlaps(Sphere{{1e300, 0.5, 0.25}, 1e300}, triangle).decision, Decision::yes);
+  EXPECT_GT(kernel::rungs.rational, before);
 }
 
 // Half and 2^-1074 make a half; what was lost is an error, and a quarter of it is still one.

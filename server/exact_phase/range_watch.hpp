@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cfenv>
+
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
+namespace collided::kernel {
+
+/// Whether double arithmetic since it was made overflowed or underflowed: the processor keeps flags of that. It says only
+/// which rung is worth trying next, so nothing hangs on what the compiler moves across it.
+///
+/// cost  about 10 ns
+class RangeWatch {
+ public:
+#if defined(__SSE2__)
+  RangeWatch() { _mm_setcsr(_mm_getcsr() & ~kFlags); }
+  bool was_left() const { return (_mm_getcsr() & kFlags) != 0; }
+
+ private:
+  static constexpr unsigned kFlags = _MM_EXCEPT_OVERFLOW | _MM_EXCEPT_UNDERFLOW;
+#else
+  RangeWatch() { std::feclearexcept(FE_OVERFLOW | FE_UNDERFLOW); }
+  bool was_left() const { return std::fetestexcept(FE_OVERFLOW | FE_UNDERFLOW) != 0; }
+#endif
+};
+
+}  // namespace collided::kernel
