@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstring>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "client/library/errors.hpp"
 
@@ -62,7 +64,8 @@ std::string words_of(Answer answer, std::uint8_t reason, const Hits& hits, std::
 
 }  // namespace
 
-bool add_answers(const wire::Reply& reply, std::map<std::uint64_t, ComparedAnswer>& answers) {
+bool ComparedAnswers::add(const wire::Reply& reply) {
+  if (const auto text = dds::view(reply.text); !text.empty()) text_[reply.chunk_index].assign(text.begin(), text.end());
   const auto verdicts = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);
   const auto counts = dds::view(reply.hit_counts);
@@ -73,7 +76,7 @@ bool add_answers(const wire::Reply& reply, std::map<std::uint64_t, ComparedAnswe
     std::vector<std::string> each;
     for (std::size_t hit = at; hit < at + counts[i]; ++hit) each.push_back(hits.bytes(hit));
     std::sort(each.begin(), each.end());
-    ComparedAnswer& answer = answers[std::uint64_t{reply.first_question} + i];
+    ComparedAnswer& answer = answers_[std::uint64_t{reply.first_question} + i];
     answer.bytes = {static_cast<char>(verdicts[i]), static_cast<char>(reasons[i])};
     for (const std::string& bytes : each) answer.bytes += bytes;
     answer.words = words_of(static_cast<Answer>(verdicts[i]), reasons[i], hits, at, counts[i]);
@@ -85,6 +88,20 @@ bool add_answers(const wire::Reply& reply, std::map<std::uint64_t, ComparedAnswe
   return at == hits.count;
 }
 
+std::map<std::uint64_t, ComparedAnswer> ComparedAnswers::take() {
+  std::string text;
+  for (const auto& [chunk, part] : text_) text += part;
+  text_.clear();
+  nlohmann::json answer = nlohmann::json::parse(text, nullptr, false);
+  if (answer.is_object()) {
+    answer.erase("version");
+    const auto verdict = answer.find("answer");
+    answers_[0] = {.bytes = answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                   .words = verdict != answer.end() && verdict->is_string() ? verdict->get<std::string>() : "an answer"};
+  }
+  return std::exchange(answers_, {});
+}
+
 std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<wire::Query>>& queries,
                                const std::function<void(const wire::Reply&)>& take) {
   const Clock::time_point deadline = Clock::now() + kTimeout;
@@ -94,12 +111,13 @@ std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<w
   if (!running) return Error{ErrorCode::refused, "too many requests wait for answers", kNothingSent};
   running->sleep_while_waiting();
   std::size_t sent = 0, wanted = 0, answered = 0;
+  std::size_t most_chunks = queries.size();  // a command's answer may have more
   std::set<std::uint32_t> chunks;
   for (const dds::Sample<wire::Query>& query : queries) {
     const std::uint32_t numbers = wire_contract::numbers_of(static_cast<QueryKind>(query->kind));
     wanted += numbers == 0 ? 0 : query->numbers._length / numbers;
   }
-  while (answered < wanted || chunks.size() < queries.size()) {
+  while (answered < wanted || chunks.size() < most_chunks) {
     for (; sent < queries.size() && sent < chunks.size() + wire_contract::kChunksInFlight; ++sent) {
       queries[sent]->request = running->number();
       // The world is what it was: no publisher's sample has to be waited for, and no time runs out.
@@ -114,6 +132,7 @@ std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<w
       if ((*reply)->status == static_cast<std::uint8_t>(ReplyStatus::progress)) continue;
       take(**reply);
       chunks.insert((*reply)->chunk_index);
+      if (wanted == 0) most_chunks = std::max<std::size_t>(most_chunks, (*reply)->chunk_count);
       answered += (*reply)->answers._length;
       if ((*reply)->status == static_cast<std::uint8_t>(ReplyStatus::refused)) return std::nullopt;
     }

@@ -19,8 +19,19 @@ struct ComparedAnswer {
   bool by_clock = false;  // the answer came from a deadline, or a server that was still recovering
 };
 
-/// Adds a reply's answers by the number of their question. False where its lists do not fit each other.
-bool add_answers(const wire::Reply& reply, std::map<std::uint64_t, ComparedAnswer>& answers);
+/// What the replies of one request say.
+class ComparedAnswers {
+ public:
+  /// False where a reply's lists do not fit each other; its answers up to there are in.
+  bool add(const wire::Reply& reply);
+  /// By the number of the question. A command's answer is number 0: its JSON but for the version, which belongs to a
+  /// server's life.
+  std::map<std::uint64_t, ComparedAnswer> take();
+
+ private:
+  std::map<std::uint64_t, ComparedAnswer> answers_;
+  std::map<std::uint32_t, std::string> text_;  // by chunk
+};
 
 /// Sends recorded questions, the chunks of one request, as a request of this connection's; the replies are handed to
 /// `take` until there are as many answers as the questions ask for, or one reply for each that has none.

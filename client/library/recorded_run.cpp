@@ -70,7 +70,9 @@ class Sorting {
     std::uint8_t kind = 0;
     std::set<std::uint32_t> answered;  // chunks
     std::optional<StateNumber> state;
-    std::string text;  // of a command's reply
+    std::uint32_t reply_chunks = 0;
+    std::map<std::uint32_t, std::string> text;  // of a command's reply, by chunk
+    bool changes = false;  // the world; else it asks
     bool refused = false;
     bool opening = false;
   };
@@ -124,11 +126,16 @@ class Sorting {
 
   void take_query(std::size_t index) {
     if (query_->kind == static_cast<std::uint8_t>(QueryKind::hello)) return;
-    if (query_->kind == static_cast<std::uint8_t>(QueryKind::command) && !is_change(query_->text)) return;
+    const bool command = query_->kind == static_cast<std::uint8_t>(QueryKind::command);
+    const std::string what = command ? word_of(parsed(query_->text), "command") : std::string();
+    if (what == names::kLoad || what == names::kClear) ++run_.changing_files;
+    const bool is_asked_again = what == names::kPair && !run_.items[index].opening;
+    if (command && !is_asked_again && !is_change(what)) return;
     Request& request = requests_[{query_->client, query_->request}];
     request.questions.emplace(query_->chunk_index, index);
     request.chunk_count = query_->chunk_count;
     request.kind = query_->kind;
+    request.changes = is_change(what);
     request.opening = run_.items[index].opening;
     if (request.opening) settle_opening(request);
   }
@@ -139,9 +146,7 @@ class Sorting {
     requests_.erase({query_->client, query_->request});
   }
 
-  bool is_change(const char* text) {
-    const std::string what = word_of(parsed(text), "command");
-    if (what == names::kLoad || what == names::kClear) ++run_.changing_files;
+  static bool is_change(const std::string& what) {
     return what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe;
   }
 
@@ -154,28 +159,37 @@ class Sorting {
     request.answered.insert(reply_->chunk_index);
     request.state = {reply_->epoch, reply_->version};
     const auto text = dds::view(reply_->text);
-    request.text.append(text.begin(), text.end());
+    request.reply_chunks = reply_->chunk_count;
+    request.text[reply_->chunk_index].assign(text.begin(), text.end());
+  }
+
+  static std::uint64_t told_version(const Request& request) {
+    std::string text;
+    for (const auto& [chunk, part] : request.text) text += part;
+    const nlohmann::json answer = parsed(text);
+    const auto version = answer.is_object() ? answer.find("version") : answer.end();
+    const bool told = answer.is_object() && version != answer.end() && version->is_number_unsigned();
+    return told ? version->get<std::uint64_t>() : request.state->second;
   }
 
   void settle_requests() {
     for (auto& [who, request] : requests_) {
       const bool command = request.kind == static_cast<std::uint8_t>(QueryKind::command);
       const bool whole = request.state && request.questions.size() == request.chunk_count &&
-                         (command || request.answered.size() == request.chunk_count);
+                         request.answered.size() == (command ? request.reply_chunks : request.chunk_count);
       if (request.refused) continue;
       if (!whole) {
         ++run_.unanswered;
-      } else if (command) {
-        // The state that it made is in its answer; the reply's own may be a later one.
-        const nlohmann::json answer = parsed(request.text);
-        const auto version = answer.is_object() ? answer.find("version") : answer.end();
-        const bool told = answer.is_object() && version != answer.end() && version->is_number_unsigned();
-        const std::uint64_t made = told ? version->get<std::uint64_t>() : request.state->second;
-        run_.commands[{request.state->first, made}].push_back(request.questions.begin()->second);
+        continue;
+      }
+      // The state that a command made or was about is in its answer; the reply's own may be a later one.
+      const StateNumber state{request.state->first, command ? told_version(request) : request.state->second};
+      if (request.changes) {
+        run_.commands[state].push_back(request.questions.begin()->second);
       } else {
         RecordedRequest about{.questions = {}, .replies = request.replies};
         for (const auto& [chunk, index] : request.questions) about.questions.push_back(index);
-        run_.requests[*request.state].push_back(std::move(about));
+        run_.requests[state].push_back(std::move(about));
       }
     }
   }

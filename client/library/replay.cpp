@@ -12,6 +12,7 @@
 #include "client/library/recorded_run.hpp"
 #include "client/library/replayed_publishers.hpp"
 #include "collided/recording.hpp"
+#include "idl/commands.hpp"
 
 namespace collided {
 namespace {
@@ -237,11 +238,11 @@ class AskedReplay : public Replaying {
   }
 
   std::map<std::uint64_t, ComparedAnswer> recorded_answers(const RecordedRequest& request) {
-    std::map<std::uint64_t, ComparedAnswer> answers;
+    client::ComparedAnswers answers;
     for (const std::size_t index : request.replies) {
-      if (wire::read_cdr(run_.items[index].data, reply_)) client::add_answers(*reply_, answers);
+      if (wire::read_cdr(run_.items[index].data, reply_)) answers.add(*reply_);
     }
-    return answers;
+    return answers.take();
   }
 
   void leave_out(const RecordedRequest& request, const char* why) { left_out_[why] += recorded_answers(request).size(); }
@@ -252,9 +253,11 @@ class AskedReplay : public Replaying {
     for (std::size_t i = 0; i < queries.size(); ++i) {
       if (!wire::read_cdr(run_.items[request.questions[i]].data, queries[i])) return;
     }
-    const char* kind = wire_contract::name_of(static_cast<wire_contract::QueryKind>(queries[0]->kind));
-    std::map<std::uint64_t, ComparedAnswer> now;
-    ask(queries, [&](const wire::Reply& reply) { client::add_answers(reply, now); });
+    const auto asked = static_cast<wire_contract::QueryKind>(queries[0]->kind);
+    const char* kind = asked == wire_contract::QueryKind::command ? wire_contract::command::kPair : wire_contract::name_of(asked);
+    client::ComparedAnswers answers;
+    ask(queries, [&](const wire::Reply& reply) { answers.add(reply); });
+    const std::map<std::uint64_t, ComparedAnswer> now = answers.take();
     for (const auto& [question, answer] : then) {
       if (answer.by_clock) {
         ++left_out_["were answered by the clock: a deadline, or a server that was still recovering"];

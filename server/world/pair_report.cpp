@@ -109,10 +109,12 @@ void turn_round(PairReport& report) {
 
 }  // namespace
 
-/// Worked out in the order of their ids, so that the order asked in is not to be seen but for the proof, which keeps it.
+/// Worked out in the order of their names, so that neither the order asked in is to be seen, but for the proof, which keeps
+/// it, nor that in which a server met them.
 PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const PairAsk& ask) {
   const OwnFloatEnvironment own_floats;
-  const bool turned = b < a;
+  const auto order = [&](ObjectId id) { return std::tie((*snapshot.objects)[slot_of(id)]->name, id); };
+  const bool turned = order(b) < order(a);
   const Standing first(snapshot, turned ? b : a);
   const Standing second(snapshot, turned ? a : b);
   PairAsk without_proof = ask;

@@ -51,8 +51,9 @@ class Listener {
     dds::Sample<wire::Reply> reply;
     if (!wire::read_cdr(bytes, reply)) return;
     static_cast<void>(collector_.add(*reply));
-    std::map<std::uint64_t, client::ComparedAnswer> answers;
-    static_cast<void>(client::add_answers(*reply, answers));
+    client::ComparedAnswers answers;
+    static_cast<void>(answers.add(*reply));
+    static_cast<void>(answers.take());
   }
   void emit(const Event& event) {
     // Numbers of objects belong to one life of a server, names outlive it.

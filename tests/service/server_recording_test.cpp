@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -66,9 +67,11 @@ class ServerRecording : public testing_support::ServerTest {
     std::vector<Publisher::Object> balls;
     for (int i = 0; i < 5; ++i) balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(x(random), x(random), 1)));
     EXPECT_TRUE(client.command("add", R"({"name":"post","pose":[3,3,1,1,0,0,0]})", {BoxShape{.half_m = {0.1, 0.1, 1}}}));
+    EXPECT_TRUE(publisher.wait_applied(5s));
     for (int round = 0; round < rounds; ++round) {
       for (const Publisher::Object ball : balls) EXPECT_TRUE(publisher.move(ball, at(x(random), x(random), 1 + turn(random))));
       EXPECT_TRUE(publisher.flush());
+      EXPECT_TRUE(client.pair("ball 0", round % 2 == 0 ? "ball 1" : "post", {.certificate = true}));
       std::vector<RayQuestion> rays;
       for (int i = 0; i < 20; ++i) rays.push_back({{x(random), x(random), 1}, {turn(random), turn(random), 0.1 * turn(random)}});
       EXPECT_TRUE(client.ask(std::span<const RayQuestion>(rays), {.pick = round % 2 == 0 ? Pick::all : Pick::closest}));
@@ -121,7 +124,7 @@ TEST_F(ServerRecording, EveryAnswerIsTheSameAgain) {
   start({}, "again");
   const Result<ReplayReport> again = replay(here(), {.path = file, .ask = true});
   ASSERT_TRUE(again) << again.error().message;
-  EXPECT_EQ(again->questions, 20U * 23U);
+  EXPECT_EQ(again->questions, 20U * 24U);
   EXPECT_EQ(again->equal, again->questions);
   for (const std::string& difference : again->differences) ADD_FAILURE() << difference;
   for (const std::string& warning : again->warnings) ADD_FAILURE() << warning;
@@ -130,12 +133,16 @@ TEST_F(ServerRecording, EveryAnswerIsTheSameAgain) {
 
   Client client = connect();
   ASSERT_TRUE(client.command("remove", R"({"name":"post"})"));
+  ASSERT_TRUE(client.command("add", R"({"name":"post","pose":[3,3,1,1,0,0,0]})", {BoxShape{.half_m = {0.2, 0.1, 1}}}));
   ASSERT_TRUE(client.command("add", R"({"name":"screen","pose":[5,5,1,1,0,0,0]})", {BoxShape{.half_m = {0.05, 3, 1}}}));
   const Result<ReplayReport> other = replay(here(), {.path = file, .ask = true});
   ASSERT_TRUE(other) << other.error().message;
   EXPECT_LT(other->equal, other->questions);
   ASSERT_FALSE(other->differences.empty());
   EXPECT_NE(other->differences.front().find(": then "), std::string::npos);
+  // The post that they are about is another.
+  EXPECT_TRUE(std::any_of(other->differences.begin(), other->differences.end(),
+                          [](const std::string& difference) { return difference.find(", pair 0: then ") != std::string::npos; }));
 }
 
 // What the server itself remembered says the same, from before anybody thought of recording.
@@ -158,7 +165,7 @@ TEST_F(ServerRecording, TheFlightRecorderHasItAll) {
   start({}, "again");
   const Result<ReplayReport> again = replay(here(), {.path = file, .ask = true});
   ASSERT_TRUE(again) << again.error().message;
-  EXPECT_EQ(again->questions, 10U * 23U);
+  EXPECT_EQ(again->questions, 10U * 24U);
   EXPECT_EQ(again->equal, again->questions);
   for (const std::string& difference : again->differences) ADD_FAILURE() << difference;
   EXPECT_EQ(again->not_compared, 0U);
