@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/geometry/box_union.hpp"
 #include "server/geometry/stable_length.hpp"
 #include "server/world/question_shapes.hpp"
 #include "server/world/sweep.hpp"
@@ -29,6 +30,12 @@ bool sum_is_at_most(double a, double b, double limit) {
   return sum < limit || (sum == limit && rest <= 0);
 }
 
+/// a + b, up to the next double where the sum is none.
+double sum_rounded_up(double a, double b) {
+  const double sum = a + b;
+  return sum_is_at_most(a, b, sum) ? sum : std::nextafter(sum, kEndless);
+}
+
 /// Whether from `middle` so far down and up is within the limits.
 bool is_within(double middle, double down, double up, double low, double high) {
   return sum_is_at_most(-middle, down, -low) && sum_is_at_most(middle, up, high);
@@ -46,8 +53,17 @@ struct Extent {
     }
     return true;
   }
-  bool is_covered(std::span<const Aabb> covers) const {
+  bool is_in_one_of(std::span<const Aabb> covers) const {
     return std::any_of(covers.begin(), covers.end(), [&](const Aabb& box) { return is_within(box); });
+  }
+  /// Rounded outward, and only where a sum is no double.
+  Aabb around() const {
+    Aabb box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.low[axis] = -sum_rounded_up(-from[axis], down[axis]);
+      box.high[axis] = sum_rounded_up(from[axis], up[axis]);
+    }
+    return box;
   }
 };
 
@@ -55,16 +71,18 @@ bool contains(const Aabb& box, const Vec3& point) {
   return (box.low.array() <= point.array()).all() && (point.array() <= box.high.array()).all();
 }
 
+/// Neither rounded coarsely nor overflowing.
+bool is_plain(double length) { return length > 0x1p-900 && length < 0x1p900; }
+
 Extent extent_of(const Ray& ray) {
   Extent extent{.from = ray.origin};
   const double length = stable_length(ray.direction);
-  // Where the length itself is rounded coarsely or overflows, and along an axis, the share is taken to be all of it.
-  const bool is_plain = length > 0x1p-900 && length < 0x1p900;
   for (int axis = 0; axis < 3; ++axis) {
     const double along = ray.direction[axis];
     if (along == 0 || ray.length_m == 0) continue;
     const bool is_along_axis = ray.direction[(axis + 1) % 3] == 0 && ray.direction[(axis + 2) % 3] == 0;
-    const bool is_part = is_plain && !is_along_axis;
+    // Where the length itself is not known well, and along an axis, the share is taken to be all of it.
+    const bool is_part = is_plain(length) && !is_along_axis;
     const double reach_m = is_part ? std::abs(along) / length * ray.length_m * (1 + kRaySlack) : ray.length_m;
     (along < 0 ? extent.down : extent.up)[axis] = reach_m;
   }
@@ -99,29 +117,7 @@ Extent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const
   return extent_of(from, grown(way, size_of(mover).reach_m * (1 + kSlack) + (part == 1 ? 0 : roundings_m)));
 }
 
-/// Where an extent that is not covered leaves the box that holds its beginning, along the axis by which it reaches out most.
-Leaving leaving_of(const Extent& extent, std::span<const Aabb> covers) {
-  Leaving leaving{.point = extent.from};
-  double least_out_m = kEndless;
-  for (const Aabb& box : covers) {
-    if (!contains(box, extent.from)) continue;
-    double out_m = -kEndless;
-    Vec3 point = extent.from;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double below_m = extent.down[axis] - (extent.from[axis] - box.low[axis]);
-      const double above_m = extent.up[axis] - (box.high[axis] - extent.from[axis]);
-      if (!(std::max(below_m, above_m) > out_m)) continue;
-      out_m = std::max(below_m, above_m);
-      point = extent.from;
-      point[axis] = above_m > below_m ? box.high[axis] : box.low[axis];
-    }
-    if (out_m >= least_out_m && least_out_m < kEndless) continue;
-    least_out_m = out_m;
-    leaving.point = point;
-  }
-  return leaving;
-}
-
+/// How far from its origin the ray, which is somewhere in the box, stays in it, but for the roundings.
 double length_within(const Ray& ray, const Aabb& box) {
   const double length = stable_length(ray.direction);
   double within_m = ray.length_m;
@@ -150,20 +146,65 @@ double reach_claimed(const Questions& asked, const double* n, std::span<const An
 }
 
 std::optional<Leaving> leaves(const Extent& extent, std::span<const Aabb> covers) {
-  if (extent.is_covered(covers)) return std::nullopt;
-  return leaving_of(extent, covers);
+  if (extent.is_in_one_of(covers)) return std::nullopt;
+  const std::optional<Aabb> outside = nearest_part_outside(extent.around(), covers, extent.from);
+  if (!outside) return std::nullopt;
+  return Leaving{.point = nearest_in(*outside, extent.from), .covered_m = 0};
+}
+
+/// The points of a ray between two lengths, each known but for its roundings.
+Aabb stretch(const Ray& ray, double from_m, double to_m) {
+  const Vec3 unit = ray.direction / stable_length(ray.direction);
+  Aabb points;
+  points.extend(Vec3(ray.origin + from_m * unit));
+  points.extend(Vec3(ray.origin + to_m * unit));
+  for (int axis = 0; axis < 3; ++axis) {
+    if (ray.direction[axis] == 0) continue;
+    const double roundings_m = 0x1p-48 * (std::abs(ray.origin[axis]) + to_m);
+    points.low[axis] -= roundings_m;
+    points.high[axis] += roundings_m;
+  }
+  return points;
+}
+
+/// The farthest that one box holds of a ray that is at `at_m` in it.
+double farthest_in_one(const Ray& ray, double at_m, std::span<const Aabb> covers) {
+  const Aabb here = at_m == 0 ? Aabb{ray.origin, ray.origin} : stretch(ray, at_m, at_m);
+  double farthest_m = at_m;
+  for (const Aabb& box : covers) {
+    if (contains(box, here.low) && contains(box, here.high)) farthest_m = std::max(farthest_m, length_within(ray, box));
+  }
+  return farthest_m;
+}
+
+/// From box to box: across each border goes a stretch, longer than the roundings, that boxes together contain.
+double length_covered(const Ray& ray, std::span<const Aabb> covers) {
+  constexpr int kMostBoxes = 1'000;
+  double at_m = 0;
+  for (int i = 0; i < kMostBoxes; ++i) {
+    const double farthest_m = farthest_in_one(ray, at_m, covers);
+    if (farthest_m >= ray.length_m || farthest_m == at_m) return farthest_m;
+    const double scale_m = ray.origin.cwiseAbs().maxCoeff() + farthest_m;
+    const double beyond_m = std::min(farthest_m + 4 * kSlack * scale_m, ray.length_m);
+    if (nearest_part_outside(stretch(ray, farthest_m, beyond_m), covers, ray.origin)) return farthest_m;
+    at_m = beyond_m;
+    if (at_m == ray.length_m) return at_m;
+  }
+  return at_m;
 }
 
 }  // namespace
 
 std::optional<Leaving> leaves_covered(const Ray& ray, std::span<const Aabb> covers) {
-  if (extent_of(ray).is_covered(covers)) return std::nullopt;
-  Leaving leaving{.point = ray.origin};
-  for (const Aabb& box : covers) {
-    if (contains(box, ray.origin)) leaving.covered_m = std::max(leaving.covered_m, length_within(ray, box));
-  }
-  leaving.point += leaving.covered_m * (ray.direction / stable_length(ray.direction));
-  return leaving;
+  const Extent extent = extent_of(ray);
+  if (extent.is_in_one_of(covers)) return std::nullopt;
+  const bool is_along_axis = (ray.direction.array() != 0).count() == 1;
+  if (is_along_axis && !nearest_part_outside(extent.around(), covers, ray.origin)) return std::nullopt;
+  const double length = stable_length(ray.direction);
+  if (!is_plain(length)) return Leaving{.point = ray.origin, .covered_m = 0};
+  const double covered_m = length_covered(ray, covers);
+  if (!is_along_axis && covered_m >= ray.length_m) return std::nullopt;
+  return Leaving{.point = ray.origin + covered_m * (ray.direction / length), .covered_m = covered_m};
 }
 
 std::optional<Leaving> leaves_covered(const Questions& asked, const double* n, std::span<const AnswerHit> hits,

@@ -18,10 +18,10 @@ struct Leaving {
 };
 
 /// Whether a miss, or a nearest hit, was said of something that the loaded geometry does not cover: all that was asked, up to
-/// the least distance of the nearest hit where one is told, must lie within one of the boxes; two that only together contain
-/// it do not count.
-/// A ball, a segment along an axis and a box that is not turned are compared exactly, whatever else with bounds rounded
-/// outward, so that nothing is called covered that is not.
+/// the least distance of the nearest hit where one is told, must lie within the boxes together.
+/// A ball, a segment along an axis and a box that is not turned are compared exactly with each box, whatever else, and all of
+/// them together, with bounds rounded outward, so that nothing is called covered that is not. Of several boxes a ball, a way
+/// and a turned box must lie in them with their own bounding box.
 ///
 /// numbers  of one question, checked; hits: its own, in their order
 /// returns  nothing where it is covered

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -129,9 +130,9 @@ TEST(Covered, NothingIsStatedByDefaultAndUnsaidByTakingAway) {
   World world{WorldOptions{}};
   QueryScratch scratch;
   std::int64_t time_ns = 0;
-  const auto verdict = [&] {
+  const auto verdict = [&](double aside = 0) {
     EXPECT_TRUE(world.step(++time_ns, 1, {}));
-    const std::vector<double> numbers{0, 5, 0, 0, 0, 1, 9};
+    const std::vector<double> numbers{0, 5, 0, 0, aside, 1, 9};
     Answers answers;
     answer(*world.newest(), {.kind = QueryKind::ray, .numbers = numbers}, answers, scratch);
     return answers.answers[0];
@@ -145,10 +146,15 @@ TEST(Covered, NothingIsStatedByDefaultAndUnsaidByTakingAway) {
   EXPECT_EQ(verdict(), Answer::undecided) << "with the hall went the knowledge, not the doubt";
   world.state_covers("", {{box(Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity))}});
   EXPECT_EQ(verdict(), Answer::miss);
-  // Two that touch contain the ray together; that is not looked at.
+  // Two that touch contain the ray together.
   world.state_covers("", {{box({-1, -1, -1}, {1, 10, 5})}});
-  world.state_covers("next", {{box({-1, -1, 5}, {1, 10, 10})}});
   EXPECT_EQ(verdict(), Answer::undecided);
+  world.state_covers("next", {{box({-1, -1, 5}, {1, 10, 10})}});
+  EXPECT_EQ(verdict(), Answer::miss);
+  EXPECT_EQ(verdict(0.1), Answer::miss);
+  world.state_covers("next", {{box({-1, -1, std::nextafter(5, 6)}, {1, 10, 10})}});
+  EXPECT_EQ(verdict(), Answer::undecided) << "there is a gap of one double";
+  EXPECT_EQ(verdict(0.1), Answer::undecided);
 }
 
 TEST(Covered, AProbeThatLooksOutOfItIsUndecided) {
@@ -183,12 +189,86 @@ std::vector<double> any_question(QueryKind kind, std::mt19937_64& random) {
   }
 }
 
+/// A block of covered space in pieces that touch, cut at random planes; one of them may be missing.
+std::vector<Aabb> pieces(std::mt19937_64& random, bool all) {
+  std::uniform_real_distribution<double> coordinate(-10, 10);
+  std::vector<double> cuts[3];
+  for (std::vector<double>& along : cuts) {
+    along = {-10, 10};
+    for (int i = 0; i < 4; ++i) along.push_back(coordinate(random));
+    std::sort(along.begin(), along.end());
+  }
+  std::vector<Aabb> boxes;
+  for (std::size_t i = 0; i < 125; ++i) {
+    const std::size_t at[3] = {i % 5, i / 5 % 5, i / 25};
+    Aabb piece;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      piece.low[static_cast<int>(axis)] = cuts[axis][at[axis]];
+      piece.high[static_cast<int>(axis)] = cuts[axis][at[axis] + 1];
+    }
+    boxes.push_back(piece);
+  }
+  std::shuffle(boxes.begin(), boxes.end(), random);
+  if (!all) boxes.pop_back();
+  return boxes;
+}
+
+// Pieces that touch cover what the block covers, however it is cut: rays from piece to piece, and balls over many.
+TEST(Covered, PiecesThatTouchAreAsGoodAsTheWhole) {
+  std::mt19937_64 random = oracle::seeded(44);
+  Shape shape;
+  shape.primitives.emplace_back(Sphere{.center = {0, 0, 0}, .radius_m = 1});
+  const ObjectInfo mover = without_world(shape);
+  Covered whole;
+  int covered = 0, not_covered = 0;
+  constexpr QueryKind kKinds[] = {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep};
+  for (int cut = 0; cut < 30; ++cut) {
+    Covered parts(pieces(random, true));
+    for (int i = 0; i < 200; ++i) {
+      const QueryKind kind = kKinds[i % 5];
+      const std::vector<double> numbers = any_question(kind, random);
+      const Answers of_whole = whole.ask(kind, numbers, RayMode::closest, &mover, 1);
+      const Answers of_parts = parts.ask(kind, numbers, RayMode::closest, &mover, 1);
+      ASSERT_EQ(of_parts.reasons[0], of_whole.reasons[0]) << "cut " << cut << ", question " << i;
+      const bool is_covered = of_whole.reasons[0] != UndecidedReason::not_covered;
+      covered += is_covered ? 1 : 0;
+      not_covered += is_covered ? 0 : 1;
+      if (!is_covered && kind == QueryKind::ray) {
+        EXPECT_NEAR(of_parts.hits.back().distance_m, of_whole.hits.back().distance_m, 1e-9);
+      }
+    }
+  }
+  EXPECT_GT(covered, 1'000);
+  EXPECT_GT(not_covered, 1'000);
+}
+
+// Along and across the seams, on them and through edges and corners where pieces meet.
+TEST(Covered, SeamsLetNothingThroughAndHoldNothingUp) {
+  std::vector<Aabb> tiles;
+  for (int i = 0; i < 64; ++i) {
+    const Vec3 low(i % 4, i / 4 % 4, i / 16);
+    tiles.push_back(box(low, low + Vec3::Ones()));
+  }
+  Covered world(tiles);
+  const std::vector<double> within[] = {{0, 0, 0, 4, 4, 4, 6.928}, {0.5, 2, 1.5, 3, 0, 0.25, 3}, {2, 2, 0, 0, 0, 1, 4},
+                                        {0.25, 1, 0.5, 0.3, 0, 0.4, 3}, {0.1, 0.2, 0.3, 1, 1, 1, 6}, {4, 4, 0.5, -1, -1, 0, 5.6}};
+  for (const std::vector<double>& ray : within) EXPECT_EQ(world.ask(QueryKind::ray, ray, RayMode::all).reasons[0], UndecidedReason::none) << ray[3] << ' ' << ray[4];
+  EXPECT_EQ(world.verdict(QueryKind::sphere, {2, 2, 2, 0.99999}), world.verdict(QueryKind::sphere, {2, 2, 2, 0.5}));
+  // Without one of them.
+  tiles.erase(tiles.begin() + 21);  // from 1, 1, 1
+  Covered holed(tiles);
+  EXPECT_EQ(holed.ask(QueryKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, RayMode::all).reasons[0], UndecidedReason::not_covered);
+  EXPECT_NEAR(holed.ask(QueryKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, RayMode::all).hits.back().distance_m, std::sqrt(3.0), 1e-9);
+  EXPECT_EQ(holed.ask(QueryKind::near, {1.5, 1.5, 3, 0.9}).reasons[0], UndecidedReason::none);
+  expect_not_covered(holed.ask(QueryKind::sphere, {2.5, 2.5, 1.5, 0.75}), {2, 2, 1.5}, 0);
+}
+
 // The slow twin puts something to many places outside of what is covered: wherever that changes an answer, the answer given
 // without knowing was in doubt.
 TEST(Covered, NothingOutsideContradictsWhatWasAnswered) {
   std::mt19937_64 random = oracle::seeded(43);
   std::uniform_real_distribution<double> coordinate(-13, 13);
-  Covered world({box(Vec3::Constant(-10), Vec3(10, 10, 4)), box(Vec3(-3, -3, 2), Vec3(3, 3, 15))});
+  Covered world({box(Vec3::Constant(-10), Vec3(10, 10, 4)), box(Vec3(-3, -3, 4), Vec3(3, 3, 15))});
   Covered there({box(Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity))});
   const auto stranger = std::get<ObjectId>(there.world.define(ball("stranger", {50, 0, 0}, 1)));
   Shape shape;
