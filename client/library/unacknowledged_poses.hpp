@@ -19,7 +19,7 @@ class UnacknowledgedPoses {
   static constexpr std::size_t kMostBatches = wire_contract::kPoseTopic.keep_last - 8;
   static constexpr std::size_t kMostBytes = 14'000'000;
 
-  /// Of what is_full() nobody writes more.
+  /// True: nothing more is to be written until the server is known to have some of it.
   bool is_full() const { return count_ >= kMostBatches || bytes_ >= kMostBytes; }
   /// sequence  grows from batch to batch
   void note_written(std::uint64_t sequence, std::size_t bytes) {
