@@ -32,11 +32,9 @@ std::string topic_name(std::string_view name_space, const TopicQos& topic) {
 
 std::string reply_partition(std::uint64_t client) {
   constexpr char kDigits[] = "0123456789abcdef";
-  std::string name = "client_0000000000000000";
-  for (std::size_t position = name.size(); client != 0; client >>= 4) {
-    name[--position] = kDigits[client & 15];
-  }
-  return name;
+  const std::uint32_t place = reply_place(client);
+  static_assert(kReplyPartitions == 256);
+  return std::string("client_") + kDigits[place >> 4] + kDigits[place & 15];
 }
 
 std::vector<std::uint8_t> pack_names(std::span<const std::string> names) {

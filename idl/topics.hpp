@@ -114,7 +114,12 @@ inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
 /// do seldom looks like a dead server, and a dead server is known within a quarter of a second.
 inline constexpr std::int64_t kStatusLostNs = 240'000'000;
 
-/// "client_<16 hex digits>": the partition that a client's replies travel in.
+/// So many partitions hold all replies. Each is a writer of the server's, which stays: DDS loses some 400 bytes with every
+/// writer that is made and deleted, and clients come by the thousand.
+inline constexpr std::uint32_t kReplyPartitions = 256;
+inline constexpr std::uint32_t reply_place(std::uint64_t client) { return static_cast<std::uint32_t>(client % kReplyPartitions); }
+/// "client_<2 hex digits>", the last ones of its number: the partition that a client's replies travel in, beside those of
+/// others with the same; the replies say whose they are.
 std::string reply_partition(std::uint64_t client);
 
 /// "<name_space>/<suffix>". Throws std::invalid_argument unless name_space is [A-Za-z_/][A-Za-z0-9_/]*, which is all

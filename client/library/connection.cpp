@@ -35,6 +35,7 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
     : options_(options),
       participant_(std::move(participant)),
       client_(random_number()),
+      requests_(client_),
       query_topic_(*participant_, options.name_space),
       reply_topic_(*participant_, options.name_space),
       status_topic_(*participant_, options.name_space),

@@ -2,7 +2,7 @@
 
 namespace collided::client {
 
-Requests::Requests() : uses_(kMost, 0) {
+Requests::Requests(std::uint64_t client) : client_(client), uses_(kMost, 0) {
   for (std::size_t slot = kMost; slot > 0; --slot) {
     free_.push_back(slot - 1);
   }
@@ -68,7 +68,7 @@ void Requests::take_replies(const dds::Taker<wire::Reply>& taker) {
     }
     count = taker.take(room);
     for (std::size_t i = 0; i < count; ++i) {
-      if (next_[i]->info().valid_data) {
+      if (next_[i]->info().valid_data && (*next_[i])->client == client_) {
         hand_over(std::exchange(next_[i], pool_.get()));
       }
     }

@@ -58,7 +58,8 @@ class Requests {
     std::vector<SamplePool<wire::Reply>::Pointer> taken_;
   };
 
-  Requests();
+  /// client  whose replies are taken; others may come with them
+  explicit Requests(std::uint64_t client);
   /// Null when kMost requests are under way.
   std::unique_ptr<Running> begin();
   /// For the reply reader's callback: takes everything and wakes whom it concerns.
@@ -73,6 +74,7 @@ class Requests {
   std::mutex mutex_;
   std::vector<std::unique_ptr<Slot>> owned_;
   std::vector<std::size_t> free_;
+  const std::uint64_t client_;
   std::vector<std::uint64_t> uses_;
   SamplePool<wire::Reply> pool_;
   ShortSpin spin_;

@@ -156,7 +156,7 @@ void Answering::Worker::work(TextReply text) {
 }
 
 void Answering::Worker::work(Resume resume) {
-  for (AskPointer& ask : owner_.clients_.resume(resume.client)) work(std::move(ask));
+  for (AskPointer& ask : owner_.clients_.resume(resume.place)) work(std::move(ask));
 }
 
 void Answering::Worker::work(Sweep sweep) {
@@ -283,7 +283,7 @@ Answering::Answering(const World& world, const WorldClock& clock, Fences& fences
       options_(options),
       command_(std::move(command)),
       queue_(kMostQueued),
-      clients_(replies, [this](std::uint64_t client) { queue_.push_own(Resume{client}); }) {
+      clients_(replies, [this](std::uint32_t place) { queue_.push_own(Resume{place}); }) {
   listening_worker_ = std::make_unique<Worker>(*this);
   for (unsigned i = 0; i < std::max(1U, options.threads); ++i) {
     threads_.emplace_back([this] { Worker(*this).run(); });

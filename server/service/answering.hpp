@@ -79,7 +79,7 @@ class Answering {
     std::string text;
   };
   struct Resume {
-    std::uint64_t client = 0;
+    std::uint32_t place = 0;
   };
   struct Sweep {
     std::vector<std::uint64_t> askers;

@@ -1,14 +1,15 @@
 #include "server/service/clients.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "server/service/clock.hpp"
 
 namespace collided::service {
 
 bool Client::write(const wire::Reply& reply) {
-  // Set once before anybody writes, and never taken away while the client is held.
-  return listening_.load() && writer_->write(reply);
+  // Set once before anybody writes, and never taken away.
+  return ready() && place_.writer_->write(reply);
 }
 
 void Client::note_told(std::uint64_t version) {
@@ -18,41 +19,42 @@ void Client::note_told(std::uint64_t version) {
 }
 
 std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
+  const std::uint32_t place = wire_contract::reply_place(id);
   std::shared_ptr<Client> client;
-  bool made = false;
   {
     const std::lock_guard lock(mutex_);
     const auto found = clients_.find(id);
     if (found != clients_.end()) {
       client = found->second;
     } else if (clients_.size() < kMost) {
-      client = std::make_shared<Client>(id);
+      client = std::make_shared<Client>(id, places_[place], steady_ns());
       clients_.emplace(id, client);
-      made = true;
     }
   }
   if (!client) return nullptr;
   client->asker_.store(asker);
-  if (made) open_writer(client);
+  if (!places_[place].opening_.exchange(true)) {
+    try {
+      open(place);
+    } catch (...) {
+      places_[place].opening_.store(false);  // whoever asks next tries again
+      throw;
+    }
+  }
   return client;
 }
 
-void Clients::open_writer(const std::shared_ptr<Client>& client) {
-  Client* raw = client.get();  // outlives its writer, and so the callback
-  raw->deaf_since_ns_.store(steady_ns());
-  dds::Writer<wire::Reply> writer(
-      topic_, {.partition = wire_contract::reply_partition(raw->id()), .matched = [this, raw](std::uint32_t readers) {
-                 raw->listening_.store(readers > 0);
-                 raw->deaf_since_ns_.store(steady_ns());
-                 if (readers > 0) listening_(raw->id());
-               }});
-  {
-    const std::lock_guard lock(raw->mutex_);
-    raw->writer_.emplace(std::move(writer));
-    raw->open_.store(true, std::memory_order_release);
-  }
+void Clients::open(std::uint32_t number) {
+  ReplyPlace& place = places_[number];
+  place.deaf_since_ns_.store(steady_ns());
+  place.writer_.emplace(topic_, dds::WriterOptions{.partition = wire_contract::reply_partition(number), .matched = [this, number, &place](std::uint32_t readers) {
+                          place.listening_.store(readers > 0);
+                          place.deaf_since_ns_.store(steady_ns());
+                          if (readers > 0) listening_(number);
+                        }});
+  place.open_.store(true, std::memory_order_release);
   // The match may have come before the writer was in its place; asks held meanwhile would wait for ever.
-  if (raw->listening_.load()) listening_(raw->id());
+  if (place.listening_.load()) listening_(number);
 }
 
 std::shared_ptr<Client> Clients::find(std::uint64_t id) const {
@@ -80,15 +82,20 @@ bool Clients::hold(Client& client, AskPointer& ask) {
   return true;
 }
 
-std::vector<AskPointer> Clients::resume(std::uint64_t id) {
-  const std::shared_ptr<Client> client = find(id);
-  if (!client) return {};
-  const std::lock_guard lock(client->mutex_);
-  return client->ready() ? std::exchange(client->waiting_, {}) : std::vector<AskPointer>{};
+std::vector<AskPointer> Clients::resume(std::uint32_t place) {
+  std::vector<AskPointer> resumed;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, client] : clients_) {
+    if (wire_contract::reply_place(id) != place) continue;
+    const std::lock_guard client_lock(client->mutex_);
+    if (!client->ready()) continue;
+    std::move(client->waiting_.begin(), client->waiting_.end(), std::back_inserter(resumed));
+    client->waiting_.clear();
+  }
+  return resumed;
 }
 
 std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, std::int64_t now_ns) {
-  bury();
   std::vector<AskPointer> overdue;
   const std::lock_guard lock(mutex_);
   std::erase_if(clients_, [&](const auto& entry) {
@@ -100,22 +107,13 @@ std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, st
     std::move(late, client.waiting_.end(), std::back_inserter(overdue));
     client.waiting_.erase(late, client.waiting_.end());
     const bool lives = std::find(askers.begin(), askers.end(), client.asker_.load()) != askers.end();
-    const bool deaf = !client.listening_.load() && now_ns - client.deaf_since_ns_.load() > kDeafPatienceNs;
+    const std::int64_t deaf_since_ns = std::max(client.place_.deaf_since_ns_.load(), client.met_ns_);
+    const bool deaf = !client.place_.listening_.load() && now_ns - deaf_since_ns > kDeafPatienceNs;
     if ((lives && !deaf) || !client.waiting_.empty()) return false;
-    gone_.push_back(entry.second);
     departures_.fetch_add(1, std::memory_order_release);
     return true;
   });
   return overdue;
-}
-
-/// Deletes those gone whom no thread answers any more; after the lock is free, since their writers take time.
-void Clients::bury() {
-  std::vector<std::shared_ptr<Client>> unheld;
-  const std::lock_guard lock(mutex_);
-  const auto held = std::partition(gone_.begin(), gone_.end(), [](const auto& client) { return client.use_count() > 1; });
-  std::move(held, gone_.end(), std::back_inserter(unheld));
-  gone_.erase(held, gone_.end());
 }
 
 std::size_t Clients::size() const {

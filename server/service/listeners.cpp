@@ -28,13 +28,16 @@ void WriterTable::heard(std::uint64_t writer, std::uint64_t publisher) {
 void WriterTable::liveliness(const dds::Liveliness& change) {
   const std::lock_guard lock(mutex_);
   const bool alive = change.alive > alive_;
+  // A writer whose lease has run out is counted as not alive, and may come back under the same handle.
+  const bool is_gone = !alive && change.not_alive <= not_alive_;
   alive_ = change.alive;
+  not_alive_ = change.not_alive;
   const auto found = publishers_.find(change.last_writer);
   if (found == publishers_.end()) return;
   inbox_.push(WriterNews{.publisher = found->second, .kind = kind_, .alive = alive});
-  // A writer whose lease has run out may come back under the same handle, so it stays known until there are too many.
+  // Of several changes at once DDS names the last, so some of those gone stay known, until there are too many.
   constexpr std::size_t kMost = 10'000;
-  if (!alive && publishers_.size() > kMost) publishers_.erase(found);
+  if (is_gone || (!alive && publishers_.size() > kMost)) publishers_.erase(found);
 }
 
 void WriterTable::lost(std::uint64_t publisher) {

@@ -29,6 +29,7 @@ class WriterTable {
   std::mutex mutex_;
   std::map<std::uint64_t, std::uint64_t> publishers_;  // by writer
   std::uint32_t alive_ = 0;
+  std::uint32_t not_alive_ = 0;
 };
 
 /// The readers of what comes in. Their callbacks take, stamp and hand over; nothing is decided here.

@@ -23,7 +23,7 @@ namespace collided::service {
 struct PublisherLimits {
   std::uint32_t publishers = 1'000;
   std::uint32_t object_numbers = 200'000;            // of all publishers together, removed ones included
-  std::uint32_t parked_batches = 64;                 // a publisher, waiting for its definitions
+  std::uint32_t parked_batches = wire_contract::kPoseTopic.keep_last;  // a publisher, waiting for its definitions
   std::int64_t silent_after_ns = 2'000'000'000;      // alive, but nothing new: shown as silent
   std::int64_t forgotten_after_ns = 60'000'000'000;  // lost and without an object in the world
 };

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "idl/topics.hpp"
+
 namespace collided::service {
 
 /// How far one publisher's samples have been applied without gap. Its definitions and poses share one series of
@@ -29,7 +31,7 @@ class SequenceWatermark {
   std::uint64_t through() const { return through_; }
 
  private:
-  static constexpr std::size_t kMostAhead = 64;
+  static constexpr std::size_t kMostAhead = wire_contract::kPoseTopic.keep_last;  // so many may be under way
   void note(std::uint64_t sequence, std::int64_t now_ns);
   void absorb();
 

@@ -21,9 +21,10 @@ TEST(WireTopics, NamespaceMayHoldOnlyWhatDdsAccepts) {
   EXPECT_THROW(wire_contract::topic_name("a-b", wire_contract::kQueryTopic), std::invalid_argument);
 }
 
-TEST(WireTopics, PartitionHasSixteenDigits) {
-  EXPECT_EQ(wire_contract::reply_partition(0xabc), "client_0000000000000abc");
-  EXPECT_EQ(wire_contract::reply_partition(~std::uint64_t{0}), "client_ffffffffffffffff");
+TEST(WireTopics, PartitionHasTheLastTwoDigits) {
+  EXPECT_EQ(wire_contract::reply_partition(0xabc), "client_bc");
+  EXPECT_EQ(wire_contract::reply_partition(5), "client_05");
+  EXPECT_EQ(wire_contract::reply_partition(~std::uint64_t{0}), "client_ff");
 }
 
 TEST(WireTopics, NamesSurvivePackingAndACutOneIsLeftOut) {

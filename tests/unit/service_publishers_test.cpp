@@ -124,6 +124,27 @@ TEST_F(PublishersTest, BatchesWaitForTheirDefinitions) {
   EXPECT_EQ(publishers.applied_through(kPublisher), 5U);
 }
 
+// Every pose that a publisher may have under way is looked at, also where its definition comes last of all.
+TEST_F(PublishersTest, AllBatchesUnderWayWaitForALateDefinition) {
+  constexpr std::uint64_t kUnderWay = wire_contract::kPoseTopic.keep_last;
+  Publishers patient{world, {}};
+  const auto finish = [&](const auto& apply) {
+    while (apply() == Applied::step_first) {
+      ASSERT_TRUE(world.step(++now_ns, 1, {}));
+      patient.stepped();
+    }
+  };
+  for (std::uint64_t i = 0; i < kUnderWay; ++i) {
+    PoseSample sample = pose(5 + i, {{1, static_cast<double>(i)}}, 4);
+    finish([&] { return patient.move(sample, now_ns); });
+  }
+  DefinitionSample late = definition(1, 4, "ball");
+  finish([&] { return patient.define(late, now_ns); });
+  finish([&] { return patient.release_parked(now_ns); });
+  EXPECT_EQ(patient.counts().batches_dropped, 0U);
+  EXPECT_EQ(patient.counts().poses_applied, kUnderWay);
+}
+
 TEST_F(PublishersTest, ParkedBatchesAreBounded) {
   for (std::uint64_t sequence = 5; sequence < 10; ++sequence)
     move(pose(sequence, {{1, static_cast<double>(sequence)}}, 4));

@@ -42,8 +42,19 @@ TEST(SequenceWatermark, AGapIsGivenUpInTheEnd) {
   EXPECT_EQ(mark.through(), 1U);
   mark.settle(SequenceWatermark::kGapPatienceNs);
   EXPECT_EQ(mark.through(), 3U);
-  for (std::uint64_t sequence = 5; sequence < 200; ++sequence) mark.apply_pose(sequence, 0);
-  EXPECT_EQ(mark.through(), 199U) << "a long run beyond a gap must not be kept";
+  for (std::uint64_t sequence = 5; sequence < 500; ++sequence) mark.apply_pose(sequence, 0);
+  EXPECT_EQ(mark.through(), 499U) << "a long run beyond a gap must not be kept";
+}
+
+// As many batches as a publisher has under way may overtake a definition.
+TEST(SequenceWatermark, ALateDefinitionIsWaitedForWhateverIsUnderWay) {
+  constexpr std::uint64_t kUnderWay = wire_contract::kPoseTopic.keep_last;
+  SequenceWatermark mark;
+  mark.apply_definition(1, 0);
+  for (std::uint64_t sequence = 3; sequence < 3 + kUnderWay; ++sequence) mark.apply_pose(sequence, 0);
+  EXPECT_EQ(mark.through(), 1U);
+  mark.apply_definition(2, 0);
+  EXPECT_EQ(mark.through(), 2 + kUnderWay);
 }
 
 // A late datagram moves the pose's reception, not the time at which it was true.
