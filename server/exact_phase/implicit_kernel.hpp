@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <utility>
 
 #include "server/exact_phase/polynomial.hpp"
@@ -64,38 +65,38 @@ template <class Ring>
 Ring evaluate(const ImplicitSurface& surface, const Ring& x, const Ring& y, const Ring& z) {
   using Kind = PolynomialStep::Kind;
   std::array<Ring, ImplicitSurface::kMostStack> stack;
-  Ring* top = stack.data() - 1;
+  std::size_t depth = 0;
   for (const PolynomialStep& step : surface.steps) {
     switch (step.kind) {
       case Kind::constant:
-        *++top = ConstantOf<Ring>::make(step.constant);
+        stack[depth++] = ConstantOf<Ring>::make(step.constant);
         break;
       case Kind::x:
-        *++top = x;
+        stack[depth++] = x;
         break;
       case Kind::y:
-        *++top = y;
+        stack[depth++] = y;
         break;
       case Kind::z:
-        *++top = z;
+        stack[depth++] = z;
         break;
       case Kind::negate:
-        *top = -*top;
+        stack[depth - 1] = -stack[depth - 1];
         break;
       case Kind::power:
-        *top = powered(*top, step.exponent);
+        stack[depth - 1] = powered(stack[depth - 1], step.exponent);
         break;
       case Kind::add:
-        --top;
-        top[0] = top[0] + top[1];
+        --depth;
+        stack[depth - 1] = stack[depth - 1] + stack[depth];
         break;
       case Kind::subtract:
-        --top;
-        top[0] = top[0] - top[1];
+        --depth;
+        stack[depth - 1] = stack[depth - 1] - stack[depth];
         break;
       case Kind::multiply:
-        --top;
-        top[0] = top[0] * top[1];
+        --depth;
+        stack[depth - 1] = stack[depth - 1] * stack[depth];
         break;
     }
   }

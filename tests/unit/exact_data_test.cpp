@@ -310,7 +310,8 @@ void check_solids(const nlohmann::json& c) {
 TEST(ExactData, ClosedForms) {
   SKIP_WITHOUT_DATA();
   std::ifstream in(oracle::exact_data() / "closed-form" / "cases.json");
-  for (const auto& c : nlohmann::json::parse(in)["cases"]) {
+  const nlohmann::json known = nlohmann::json::parse(in);
+  for (const auto& c : known["cases"]) {
     if (c["query"] == "ray-triangles") check_triangles(c);
     else check_solids(c);
   }
