@@ -1,6 +1,9 @@
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <random>
+#include <thread>
+#include <vector>
 
 #include "tests/service/server_fixture.hpp"
 
@@ -138,6 +141,27 @@ TEST_F(ServerAnswers, ADeadlineThatIsOverIsUndecided) {
     ASSERT_EQ(answer.verdict, Verdict::undecided);
     ASSERT_EQ(answer.reason, Undecided::deadline);
   }
+}
+
+// Reply partitions are fewer than clients may be, so some of these share one: each gets its own answers and no other's.
+TEST_F(ServerAnswers, ClientsThatShareAPartitionGetTheirOwn) {
+  start();
+  constexpr int kClients = 64;
+  std::vector<Client> clients;
+  for (int i = 0; i < kClients; ++i) clients.push_back(connect());
+  std::vector<std::thread> askers;
+  std::atomic<int> right{0};
+  for (int i = 0; i < kClients; ++i) {
+    askers.emplace_back([&, i] {
+      for (int round = 0; round < 10; ++round) {
+        const double height_m = 5 + 0.01 * i + 0.001 * round;
+        const Result<Answer> down = clients[static_cast<std::size_t>(i)].ask(RayQuestion{.origin = {6, 0, height_m}, .direction = {0, 0, -1}});
+        right += down && !down->hits.empty() && std::abs(down->hits[0].distance_m - height_m) < 1e-9 ? 1 : 0;
+      }
+    });
+  }
+  for (std::thread& asker : askers) asker.join();
+  EXPECT_EQ(right, 10 * kClients);
 }
 
 }  // namespace
