@@ -54,8 +54,8 @@ void limit_stopping() {
 
 int serve(const Options& options) {
   const sigset_t signals = block_signals();
-  // One pool for all threads: what one takes and another gives back leaves no holes in eleven. What is asked often takes
-  // no memory, so nobody queues for it.
+  // One pool for all threads: what one takes and another gives back would leave holes in each one's own. What is asked
+  // often takes no memory, so nobody queues for it.
   mallopt(M_ARENA_MAX, 1);
   ask_for_turns(kShortTurn);
   Server server(options, make_log(options.log_level, options.log_json));

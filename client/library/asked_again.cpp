@@ -65,7 +65,9 @@ std::string words_of(Answer answer, std::uint8_t reason, const Hits& hits, std::
 }  // namespace
 
 bool ComparedAnswers::add(const wire::Reply& reply) {
-  if (const auto text = dds::view(reply.text); !text.empty()) text_[reply.chunk_index].assign(text.begin(), text.end());
+  // A refusal has a text too, and is no answer.
+  const auto text = reply.status == static_cast<std::uint8_t>(ReplyStatus::ok) ? dds::view(reply.text) : std::span<const std::uint8_t>();
+  if (!text.empty()) text_[reply.chunk_index].assign(text.begin(), text.end());
   const auto verdicts = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);
   const auto counts = dds::view(reply.hit_counts);

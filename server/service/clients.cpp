@@ -47,11 +47,12 @@ std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
 void Clients::open(std::uint32_t number) {
   ReplyPlace& place = places_[number];
   place.deaf_since_ns_.store(steady_ns());
-  place.writer_.emplace(topic_, dds::WriterOptions{.partition = wire_contract::reply_partition(number), .matched = [this, number, &place](std::uint32_t readers) {
-                          place.listening_.store(readers > 0);
-                          place.deaf_since_ns_.store(steady_ns());
-                          if (readers > 0) listening_(number);
-                        }});
+  const auto matched = [this, number, &place](std::uint32_t readers) {
+    place.listening_.store(readers > 0);
+    place.deaf_since_ns_.store(steady_ns());
+    if (readers > 0) listening_(number);
+  };
+  place.writer_.emplace(topic_, dds::WriterOptions{.partition = wire_contract::reply_partition(number), .matched = matched});
   place.open_.store(true, std::memory_order_release);
   // The match may have come before the writer was in its place; asks held meanwhile would wait for ever.
   if (place.listening_.load()) listening_(number);
