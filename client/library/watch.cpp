@@ -31,6 +31,7 @@ std::optional<Event> Watch::next(std::chrono::nanoseconds wait) { return state_-
 std::uint64_t Watch::lost() const { return state_->lost(); }
 std::uint64_t Watch::resyncs() const { return state_->resyncs(); }
 bool Watch::connected() const { return state_->connected(); }
+bool Watch::in_step() const { return state_->in_step(); }
 std::size_t Watch::open_contacts() const { return state_->open_contacts(); }
 
 Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback)
@@ -136,6 +137,7 @@ void Watch::State::work() {
     lock.unlock();
     hear(message);
     resyncs_ = watch_.resyncs();
+    in_step_ = watch_.in_step();
   }
 }
 

@@ -27,6 +27,7 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   std::uint64_t resyncs() const { return resyncs_; }
   std::size_t open_contacts() const { return open_contacts_; }
   bool connected() const { return !connection_->pulse().silent(); }
+  bool in_step() const { return in_step_; }
 
  private:
   using FramePool = client::SamplePool<wire::EventFrame>;
@@ -51,6 +52,7 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   Callback callback_;
   client::WatchState watch_;
   std::atomic<std::uint64_t> resyncs_{0};
+  std::atomic<bool> in_step_{false};
   std::atomic<std::uint64_t> lost_{0};
   std::atomic<std::size_t> open_contacts_{0};
 

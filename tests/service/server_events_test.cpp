@@ -1,6 +1,7 @@
 #include "tests/service/server_fixture.hpp"
 
 #include <csignal>
+#include <thread>
 
 namespace collided {
 namespace {
@@ -78,9 +79,8 @@ TEST_F(ServerEvents, AFrozenObjectStaysAndIsStale) {
   ASSERT_TRUE(publisher.wait_applied(5s));
   const RayQuestion down{.origin = {6, 0, 5}, .direction = {0, 0, -1}};
   EXPECT_EQ(client.ask(down)->verdict, Verdict::hit);
-  std::this_thread::sleep_for(1500ms);
-  const Result<Answer> stale = client.ask(down);
-  ASSERT_TRUE(stale);
+  Result<Answer> stale = client.ask(down);
+  ASSERT_TRUE(test::eventually([&] { return (stale = client.ask(down)) && !stale->hits.empty() && stale->hits[0].stale; }));
   ASSERT_EQ(stale->hits.size(), 1U);
   EXPECT_EQ(stale->hits[0].object, "ball");
   EXPECT_TRUE(stale->hits[0].stale);
@@ -173,8 +173,7 @@ TEST_F(ServerEvents, ACrashIsRecoveredFrom) {
   const Result<Answer> down = other.ask(RayQuestion{.origin = {6, 0, 5}, .direction = {0, 0, -1}});
   ASSERT_TRUE(down);
   EXPECT_EQ(down->hits.at(0).object, "ball");
-  std::this_thread::sleep_for(300ms);
-  EXPECT_EQ(events.open_contacts(), 1U);
+  EXPECT_TRUE(test::eventually([&] { return events.in_step() && events.open_contacts() == 1U; }));
 }
 
 // 142 balls in one place are 10,011 contacts.

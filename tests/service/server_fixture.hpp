@@ -1,8 +1,7 @@
 #pragma once
 
-#include <thread>
-
 #include "collided/client.hpp"
+#include "tests/service/eventually.hpp"
 #include "tests/service/server_process.hpp"
 
 namespace collided::testing_support {
@@ -18,8 +17,8 @@ class ServerTest : public ServerProcess {
   static Watch watch(Client& client) {
     Result<Watch> watch = client.watch();
     EXPECT_TRUE(watch) << watch.error().message;
-    // Until a status has vouched for what holds, events count as part of it; statuses come twenty times a second.
-    std::this_thread::sleep_for(milliseconds(300));
+    // Until a status has vouched for what holds, events count as part of it.
+    EXPECT_TRUE(test::eventually([&] { return watch->in_step(); }));
     return std::move(*watch);
   }
   static Publisher publish(Client& client, const std::string& name) {

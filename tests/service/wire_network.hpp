@@ -2,12 +2,10 @@
 
 #include <unistd.h>
 
-#include <chrono>
-#include <functional>
 #include <string>
-#include <thread>
 
 #include "idl/dds.hpp"
+#include "tests/service/eventually.hpp"
 
 /// Where a test's participants meet: away from those of tests that run at the same time.
 namespace collided::test {
@@ -20,17 +18,5 @@ inline dds::ParticipantOptions far_side() {
   return {.domain = own_domain(), .role = dds::Role::server, .process_domain = own_domain() + 100'000};
 }
 inline dds::ParticipantOptions near_side() { return {.domain = own_domain(), .role = dds::Role::client}; }
-
-/// Waits until `condition`, at most `most`; false when it never held.
-inline bool eventually(const std::function<bool()>& condition, std::chrono::milliseconds most = std::chrono::seconds(5)) {
-  const auto give_up = std::chrono::steady_clock::now() + most;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > give_up) {
-      return false;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
 
 }  // namespace collided::test

@@ -197,7 +197,7 @@ TEST_F(ClientWatch, OpensWhatHoldsThenFollows) {
 
 TEST_F(ClientWatch, TenThousandEventsComeOnceAndInOrder) {
   Watch watch = this->watch();
-  std::this_thread::sleep_for(250ms);  // past the first bookmark
+  ASSERT_TRUE(eventually([&] { return watch.in_step(); }));
   for (std::uint64_t i = 0; i < 5'000; ++i) {
     world_.began({i, i + 1});
     world_.ended({i, i + 1});
@@ -215,7 +215,7 @@ TEST_F(ClientWatch, TenThousandEventsComeOnceAndInOrder) {
 TEST_F(ClientWatch, PersistedComesToWhoAsks) {
   Watch plain = watch();
   Watch curious = watch({.persisted = true});
-  std::this_thread::sleep_for(250ms);
+  ASSERT_TRUE(eventually([&] { return plain.in_step() && curious.in_step(); }));
   world_.began({1, 2});
   EXPECT_EQ(next(curious).what, What::began);
   EXPECT_EQ(next(plain).what, What::began);
@@ -231,7 +231,7 @@ TEST_F(ClientWatch, PersistedComesToWhoAsks) {
 
 TEST_F(ClientWatch, LostFrameIsMadeUpForByTheContactState) {
   Watch watch = this->watch();
-  std::this_thread::sleep_for(250ms);
+  ASSERT_TRUE(eventually([&] { return watch.in_step(); }));
   world_.began({1, 2});
   world_.began({3, 4}, true);
   world_.began({5, 6});
@@ -246,7 +246,7 @@ TEST_F(ClientWatch, LostFrameIsMadeUpForByTheContactState) {
 
 TEST_F(ClientWatch, CutOffWatchCatchesUp) {
   Watch watch = this->watch();
-  std::this_thread::sleep_for(250ms);
+  ASSERT_TRUE(eventually([&] { return watch.in_step(); }));
   world_.began({1, 2});
   EXPECT_EQ(next(watch).a, "object_1");
   server_.participant().set_deaf_mute(true, true, 600'000'000);
@@ -264,13 +264,13 @@ TEST_F(ClientWatch, CutOffWatchCatchesUp) {
 
 TEST_F(ClientWatch, RestartedServerEndsWhatItNoLongerHolds) {
   Watch watch = this->watch();
-  std::this_thread::sleep_for(250ms);
+  ASSERT_TRUE(eventually([&] { return watch.in_step(); }));
   world_.began({1, 2});
   world_.began({3, 4});
   EXPECT_EQ(next(watch).what, What::began);
   EXPECT_EQ(next(watch).what, What::began);
   server_.beating = false;
-  std::this_thread::sleep_for(350ms);
+  ASSERT_TRUE(eventually([&] { return !watch.connected(); }));
   FakeServer second(test::own_namespace(), 2,
                     {.domain = test::own_domain(), .role = dds::Role::server,
                      .process_domain = test::own_domain() + 200'000});
@@ -288,7 +288,7 @@ TEST_F(ClientWatch, RestartedServerEndsWhatItNoLongerHolds) {
 
 TEST_F(ClientWatch, FiltersChooseByEitherName) {
   Watch watch = this->watch({.only = "object_[13]", .skip = "object_4"});
-  std::this_thread::sleep_for(250ms);
+  ASSERT_TRUE(eventually([&] { return watch.in_step(); }));
   world_.began({1, 2});
   world_.began({3, 4});
   world_.began({5, 6});
@@ -301,7 +301,7 @@ TEST_F(ClientWatch, FiltersChooseByEitherName) {
 
 TEST_F(ClientWatch, FullQueueDropsTheOldestAndCounts) {
   Watch watch = this->watch({.capacity = 4});
-  std::this_thread::sleep_for(250ms);
+  ASSERT_TRUE(eventually([&] { return watch.in_step(); }));
   for (std::uint64_t i = 0; i < 10; ++i) {
     world_.began({i, i + 1});
   }
@@ -314,7 +314,7 @@ TEST_F(ClientWatch, CallbackIsCalledUntilTheWatchGoes) {
   {
     const Result<Watch> watch = client_->watch({}, [&](const Event&) { ++count; });
     ASSERT_TRUE(watch) << watch.error().message;
-    std::this_thread::sleep_for(250ms);
+    ASSERT_TRUE(eventually([&] { return watch->in_step(); }));
     world_.began({1, 2});
     ASSERT_TRUE(eventually([&] { return count == 1; }));
   }

@@ -324,6 +324,9 @@ class Watch {
   std::uint64_t resyncs() const;
   /// False while no status has come for 240 ms.
   bool connected() const;
+  /// The server has vouched for what this watch knows: what held when it began has been told as `open`, what comes from now on is
+  /// new. False again while something missed is made up for.
+  bool in_step() const;
   /// Contacts that hold now by this watch's own account.
   std::size_t open_contacts() const;
 
