@@ -112,6 +112,7 @@ std::vector<Figure> figures(const Tables& tables) {
                            response_figures(tables.response), map_figures(tables.rows), decision_figures(tables.rows, tables.census), pair_figures(tables.pairs)}) {
     result.insert(result.end(), more.begin(), more.end());
   }
+  result.push_back(mutant_figure(tables.mutants));
   return result;
 }
 

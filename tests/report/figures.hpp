@@ -11,6 +11,7 @@ struct Tables {
   std::vector<PinnedCell> pairs{};
   Csv census{};    // columns query, family, method, n, missed, false, uncertain, exact, ns
   Csv response{};  // columns scene, method, stiffness, step, ...: see the response study
+  Csv mutants{};   // columns room, file, line, bug, outcome, by: see tests/mutants
 };
 
 /// The figures of the page, in its order. One without data stays, and says so.
@@ -25,6 +26,7 @@ std::vector<Figure> index_figures(const std::vector<Row>& rows);
 std::vector<Figure> growth_figures(const std::vector<Row>& rows);
 std::vector<Figure> stage_figures(const std::vector<Row>& rows);
 std::vector<Figure> pair_figures(const std::vector<PinnedCell>& pairs);
+Figure mutant_figure(const Csv& mutants);
 
 /// Rows of one study, in order.
 std::vector<Row> of_study(const std::vector<Row>& rows, const std::string& study);
