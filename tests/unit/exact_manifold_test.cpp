@@ -149,5 +149,46 @@ TEST(Manifold, TheDepthsOfTiltedBoxesAreWithinTheirBounds) {
   std::printf("%d points, worst error / bound %.2g\n", seen, worst);
 }
 
+// Four of many bear the load; the one that is deepest must be among them, or a solver lets it sink.
+TEST(Manifold, TheDeepestOfManyPointsIsAlwaysKept) {
+  std::mt19937_64 generator = oracle::seeded(12);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 normal = Vec3(any(generator), any(generator), any(generator)).normalized();
+    const Vec3 u = normal.unitOrthogonal();
+    const Vec3 v = normal.cross(u);
+    std::vector<ManifoldPoint> points;
+    for (int k = 0; k < 12; ++k) {
+      const double angle = 2 * std::numbers::pi * k / 12;
+      points.push_back({std::cos(angle) * u + std::sin(angle) * v, 0.01 + 0.001 * any(generator), 1e-12});
+    }
+    const ManifoldPoint deepest{0.3 * any(generator) * u + 0.3 * any(generator) * v, 0.02, 1e-12};
+    points.insert(points.begin() + i % 13, deepest);
+    keep_extremes(normal, points);
+    EXPECT_LE(points.size(), 4u);
+    EXPECT_EQ(points.at(0).depth_m, 0.02) << i;
+    EXPECT_EQ(points[0].point, deepest.point) << i;
+  }
+}
+
+// Those that are kept span what all of them span: a box does not tip over on four points of one side of it.
+TEST(Manifold, TheKeptPointsSpanWhatAllDid) {
+  std::vector<ManifoldPoint> points;
+  for (int x = 0; x <= 4; ++x) {
+    for (int y = 0; y <= 2; ++y) points.push_back({Vec3(x, y, 0), x == 0 && y == 0 ? 0.02 : 0.01, 1e-12});
+  }
+  keep_extremes(Vec3::UnitZ(), points);
+  EXPECT_EQ(corners_of(points), (std::set<std::array<double, 2>>{{0, 0}, {4, 0}, {0, 2}, {4, 2}}));
+}
+
+TEST(Manifold, PointsInALineKeepBothEnds) {
+  std::vector<ManifoldPoint> points;
+  for (int x = 0; x <= 6; ++x) points.push_back({Vec3(x, 0, 0), x == 2 ? 0.02 : 0.01, 1e-12});
+  keep_extremes(Vec3::UnitZ(), points);
+  ASSERT_EQ(points.size(), 2u) << "the deepest, and the one farthest from it";
+  EXPECT_EQ(points[0].point.x(), 2);
+  EXPECT_EQ(points[1].point.x(), 6);
+}
+
 }  // namespace
 }  // namespace collided

@@ -288,6 +288,58 @@ TEST(ServiceJournal, AFileOfSomethingElseIsLeftAlone) {
   EXPECT_NE(journal.damage().find("not a journal"), std::string::npos);
 }
 
+// Its head counts every record, those of one call too: the sentence about a loss says how many there were.
+TEST(ServiceJournal, RecordsThatAreErasedTogetherAreEachCounted) {
+  std::mt19937_64 random = oracle::seeded(98);
+  Platter platter;
+  Journal journal = open(platter);
+  for (std::uint64_t i = 0; i < 5; ++i) journal.put(entry(i, random), Journal::Sync::now);
+  const std::vector<std::string> keys{"object/1", "object/none", "object/2", "object/3"};
+  journal.erase(keys, Journal::Sync::now);
+  const Bytes& content = platter.files["it"].content;
+  EXPECT_EQ(journal_layout::head_of(content).newest->records, 8U) << "five put, three of the four were there to erase";
+  EXPECT_EQ(journal_layout::head_of(content).newest->bytes, content.size());
+  const Journal next = open(platter);
+  EXPECT_EQ(next.damage(), "");
+  EXPECT_EQ(next.entries(), journal.entries());
+  ASSERT_EQ(next.entries().size(), 2U);
+  EXPECT_EQ(next.entries()[0].key, "object/0");
+  EXPECT_EQ(next.entries()[1].key, "object/4");
+  // The last record goes: of eight there are seven.
+  Platter cut = platter;
+  Bytes& shorter = cut.files["it"].content;
+  shorter.resize(shorter.size() - journal_layout::encode({.key = "object/3", .text = {}, .blob = {}}, true).size());
+  EXPECT_NE(open(cut).damage().find("8 records and"), std::string::npos) << open(cut).damage();
+  EXPECT_NE(open(cut).damage().find("acknowledged, 7 and"), std::string::npos) << open(cut).damage();
+}
+
+// A journal that is opened again goes on counting where the last process ended.
+TEST(ServiceJournal, CountsGoOnAcrossLives) {
+  std::mt19937_64 random = oracle::seeded(99);
+  Platter platter;
+  for (std::uint64_t life = 1; life <= 6; ++life) {
+    Journal journal = open(platter);
+    journal.put(entry(life, random), Journal::Sync::now);
+    const auto count = journal_layout::head_of(platter.files["it"].content).newest;
+    EXPECT_EQ(count->records, life);
+    EXPECT_EQ(count->bytes, platter.files["it"].content.size());
+    EXPECT_EQ(open(platter).damage(), "");
+  }
+}
+
+TEST(ServiceJournal, WhatIsClearedIsGoneForTheNextProcessToo) {
+  std::mt19937_64 random = oracle::seeded(100);
+  Platter platter;
+  Journal journal = open(platter);
+  work(journal, 10, random);
+  journal.clear();
+  EXPECT_TRUE(journal.entries().empty());
+  EXPECT_TRUE(open(platter).entries().empty());
+  EXPECT_EQ(journal_layout::head_of(platter.files["it"].content).newest->records, 0U);
+  journal.put(entry(1, random), Journal::Sync::now);
+  EXPECT_EQ(open(platter).entries(), journal.entries());
+}
+
 // A server that crashes again before it has carried out what an earlier one left must leave it too.
 TEST(ServiceDurableState, WhatIsLeftOutlivesCrashesInARow) {
   std::mt19937_64 random = oracle::seeded(95);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -76,6 +77,84 @@ TEST(Options, NumbersAreNeverOptions) {
     FAIL();
   } catch (const OptionsError& error) {
     EXPECT_EQ(std::string(error.what()).substr(0, 23), "world.unit is '-.5'; al");
+  }
+}
+
+// Each word of the configuration lands in the one field that it is about, by flag and by variable.
+TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
+  const Options plain = parse({}).options;
+  struct Row {
+    const char* key;
+    const char* text;
+    std::function<bool(const Options&)> is_set;
+  };
+  const Row rows[] = {
+      {"server.namespace", "hall", [](const Options& o) { return o.name_space == "hall"; }},
+      {"server.threads", "3", [](const Options& o) { return o.threads == 3; }},
+      {"server.step", "2ms", [](const Options& o) { return o.step_ns == 2'000'000; }},
+      {"server.state_dir", "/tmp/x", [](const Options& o) { return o.state_dir == "/tmp/x"; }},
+      {"world.scenes", "a.obj,b.obj", [](const Options& o) { return o.scenes == std::vector<std::string>{"a.obj", "b.obj"}; }},
+      {"world.unit", "mm", [](const Options& o) { return o.unit_m == 1e-3; }},
+      {"world.up", "y", [](const Options& o) { return o.up == 'y'; }},
+      {"world.mend", "2mm", [](const Options& o) { return o.mend_m == 2e-3; }},
+      {"world.covers", "0,0,0:1,2,3", [](const Options& o) { return o.covers.size() == 1; }},
+      {"world.max_objects", "11", [](const Options& o) { return o.max_objects == 11; }},
+      {"world.max_contacts", "12", [](const Options& o) { return o.max_contacts == 12; }},
+      {"answer.error", "4mm", [](const Options& o) { return o.error_m == 4e-3; }},
+      {"answer.audit", "1/7", [](const Options& o) { return o.audit_every == 7; }},
+      {"answer.deadline", "5ms", [](const Options& o) { return o.deadline_ns == 5'000'000; }},
+      {"recorder.last", "10s", [](const Options& o) { return o.flight_recorder_ns == 10'000'000'000; }},
+      {"dds.domain", "13", [](const Options& o) { return o.domain == 13; }},
+      {"dds.interface", "eth7", [](const Options& o) { return o.interface == "eth7"; }},
+      {"dds.peers", "h1,h2", [](const Options& o) { return o.peers == std::vector<std::string>{"h1", "h2"}; }},
+      {"log.level", "warn", [](const Options& o) { return o.log_level == "warn"; }},
+      {"log.json", "true", [](const Options& o) { return o.log_json; }},
+  };
+  EXPECT_EQ(std::size(rows), settings().size()) << "a setting without a row here";
+  for (const Row& row : rows) {
+    const auto setting = std::find_if(settings().begin(), settings().end(), [&](const Setting& s) { return s.key == std::string(row.key); });
+    ASSERT_NE(setting, settings().end()) << row.key;
+    EXPECT_FALSE(row.is_set(plain)) << row.key;
+    std::vector<ParsedOptions> given{parse({}, {{setting->variable, row.text}})};
+    if (*setting->flag && *setting->value) given.push_back(parse({setting->flag, row.text}));
+    for (const ParsedOptions& parsed : given) {
+      for (const Row& other : rows) EXPECT_EQ(other.is_set(parsed.options), &other == &row) << other.key << " by " << row.key;
+    }
+  }
+}
+
+TEST(Options, TheDefaultsAreThoseOfTheHelp) {
+  const Options plain = parse({}).options;
+  EXPECT_EQ(plain.deadline_ns, 0);
+  EXPECT_EQ(plain.error_m, 0);
+  EXPECT_EQ(plain.step_ns, 0);
+  EXPECT_EQ(plain.audit_every, 0U);
+  EXPECT_EQ(plain.flight_recorder_ns, 30'000'000'000);
+  EXPECT_EQ(plain.max_contacts, 10'000'000U);
+  EXPECT_EQ(plain.interface, "lo");
+  EXPECT_FALSE(plain.mend_m);
+  EXPECT_EQ(plain.up, 0);
+  EXPECT_EQ(parse({"--mend", "auto"}).options.mend_m, 0.0) << "as wide as the file shows";
+  EXPECT_EQ(parse({"--audit", "1"}).options.audit_every, 1U);
+  EXPECT_EQ(parse({"--flight-recorder", "off"}).options.flight_recorder_ns, 0);
+}
+
+// Both ends of what is allowed are allowed, what lies beyond is not.
+TEST(Options, LimitsAreThoseThatTheRefusalNames) {
+  const std::tuple<const char*, std::vector<const char*>, std::vector<const char*>> kRows[] = {
+      {"--threads", {"0", "256"}, {"-1", "257"}},
+      {"--step", {"100us", "10s"}, {"99us", "11s", "0"}},
+      {"--max-objects", {"1", "16000000"}, {"0", "16000001"}},
+      {"--max-contacts", {"1", "100000000"}, {"0", "100000001"}},
+      {"--deadline", {"1ns", "none"}, {"0", "-1ms"}},
+      {"--error", {"0", "1um"}, {"-1um"}},
+      {"--audit", {"off", "1", "1/1", "1/9"}, {"0", "2", "1/0"}},
+      {"--flight-recorder", {"off", "1s", "600s"}, {"999ms", "601s"}},
+      {"--domain", {"0", "230"}, {"-1", "231"}},
+  };
+  for (const auto& [flag, good, bad] : kRows) {
+    for (const char* value : good) EXPECT_NO_THROW(parse({flag, value})) << flag << ' ' << value;
+    for (const char* value : bad) EXPECT_THROW(parse({flag, value}), OptionsError) << flag << ' ' << value;
   }
 }
 

@@ -355,5 +355,189 @@ TEST_F(PublishersTest, WhoTookEverythingBackIsNoLoss) {
   EXPECT_EQ(publishers.applied_through(kPublisher), 2U) << "somebody may still ask after its last write";
 }
 
+// Nobody stands behind what a dead program wanted to add: the name stays free until that program is back.
+TEST_F(PublishersTest, WhatALostPublisherWaitedToAddDoesNotTakeTheNameThatBecameFree) {
+  define(definition(1, 1, "ball"));
+  DefinitionSample second = definition(1, 1, "ball", 5);
+  second.publisher = 8;
+  define(second);
+  step();
+  for (const WriterKind kind : {WriterKind::object, WriterKind::pose}) {
+    ASSERT_EQ(publishers.writer_lost(8, kind, now_ns), Applied::done);
+  }
+  define(removal(1, 2));
+  publishers.settle(now_ns);
+  step();
+  EXPECT_FALSE(world.find("ball"));
+  publishers.writer_alive(8, WriterKind::object, now_ns);
+  publishers.settle(now_ns);
+  step();
+  EXPECT_EQ(height("ball"), 5);
+}
+
+// Each pose replaces the velocity of the one before, also by none.
+TEST_F(PublishersTest, AVelocityIsThatOfTheNewestPose) {
+  define(definition(1, 1, "ball"));
+  define(definition(2, 2, "other", 5));
+  const auto with_velocity = [&](std::uint64_t sequence, double start) {
+    PoseSample sample = pose(sequence, {{1, 2}, {2, 5}});
+    for (int i = 0; i < 12; ++i) sample.velocities.push_back(start + i);
+    move(sample);
+    step();
+  };
+  const auto velocity_of = [&](const std::string& name) { return publishers.velocity(*world.find(name)); };
+  EXPECT_FALSE(velocity_of("ball"));
+  with_velocity(3, 10);
+  EXPECT_EQ(velocity_of("ball"), (std::array<double, 6>{10, 11, 12, 13, 14, 15}));
+  EXPECT_EQ(velocity_of("other"), (std::array<double, 6>{16, 17, 18, 19, 20, 21}));
+  with_velocity(4, 30);
+  EXPECT_EQ(velocity_of("ball"), (std::array<double, 6>{30, 31, 32, 33, 34, 35}));
+  move(pose(5, {{1, 2}}));
+  step();
+  EXPECT_FALSE(velocity_of("ball")) << "an old velocity is none";
+  EXPECT_EQ(velocity_of("other"), (std::array<double, 6>{36, 37, 38, 39, 40, 41})) << "the pose was not its";
+  define(definition(2, 6, "other", 5));
+  step();
+  EXPECT_FALSE(velocity_of("other")) << "it is another object now";
+}
+
+// DDS says that the writer is heard again before any sample of it comes.
+TEST_F(PublishersTest, AWriterThatComesBackMakesItsObjectsFreshAgain) {
+  for (const LostPolicy policy : {LostPolicy::remove, LostPolicy::freeze, LostPolicy::hold}) {
+    const auto number = static_cast<std::uint32_t>(policy);
+    DefinitionSample sample = definition(number, number + 1, "object" + std::to_string(number), 3 + 2 * number);
+    sample.lost_policy = static_cast<std::uint8_t>(policy);
+    define(sample);
+  }
+  for (const WriterKind kind : {WriterKind::object, WriterKind::pose}) {
+    step();
+    lose();
+    step();
+    EXPECT_FALSE(publishers.is_live(kPublisher));
+    EXPECT_EQ(world.newest()->stale_objects.size(), 1U);
+    publishers.take_changes();
+    publishers.writer_alive(kPublisher, kind, now_ns);
+    EXPECT_GT(publishers.take_changes(), 0U) << "the world is another one: it must step";
+    step();
+    EXPECT_TRUE(publishers.is_live(kPublisher));
+    EXPECT_TRUE(world.newest()->stale_objects.empty());
+    EXPECT_EQ(world.newest()->stale[slot_of(*world.find("object1"))], 0);
+    EXPECT_EQ(height("object0"), 3);
+    EXPECT_EQ(height("object2"), 7);
+  }
+}
+
+// Either writer may be the one that is heard again: the other one's end is then no loss.
+TEST_F(PublishersTest, AWriterThatIsBackCountsAsAlive) {
+  define(definition(1, 1, "ball"));
+  move(pose(2, {{1, 2}}));
+  step();
+  ASSERT_EQ(publishers.writer_lost(kPublisher, WriterKind::pose, now_ns), Applied::done);
+  publishers.writer_alive(kPublisher, WriterKind::pose, now_ns);
+  ASSERT_EQ(publishers.writer_lost(kPublisher, WriterKind::object, now_ns), Applied::done);
+  EXPECT_TRUE(publishers.is_live(kPublisher));
+  publishers.writer_alive(kPublisher, WriterKind::object, now_ns);
+  ASSERT_EQ(publishers.writer_lost(kPublisher, WriterKind::pose, now_ns), Applied::done);
+  EXPECT_TRUE(publishers.is_live(kPublisher));
+  ASSERT_EQ(publishers.writer_lost(kPublisher, WriterKind::object, now_ns), Applied::done);
+  EXPECT_FALSE(publishers.is_live(kPublisher));
+}
+
+// What waits is dropped from its old end; what is applied at last is the newest of what was kept, in order.
+TEST_F(PublishersTest, AFullWaitingRoomKeepsTheNewestPoses) {
+  for (std::uint64_t i = 0; i < 4; ++i) move(pose(5 + i, {{1, static_cast<double>(2 + i)}, {static_cast<std::uint32_t>(2 + i), 9}}, 4));
+  EXPECT_EQ(publishers.counts().batches_dropped, 2U);
+  define(definition(1, 4, "ball"));
+  step();
+  EXPECT_EQ(height("ball"), 5);
+  EXPECT_EQ(publishers.counts().batches_applied, 2U);
+}
+
+// A restart empties the waiting room: nothing of the earlier life is applied in the later one.
+TEST_F(PublishersTest, BatchesThatWaitedForAnEarlierLifeAreNotApplied) {
+  move(pose(5, {{1, 2}}, 4));
+  DefinitionSample fresh = definition(1, 4, "ball");
+  fresh.incarnation = 2;
+  define(fresh);
+  step();
+  EXPECT_EQ(height("ball"), 3);
+  EXPECT_EQ(publishers.counts().batches_applied, 0U);
+  EXPECT_EQ(publishers.applied_through(kPublisher), 4U) << "5 was of the earlier life";
+}
+
+// The room of what a restarted program had is free again.
+TEST_F(PublishersTest, ARestartGivesItsObjectNumbersBack) {
+  for (std::uint64_t life = 1; life <= 5; ++life) {
+    for (std::uint32_t number = 1; number <= 10; ++number) {
+      DefinitionSample sample = definition(number, number, "n" + std::to_string(number), 2.0 * number);
+      sample.incarnation = life;
+      define(sample);
+    }
+    step();
+  }
+  EXPECT_EQ(publishers.counts().definitions_refused, 0U);
+}
+
+TEST_F(PublishersTest, AnObjectThatWasRemovedLeavesItsNameAndNumberToTheNext) {
+  define(definition(1, 1, "ball"));
+  step();
+  define(removal(1, 2));
+  define(definition(1, 3, "box", 4));
+  define(definition(2, 4, "ball", 6));
+  step();
+  EXPECT_EQ(height("box"), 4);
+  EXPECT_EQ(height("ball"), 6);
+  EXPECT_EQ(publishers.counts().name_conflicts, 0U);
+}
+
+TEST_F(PublishersTest, APublisherIsCompleteOnceItHasSaidSoAndNoLongerOnceItIsLost) {
+  define(definition(1, 1, "ball"));
+  move(pose(2, {{1, 2}}));
+  EXPECT_FALSE(publishers.is_complete(kPublisher));
+  PoseSample last = pose(3, {{1, 2}});
+  last.flags = wire_contract::kAllSaid;
+  move(last);
+  step();
+  EXPECT_TRUE(publishers.is_complete(kPublisher));
+  lose();
+  step();
+  EXPECT_FALSE(publishers.is_complete(kPublisher));
+  DefinitionSample again = definition(1, 1, "ball");
+  again.incarnation = 2;
+  define(again);
+  EXPECT_FALSE(publishers.is_complete(kPublisher)) << "its new life has yet to say all";
+}
+
+TEST_F(PublishersTest, ATeleportIsNoWayAndAMoveIs) {
+  define(definition(1, 1, "ball"));
+  step();
+  events.clear();
+  PoseSample jump = pose(2, {{1, -3}});
+  jump.flags = wire_contract::kTeleported;
+  move(jump);
+  step();
+  EXPECT_TRUE(events.empty()) << "through the floor, but not past it";
+  move(pose(3, {{1, 3}}));
+  step();
+  EXPECT_EQ(events.size(), 2U);
+}
+
+TEST_F(PublishersTest, EveryPublisherIsShownWithItsNameAndSilence) {
+  define(definition(1, 1, "ball"));
+  DefinitionSample other = definition(1, 1, "box", 5);
+  other.publisher = 8;
+  other.publisher_name = "arm";
+  now_ns += 500;
+  define(other);
+  step();
+  std::vector<std::pair<std::string, std::int64_t>> shown;
+  const std::int64_t told_ns = now_ns - 1;
+  publishers.for_each(told_ns + 100, [&](const PublisherView& view) {
+    EXPECT_EQ(view.publisher, shown.empty() ? kPublisher : 8U);
+    shown.emplace_back(view.name, view.silent_ns);
+  });
+  EXPECT_EQ(shown, (std::vector<std::pair<std::string, std::int64_t>>{{"test", 600}, {"arm", 100}}));
+}
+
 }  // namespace
 }  // namespace collided::service
