@@ -235,5 +235,16 @@ TEST_F(Fields, AMoveWithinUndecidedAnswersIsToldOnce) {
   EXPECT_EQ(ran.out, "enter\tcrate\t1\nundecided\t\t\nmoved\tcrate\t2\ndecided\t\t\nexit\tcrate\t\n");
 }
 
+// A server that began anew counts its versions from the start: the same number is another world.
+TEST_F(Fields, TheSameVersionOfAnotherLifeIsAnotherWorld) {
+  int asked = 0;
+  fake::server().near = [&](const NearQuestion&, const AskOptions&) {
+    if (++asked == 3) ++fake::server().epoch;
+    return fake::hit_answer({fake::hit(asked < 3 ? "crate" : "shelf", 1, {0, 0, 0})});
+  };
+  const Ran ran = collide("near 0 0 0 --watch --every 1ms -n 3 --for 5s --fields change,object");
+  EXPECT_EQ(ran.out, "enter\tcrate\nenter\tshelf\nexit\tcrate\n");
+}
+
 }  // namespace
 }  // namespace collided
