@@ -60,7 +60,8 @@ class Standing {
     }
     // An answer without decision says nothing about what is not in it.
     if (undecided) {
-      held_.merge(now);
+      now.merge(held_);
+      held_ = std::move(now);
       return;
     }
     for (const auto& [name, held] : held_) {

@@ -89,7 +89,8 @@ std::vector<std::pair<double, std::string>> AxisMap::ticks(double room_px) const
     }
   }
   for (double k = std::ceil(low_ / step - 1e-9); k * step <= high_ * (1 + 1e-12); ++k) {
-    result.emplace_back(k * step, tick_text(k * step));
+    const double value = k * step + 0.0;  // not -0
+    result.emplace_back(value, tick_text(value));
   }
   return result;
 }

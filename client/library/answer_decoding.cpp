@@ -152,7 +152,6 @@ std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
     return error;
   }
   names_.learn(dds::view(reply.named_ids), dds::view(reply.names));
-  note_state(reply);
   const auto verdicts = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);
   const auto hit_counts = dds::view(reply.hit_counts);
@@ -176,7 +175,10 @@ std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
     }
     next_hit += hit_counts[i];
   }
+  const std::size_t answered_before = answered_;
   note_answered(reply.first_question, verdicts.size());
+  // A reply that came before is none of the costs and ages of what was taken.
+  if (answered_ > answered_before) note_state(reply);
   return std::nullopt;
 }
 

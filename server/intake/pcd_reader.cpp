@@ -142,7 +142,8 @@ double value_at(const char* bytes, const Field& field) {
     case 2:
       return is_signed ? number_at<std::int16_t>(bytes, kOrder) : number_at<std::uint16_t>(bytes, kOrder);
     default:
-      return is_signed ? number_at<std::int32_t>(bytes, kOrder) : number_at<std::uint32_t>(bytes, kOrder);
+      // Without the conversion the two have the unsigned type in common.
+      return is_signed ? static_cast<double>(number_at<std::int32_t>(bytes, kOrder)) : number_at<std::uint32_t>(bytes, kOrder);
   }
 }
 

@@ -58,7 +58,7 @@ Result<Answers> answer_all(std::span<const Question> questions, const AskOptions
   if (server.ask_error) return *server.ask_error;
   Answers answers;
   answers.version = server.version;
-  answers.epoch = 1;
+  answers.epoch = server.epoch;
   answers.compute = std::chrono::microseconds(41);
   answers.oldest_pose_age = std::chrono::microseconds(2100);
   for (const Question& question : questions) answers.answers.push_back(respond ? respond(question, options) : Answer{});

@@ -54,6 +54,7 @@ struct Server {
   std::vector<Finding> findings;
 
   std::uint64_t version = 18204;
+  std::uint64_t epoch = 1;
   ServerStatus status;
   std::deque<Event> events;
   std::vector<Published> publishers;

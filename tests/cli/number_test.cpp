@@ -57,6 +57,57 @@ TEST(Number, UnitsRoundOnce) {
   EXPECT_EQ(parse_duration("inf"), std::chrono::nanoseconds::max());
 }
 
+// Each unit with the double nearest to what it is, and none of another measure.
+TEST(Number, EveryUnitIsWhatItSays) {
+  struct Known {
+    const char* text;
+    Measure measure;
+    double value;
+  };
+  const double pi = std::acos(-1.0);
+  const Known known[] = {
+      {"7nm", Measure::length, 7e-9},      {"7um", Measure::length, 7e-6},       {"7µm", Measure::length, 7e-6},     {"7mm", Measure::length, 7e-3},
+      {"7cm", Measure::length, 0.07},      {"7m", Measure::length, 7},           {"7km", Measure::length, 7000},     {"10in", Measure::length, 0.254},
+      {"10ft", Measure::length, 3.048},    {"7rad", Measure::angle, 7},          {"90deg", Measure::angle, pi / 2},  {"-60°", Measure::angle, -pi / 3},
+      {"7ns", Measure::duration, 7e-9},    {"7us", Measure::duration, 7e-6},     {"7µs", Measure::duration, 7e-6},   {"7ms", Measure::duration, 7e-3},
+      {"7s", Measure::duration, 7},        {"7min", Measure::duration, 420},     {"7h", Measure::duration, 25200},   {"7Hz", Measure::rate, 7},
+      {"7kHz", Measure::rate, 7000},       {"7mm/s", Measure::speed, 7e-3},      {"7m/s", Measure::speed, 7},        {"36km/h", Measure::speed, 10},
+      {"1km/h", Measure::speed, 1 / 3.6},
+  };
+  for (const Known& one : known) {
+    EXPECT_EQ(parse_number(one.text, one.measure), one.value) << one.text;
+    for (const Measure other : {Measure::none, Measure::length, Measure::angle, Measure::duration, Measure::rate, Measure::speed}) {
+      if (other != one.measure) {
+        EXPECT_NE(refusal(one.text, other), "accepted") << one.text;
+      }
+    }
+  }
+  EXPECT_EQ(parse_vector("1m:20cm:300mm", Measure::length), Eigen::Vector3d(1, 0.2, 0.3));
+  EXPECT_EQ(parse_duration("2min"), 120s);
+  EXPECT_EQ(parse_duration("7ns"), 7ns);
+  EXPECT_THROW(parse_duration("-1s"), Failure);
+}
+
+// On either side of where the unit that is shown changes.
+TEST(Number, LengthsAndTimesAreShownInTheUnitThatFits) {
+  EXPECT_EQ(format_length(0), "0");
+  EXPECT_EQ(format_length(5e-7), "5e-07 m");
+  EXPECT_EQ(format_length(-1e-6), "-1 um");
+  EXPECT_EQ(format_length(0.00099), "990 um");
+  EXPECT_EQ(format_length(0.001), "1 mm");
+  EXPECT_EQ(format_length(0.0999), "99.9 mm");
+  EXPECT_EQ(format_length(-0.1), "-0.1 m");
+  EXPECT_EQ(format_length(0.99996), "1 m");
+  EXPECT_EQ(format_length(1234.56789), "1234.56789 m");
+  EXPECT_EQ(format_duration(999ns), "999 ns");
+  EXPECT_EQ(format_duration(1us), "1 us");
+  EXPECT_EQ(format_duration(1500us), "1.5 ms");
+  EXPECT_EQ(format_duration(999ms), "999 ms");
+  EXPECT_EQ(format_duration(119s), "119 s");
+  EXPECT_EQ(format_duration(125s), "2 m 5 s");
+  EXPECT_EQ(format_duration(2h + 3min), "2 h 3 m");
+}
+
 TEST(Number, TheShortestTextReadsBackToTheSameBits) {
   std::mt19937_64 random(17);
   for (int trial = 0; trial < 100'000; ++trial) {

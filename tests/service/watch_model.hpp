@@ -18,7 +18,7 @@ using Pair = std::pair<std::uint64_t, std::uint64_t>;
 /// A server's contacts, told as a real one tells them. Names of a pair stay from life to life; ids change.
 class Model {
  public:
-  explicit Model(std::uint64_t epoch) : life_{1, epoch} {}
+  explicit Model(std::uint64_t epoch, std::uint64_t server = 1) : life_{server, epoch} {}
 
   HeardFrame began(Pair pair) {
     contacts_[pair] = ++sequence_;

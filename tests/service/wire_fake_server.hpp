@@ -71,7 +71,17 @@ class FakeServer {
     std::vector<double> numbers;
     bool teleported = false;
   };
+  struct Batch {
+    std::uint64_t sequence = 0;
+    std::uint64_t definitions_through = 0;
+    std::int64_t source_time_ns = 0;
+    std::uint8_t flags = 0;
+    std::vector<std::uint32_t> object_numbers;
+    std::vector<double> poses;
+    std::vector<double> velocities;
+  };
   struct Received {
+    std::vector<Batch> batches;
     std::vector<std::uint64_t> sequences;         // of definitions and batches as they came
     std::map<std::uint32_t, std::string> names;   // of objects that are not removed
     std::vector<std::size_t> batch_sizes;
@@ -122,6 +132,9 @@ class FakeServer {
       received_.definitions_through.push_back(batch->definitions_through);
       const auto numbers = dds::view(batch->object_numbers);
       const auto poses = dds::view(batch->poses);
+      const auto velocities = dds::view(batch->velocities);
+      received_.batches.push_back({batch->sequence_number, batch->definitions_through, batch->source_time_ns, batch->flags,
+                                   {numbers.begin(), numbers.end()}, {poses.begin(), poses.end()}, {velocities.begin(), velocities.end()}});
       for (std::size_t i = 0; i < numbers.size(); ++i) {
         const auto pose = poses.subspan(i * 7, 7);
         received_.poses[numbers[i]] = {batch->sequence_number, {pose.begin(), pose.end()}, (batch->flags & 1) != 0};

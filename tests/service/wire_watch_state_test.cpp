@@ -1,5 +1,6 @@
 #include "client/library/watch_state.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <random>
 #include <set>
@@ -35,7 +36,8 @@ class WatchStateTest : public testing::Test {
   /// "began 1 2", "ended 1 2 resync restarted", ... since the last call.
   std::vector<std::string> told() { return std::exchange(told_, {}); }
   void emit(const Event& event) {
-    const Pair pair{std::stoull(event.a), std::stoull(event.b)};
+    // Which name comes first hangs on the ids, and those change when an object is defined anew.
+    const Pair pair = std::minmax(std::stoull(event.a), std::stoull(event.b));
     if (event.what == What::ended) {
       EXPECT_EQ(open_.erase(pair), 1u) << event.a << ' ' << event.b << " ended without having begun";
     } else if (event.what != What::persisted) {
@@ -46,12 +48,14 @@ class WatchStateTest : public testing::Test {
     EXPECT_GE(event.sequence, event.epoch == last_epoch_ ? last_sequence_ : 0) << "out of order";
     last_epoch_ = event.epoch;
     last_sequence_ = event.sequence;
+    events_.push_back(event);
     told_.push_back(std::string(kWhat[static_cast<int>(event.what)]) + ' ' + event.a + ' ' + event.b +
                     (event.resync ? " resync" : "") + (event.why == Why::server_restarted ? " restarted" : ""));
   }
   std::set<Pair> open_;
   Clock::time_point now_{milliseconds(1'000)};
   std::vector<std::string> told_;
+  std::vector<Event> events_;  // all that were told
   std::uint64_t last_epoch_ = 0;
   std::uint64_t last_sequence_ = 0;
   WatchState state_{[this](const Event& event) { emit(event); }};
@@ -299,6 +303,377 @@ TEST_F(WatchStateTest, SmallerEpochCountsOnceTheOtherIsSilent) {
   hear(second.bookmark());
   hear(second.bookmark());
   EXPECT_EQ(told(), Lines{"ended 1 2 resync restarted"});
+}
+
+// ---- peers that do odd things -------------------------------------------------------------------------------------------
+
+// Shards come on a topic that sends the last value again to who joins: one that was sent before may come after.
+TEST_F(WatchStateTest, AnOlderShardDoesNotReplaceANewerOne) {
+  Model server(1);
+  server.began({1, 2});
+  const HeardShard older = server.shard({1, 2});
+  server.ended({1, 2});
+  hear(server.shard({1, 2}));
+  hear(older);
+  hear(server.bookmark());
+  EXPECT_TRUE(state_.in_step()) << "what the newer one said holds";
+  EXPECT_EQ(told(), Lines{});
+}
+
+TEST_F(WatchStateTest, AnOlderShardDoesNotHoldUpAResync) {
+  Model server(1);
+  hear(server.bookmark());
+  hear(server.began({1, 2}));
+  const HeardShard older = server.shard({1, 2});
+  server.ended({1, 2});  // lost
+  hear(server.began({3, 4}));
+  hear(server.shard({1, 2}));
+  hear(older);
+  hear(server.bookmark());
+  EXPECT_TRUE(state_.in_step());
+  EXPECT_EQ(told(), (Lines{"began 1 2", "began 3 4", "ended 1 2 resync"}));
+}
+
+TEST_F(WatchStateTest, ANewerShardReplacesAnOlderOneAndOneAgainChangesNothing) {
+  Model server(1);
+  server.began({1, 2});
+  hear(server.shard({1, 2}));
+  server.ended({1, 2});
+  server.began({1, 2});
+  hear(server.shard({1, 2}));
+  hear(server.shard({1, 2}));
+  hear(server.bookmark());
+  EXPECT_EQ(told(), Lines{"open 1 2 resync"});
+  hear(server.ended({1, 2}));
+  EXPECT_EQ(told(), Lines{"ended 1 2"}) << "of the newer episode";
+  EXPECT_EQ(state_.resyncs(), 0u);
+}
+
+TEST_F(WatchStateTest, AShardThatThereIsNotChangesNothing) {
+  Model server(1);
+  server.began({1, 2});
+  for (const int number : {static_cast<int>(wire_contract::kContactShards), 255}) {
+    HeardShard beyond = server.shard({1, 2});
+    beyond.shard = static_cast<std::uint8_t>(number);
+    hear(beyond);
+  }
+  hear(server.bookmark());
+  EXPECT_FALSE(state_.in_step());
+  hear(server.shard({1, 2}));
+  EXPECT_EQ(told(), Lines{"open 1 2 resync"});
+}
+
+// Two servers on one namespace: while the one speaks, nothing of another that began no later is mixed in.
+TEST_F(WatchStateTest, ASecondServersWordsAreNotMixedIn) {
+  Model first(7);
+  hear(first.bookmark());
+  hear(first.began({1, 2}));
+  for (Model second : {Model(7, 2), Model(5, 2), Model(5, 1)}) {
+    hear(second.began({3, 4}));
+    hear(second.shard({3, 4}));
+    hear(second.bookmark());
+    hear(second.bookmark());
+    state_.hear_persisted(second.persisted({3, 4}));
+    hear(second.ended({3, 4}));
+  }
+  EXPECT_EQ(told(), Lines{"began 1 2"});
+  EXPECT_TRUE(state_.in_step());
+  hear(first.bookmark());
+  hear(first.ended({1, 2}));
+  EXPECT_EQ(told(), Lines{"ended 1 2"});
+  EXPECT_EQ(state_.resyncs(), 0u);
+}
+
+// One that began later is the first one's successor, whatever its number.
+TEST_F(WatchStateTest, ALaterServerTakesOver) {
+  Model first(7);
+  hear(first.bookmark());
+  hear(first.began({1, 2}));
+  told();
+  Model second(8, 2);
+  hear(second.began({3, 4}));
+  hear(second.bookmark());
+  EXPECT_EQ(told(), (Lines{"began 3 4", "ended 1 2 resync restarted"}));
+  hear(first.ended({1, 2}));
+  EXPECT_EQ(told(), Lines{}) << "its words count no more";
+}
+
+TEST_F(WatchStateTest, AnotherServerCountsFromTheMomentTheFirstIsLost) {
+  const std::chrono::nanoseconds lost(wire_contract::kStatusLostNs);
+  Model first(7);
+  Model second(5, 2);
+  const Clock::time_point start = now_;
+  state_.hear(first.bookmark(), start);
+  state_.hear(second.bookmark(), start + lost);
+  state_.hear(second.began({3, 4}), start + lost);
+  EXPECT_EQ(told(), Lines{}) << "just not yet lost";
+  // Whatever comes of it is a sign of life.
+  Clock::time_point heard = start + lost;
+  state_.hear(first.shard({1, 2}), heard);
+  state_.hear(second.bookmark(), heard + lost);
+  heard += lost;
+  state_.hear(first.began({1, 2}), heard);
+  state_.hear(second.bookmark(), heard + lost);
+  heard += lost;
+  state_.hear(first.bookmark(), heard);
+  state_.hear(second.bookmark(), heard + lost);
+  EXPECT_EQ(told(), Lines{"began 1 2"});
+  EXPECT_EQ(state_.resyncs(), 0u);
+  state_.hear(second.shard({3, 4}), heard + lost + std::chrono::nanoseconds(1));
+  state_.hear(second.bookmark(), heard + lost + std::chrono::nanoseconds(2));
+  state_.hear(second.bookmark(), heard + lost + std::chrono::nanoseconds(3));
+  EXPECT_EQ(told(), (Lines{"began 3 4 resync", "ended 1 2 resync restarted"}));
+}
+
+// A pair that parts and meets again while nothing is heard is another contact: both are told, and the new one's end is its own.
+TEST_F(WatchStateTest, AContactThatEndedAndBeganAnewInsideAGapIsTwo) {
+  Model server(1);
+  hear(server.bookmark());
+  hear(server.began({1, 2}));
+  server.ended({1, 2});  // lost
+  server.began({1, 2});  // lost
+  hear(server.began({3, 4}));
+  hear(server.shard({1, 2}));
+  hear(server.bookmark());
+  EXPECT_EQ(told(), (Lines{"began 1 2", "began 3 4", "ended 1 2 resync", "began 1 2 resync"}));
+  EXPECT_TRUE(state_.in_step());
+  EXPECT_EQ(events_.back().episode, 3u);
+  state_.hear_persisted(server.persisted({1, 2}));
+  hear(server.ended({1, 2}));
+  EXPECT_EQ(told(), (Lines{"persisted 1 2", "ended 1 2"}));
+  EXPECT_EQ(state_.resyncs(), 1u) << "nothing was missed after the gap";
+}
+
+TEST_F(WatchStateTest, AContactThatEndedAndBeganAnewAtALostTailIsTwo) {
+  Model server(1);
+  hear(server.bookmark());
+  hear(server.began({1, 2}));
+  server.ended({1, 2});  // lost
+  server.began({1, 2});  // lost, and nothing comes after it
+  hear(server.shard({1, 2}));
+  hear(server.bookmark());
+  hear(server.bookmark());
+  EXPECT_EQ(told(), (Lines{"began 1 2", "ended 1 2 resync", "began 1 2 resync"}));
+  hear(server.ended({1, 2}));
+  EXPECT_EQ(told(), Lines{"ended 1 2"});
+  EXPECT_EQ(state_.resyncs(), 1u);
+}
+
+TEST_F(WatchStateTest, TheEndOfALaterContactTellsThatOneWasMissed) {
+  Model server(1);
+  hear(server.bookmark());
+  hear(server.began({1, 2}));
+  server.ended({1, 2});  // lost
+  server.began({1, 2});  // lost
+  hear(server.ended({1, 2}));
+  EXPECT_EQ(told(), (Lines{"began 1 2", "ended 1 2 resync", "began 1 2 resync", "ended 1 2"}));
+}
+
+TEST_F(WatchStateTest, ABookmarkOfAnotherCountStartsAResync) {
+  Model server(1);
+  hear(server.bookmark());
+  hear(server.began({1, 2}));
+  HeardBookmark wrong = server.bookmark();
+  ++wrong.contact_count;
+  hear(wrong);
+  EXPECT_FALSE(state_.in_step());
+  hear(server.shard({1, 2}));
+  hear(wrong);
+  EXPECT_FALSE(state_.in_step()) << "nothing heard has so many";
+  hear(server.bookmark());
+  EXPECT_TRUE(state_.in_step());
+  EXPECT_EQ(told(), Lines{"began 1 2"});
+}
+
+TEST_F(WatchStateTest, FramesThatOverlapTellEachEventOnce) {
+  Model server(1);
+  hear(server.bookmark());
+  HeardFrame first = server.began({1, 2});
+  const HeardFrame second = server.began({3, 4});
+  HeardFrame both = first;
+  both.entries.push_back(second.entries.front());
+  HeardFrame last_two = both;
+  last_two.entries.erase(last_two.entries.begin());
+  last_two.first_sequence = 2;
+  last_two.entries.push_back(server.ended({1, 2}).entries.front());
+  hear(both);
+  hear(last_two);
+  hear(first);
+  EXPECT_EQ(told(), (Lines{"began 1 2", "began 3 4", "ended 1 2"}));
+  EXPECT_EQ(state_.resyncs(), 0u);
+}
+
+/// The objects of a pair were defined anew: other ids, the same names, and which id is the lower may have changed.
+HeardFrame redefined(HeardFrame frame, std::uint64_t a_id, std::uint64_t b_id, bool swaps_names) {
+  Event& event = frame.entries.front().event;
+  event.a_id = a_id;
+  event.b_id = b_id;
+  if (swaps_names) std::swap(event.a, event.b);
+  return frame;
+}
+
+TEST_F(WatchStateTest, ContactsOfObjectsThatWereDefinedAnewEndUnderTheOldIds) {
+  for (const bool swaps : {false, true}) {
+    state_ = WatchState([this](const Event& event) { emit(event); });
+    open_.clear();
+    last_epoch_ = last_sequence_ = 0;
+    Model server(1);
+    hear(server.bookmark());
+    hear(server.began({1, 2}));
+    told();
+    events_.clear();
+    server.ended({1, 2});  // lost, as is that they went
+    hear(redefined(server.began({1, 2}), 71, 72, swaps));
+    ASSERT_EQ(events_.size(), 2u);
+    EXPECT_EQ(events_[0].what, What::ended);
+    EXPECT_EQ(events_[0].a_id, 1001u);
+    EXPECT_EQ(events_[0].a, "1");
+    EXPECT_EQ(events_[0].sequence, 3u);
+    EXPECT_EQ(events_[1].what, What::began);
+    EXPECT_EQ(events_[1].a_id, 71u);
+    EXPECT_EQ(events_[1].a, swaps ? "2" : "1");
+    open_.clear();
+  }
+}
+
+/// Numbers of its own in every field that a contact has.
+Event with_numbers(Event event, double from) {
+  event.a_triangle = static_cast<std::uint32_t>(from);
+  event.b_triangle = static_cast<std::uint32_t>(from) + 1;
+  event.world_time = std::chrono::seconds(static_cast<int>(from) + 2);
+  event.began = event.what == What::open ? event.world_time : std::chrono::nanoseconds(0);
+  event.bracket_low_s = from + 3;
+  event.bracket_high_s = from + 4;
+  event.point = {from + 5, from + 6, from + 7};
+  event.normal = {from + 8, from + 9, from + 10};
+  event.depth_m = from + 11;
+  event.depth_error_m = from + 12;
+  event.relative_velocity = {from + 13, from + 14, from + 15};
+  return event;
+}
+HeardFrame with_numbers(HeardFrame frame, double from) {
+  frame.entries.front().event = with_numbers(frame.entries.front().event, from);
+  return frame;
+}
+
+void expect_numbers(const Event& event, const Event& expected) {
+  EXPECT_EQ(event.a_triangle, expected.a_triangle);
+  EXPECT_EQ(event.b_triangle, expected.b_triangle);
+  EXPECT_EQ(event.bracket_low_s, expected.bracket_low_s);
+  EXPECT_EQ(event.bracket_high_s, expected.bracket_high_s);
+  EXPECT_EQ(event.point, expected.point);
+  EXPECT_EQ(event.normal, expected.normal);
+  EXPECT_EQ(event.depth_m, expected.depth_m);
+  EXPECT_EQ(event.depth_error_m, expected.depth_error_m);
+  EXPECT_EQ(event.relative_velocity, expected.relative_velocity);
+  EXPECT_EQ(event.a_id, expected.a_id);
+  EXPECT_EQ(event.b_id, expected.b_id);
+}
+
+TEST_F(WatchStateTest, AnEventIsToldWithItsOwnNumbersAndTheTimeAtWhichItBegan) {
+  Model server(9);
+  hear(server.bookmark());
+  const HeardFrame began = with_numbers(server.began({1, 2}), 100);
+  HeardFrame persisted = with_numbers(server.persisted({1, 2}), 200);
+  const HeardFrame ended = with_numbers(server.ended({1, 2}, Why::removed), 300);
+  hear(began);
+  state_.hear_persisted(persisted);
+  hear(ended);
+  ASSERT_EQ(events_.size(), 3u);
+  expect_numbers(events_[0], began.entries[0].event);
+  expect_numbers(events_[1], persisted.entries[0].event);
+  expect_numbers(events_[2], ended.entries[0].event);
+  const int times_s[] = {102, 202, 302};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(events_[i].world_time, std::chrono::seconds(times_s[i]));
+    EXPECT_EQ(events_[i].began, std::chrono::seconds(102));
+    EXPECT_EQ(events_[i].epoch, 9u);
+    EXPECT_EQ(events_[i].episode, 1u);
+    EXPECT_FALSE(events_[i].resync);
+  }
+  EXPECT_EQ(events_[0].sequence, 1u);
+  EXPECT_EQ(events_[1].sequence, 1u) << "it has none of its own";
+  EXPECT_EQ(events_[2].sequence, 2u);
+  EXPECT_EQ(events_[0].why, Why::none);
+  EXPECT_EQ(events_[2].why, Why::removed);
+}
+
+// What was missed is told as it was told last, or as the shard has it, with the time and the number of the bookmark.
+TEST_F(WatchStateTest, WhatWasMissedIsToldAsFarAsItIsKnown) {
+  Model server(9);
+  hear(server.bookmark());
+  const HeardFrame began = with_numbers(server.began({1, 2}), 100);
+  hear(began);
+  server.ended({1, 2});  // lost
+  server.began({5, 6});  // lost
+  hear(server.began({3, 4}));
+  HeardShard shard = server.shard({5, 6});
+  for (Event& contact : shard.contacts) {
+    if (contact.a == "5") contact = with_numbers(contact, 400);
+  }
+  if (server.shard_of({1, 2}) != shard.shard) hear(server.shard({1, 2}));
+  hear(shard);
+  HeardBookmark bookmark = server.bookmark();
+  bookmark.world_time = std::chrono::seconds(777);
+  hear(bookmark);
+  ASSERT_EQ(events_.size(), 4u);
+  const Event& ended = events_[2];
+  EXPECT_EQ(ended.what, What::ended);
+  expect_numbers(ended, began.entries[0].event);
+  EXPECT_EQ(ended.world_time, std::chrono::seconds(777));
+  EXPECT_EQ(ended.began, std::chrono::seconds(102));
+  EXPECT_EQ(ended.sequence, 4u);
+  EXPECT_EQ(ended.episode, 1u);
+  EXPECT_EQ(ended.epoch, 9u);
+  EXPECT_TRUE(ended.resync);
+  const Event& found = events_[3];
+  EXPECT_EQ(found.what, What::began);
+  EXPECT_EQ(found.point, Vec3(405, 406, 407));
+  EXPECT_EQ(found.normal, Vec3(408, 409, 410));
+  EXPECT_EQ(found.world_time, std::chrono::seconds(402));
+  EXPECT_EQ(found.began, std::chrono::seconds(402));
+  EXPECT_EQ(found.sequence, 4u);
+  EXPECT_EQ(found.episode, 3u);
+  EXPECT_TRUE(found.resync);
+}
+
+// A contact that goes on over a restart began when it began: ids and episode are the new server's, and the names may have
+// changed places with them.
+TEST_F(WatchStateTest, AContactThatGoesOnOverARestartKeepsItsBeginning) {
+  Model first(1);
+  hear(first.bookmark());
+  hear(with_numbers(first.began({1, 2}), 100));
+  told();
+  Model second(2);
+  hear(second.bookmark(false));
+  hear(redefined(with_numbers(second.began({1, 2}), 500), 2002, 2003, true));
+  EXPECT_EQ(told(), Lines{});
+  HeardFrame ended = redefined(with_numbers(second.ended({1, 2}), 600), 2002, 2003, true);
+  hear(ended);
+  EXPECT_EQ(events_.back().began, std::chrono::seconds(102));
+  EXPECT_EQ(events_.back().world_time, std::chrono::seconds(602));
+  EXPECT_EQ(events_.back().epoch, 2u);
+  EXPECT_EQ(events_.back().a_id, 2002u);
+  EXPECT_FALSE(events_.back().resync);
+}
+
+TEST_F(WatchStateTest, TwoRestartsInARowEndEachContactOnce) {
+  Model first(1);
+  hear(first.bookmark());
+  hear(first.began({1, 2}));
+  hear(first.began({3, 4}));
+  Model second(2);
+  hear(second.bookmark(false));
+  hear(second.began({1, 2}));
+  hear(second.began({5, 6}));
+  told();
+  Model third(3);
+  hear(third.bookmark(false));
+  hear(third.began({5, 6}));
+  hear(third.bookmark());
+  EXPECT_EQ(told(), (Lines{"ended 1 2 resync restarted", "ended 3 4 resync restarted"}));
+  EXPECT_TRUE(state_.in_step());
+  EXPECT_EQ(open_, (std::set<Pair>{{5, 6}}));
 }
 
 /// A server that begins and ends at random, with a lossy, repeating, delaying line between.

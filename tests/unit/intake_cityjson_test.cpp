@@ -134,5 +134,55 @@ TEST(IntakeTriangulate, TheAreaLeftBetweenRingsIsTheirDifference) {
   }
 }
 
+// Each axis has its own scale and its own origin.
+TEST(IntakeCityJson, EachAxisIsScaledAndMovedByItsOwnNumbers) {
+  const std::string text =
+      R"({"type":"CityJSON","version":"1.1","transform":{"scale":[0.5,2,4],"translate":[100,-20,3]},)"
+      R"("CityObjects":{"h":{"type":"Building","geometry":[{"type":"MultiSurface","lod":2,"boundaries":[[[2,0,1]]]}]}},)"
+      R"("vertices":[[1,2,3],[4,5,6],[7,8,10]]})";
+  const Scene scene = load("a.json", text).scene;
+  EXPECT_EQ(scene.mesh.vertices, (std::vector<Vec3>{{100.5, -16, 15}, {102, -10, 27}, {103.5, -4, 43}}));
+  EXPECT_EQ(scene.mesh.triangles, (std::vector<TriangleCorners>{{2, 0, 1}}));
+  EXPECT_EQ(load("a.json", text, {.unit_m = 0.5, .up = 'y'}).scene.mesh.vertices[0], Vec3(50.25, -7.5, -8));
+}
+
+// Every kind lies as deep in lists as the format says, with all of its surfaces.
+TEST(IntakeCityJson, EveryKindOfGeometryGivesAllItsSurfaces) {
+  const auto triangles = [](std::string_view type, std::string_view boundaries) {
+    return load("a.json", city(house(boundaries, type))).scene.mesh.triangles;
+  };
+  const std::vector<TriangleCorners> expected{{0, 1, 2}, {0, 2, 3}, {4, 5, 6}};
+  EXPECT_EQ(triangles("MultiSurface", "[[[0,1,2]],[[0,2,3]],[[4,5,6]]]"), expected);
+  EXPECT_EQ(triangles("CompositeSurface", "[[[0,1,2]],[[0,2,3]],[[4,5,6]]]"), expected);
+  EXPECT_EQ(triangles("Solid", "[[[[0,1,2]],[[0,2,3]]],[[[4,5,6]]]]"), expected) << "the inner shell too";
+  EXPECT_EQ(triangles("MultiSolid", "[[[[[0,1,2]],[[0,2,3]]]],[[[[4,5,6]]]]]"), expected);
+  EXPECT_EQ(triangles("CompositeSolid", "[[[[[0,1,2]],[[0,2,3]]]],[[[[4,5,6]]]]]"), expected);
+}
+
+TEST(IntakeCityJson, DetailIsANumberAlsoWhereItIsText) {
+  const auto count = [](std::string_view coarse, std::string_view fine) {
+    return load("a.json", city(fmt::format(R"("a":{{"type":"Building","geometry":[{{"type":"MultiSurface","lod":{},"boundaries":[[[0,1,2]],[[0,2,3]]]}},)"
+                                           R"({{"type":"MultiSurface","lod":{},"boundaries":[[[4,5,6]]]}}]}})", coarse, fine)))
+        .scene.mesh.triangles.size();
+  };
+  EXPECT_EQ(count("1", "2"), 1u);
+  EXPECT_EQ(count("2", "1"), 2u);
+  EXPECT_EQ(count("\"2.1\"", "\"2.3\""), 1u);
+  EXPECT_EQ(count("\"1\"", "1.5"), 1u);
+  EXPECT_EQ(count("2", "\"2\""), 3u) << "as fine as each other: both";
+}
+
+TEST(IntakeCityJson, EachObjectIsAPartOfItsOwnTriangles) {
+  const Scene scene = load("a.json", city(house("[[[0,1,2]],[[0,2,3]]]") + "," +
+                                          R"("annex":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"1","boundaries":[[[4,5,6]]]}]})"))
+                          .scene;
+  ASSERT_EQ(scene.parts.size(), 2u);
+  EXPECT_EQ(scene.parts[0].name, "a/annex");
+  EXPECT_EQ(scene.parts[0].triangle_count, 1u);
+  EXPECT_EQ(scene.parts[1].name, "a/house");
+  EXPECT_EQ(scene.parts[1].first_triangle, 1u);
+  EXPECT_EQ(scene.parts[1].triangle_count, 2u);
+}
+
 }  // namespace
 }  // namespace collided

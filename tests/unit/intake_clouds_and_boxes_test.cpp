@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <set>
 #include <variant>
 
@@ -172,6 +173,161 @@ TEST(IntakeBoxTable, ComplaintsNameTheLineAndTheColumn) {
             "a.csv: line 2: type 'cone'; only box is read. Nothing was loaded.");
   EXPECT_EQ(complaint("a.csv", "x,y,z,sx,sy,sz\n1,2,3\n"),
             "a.csv: line 2: 3 columns, the heading has 6. Nothing was loaded.");
+}
+
+// Columns of every type, more than one number in some, and a count that only width and height give.
+TEST(IntakePcd, EveryTypeOfColumnIsReadAtItsPlace) {
+  const auto header = [](std::string_view data, int bytes, char type) {
+    return fmt::format("FIELDS normal z rgb y x\nSIZE 4 {0} 2 {0} {0}\nTYPE F {1} U {1} {1}\nCOUNT 3 1 2 1 1\nWIDTH 1\nHEIGHT 2\nDATA {2}\n", bytes, type, data);
+  };
+  const auto check = [&](auto number, char type, const std::vector<Vec3>& points) {
+    using Number = decltype(number);
+    const std::string name = fmt::format("{}{}", type, 8 * sizeof(Number));
+    std::string text = header("ascii", sizeof(Number), type);
+    std::string binary = header("binary", sizeof(Number), type);
+    std::string columns;
+    for (const Vec3& p : points) {
+      text += fmt::format("0.5 0.25 0.125 {} 7 7 {} {}\n", p[2], p[1], p[0]);
+      for (const float unused : {0.5F, 0.25F, 0.125F}) append(binary, unused);
+      append(binary, static_cast<Number>(p[2]));
+      for (int i = 0; i < 2; ++i) append(binary, std::uint16_t{7});
+      append(binary, static_cast<Number>(p[1]));
+      append(binary, static_cast<Number>(p[0]));
+    }
+    for (std::size_t i = 0; i < 3 * points.size(); ++i) append(columns, 0.5F);
+    for (const Vec3& p : points) append(columns, static_cast<Number>(p[2]));
+    for (std::size_t i = 0; i < 2 * points.size(); ++i) append(columns, std::uint16_t{7});
+    for (const Vec3& p : points) append(columns, static_cast<Number>(p[1]));
+    for (const Vec3& p : points) append(columns, static_cast<Number>(p[0]));
+    std::string packed;
+    for (std::size_t at = 0; at < columns.size(); at += 32) {
+      const std::string piece = columns.substr(at, 32);
+      packed += static_cast<char>(piece.size() - 1);
+      packed += piece;
+    }
+    std::string compressed = header("binary_compressed", sizeof(Number), type);
+    append(compressed, static_cast<std::uint32_t>(packed.size()));
+    append(compressed, static_cast<std::uint32_t>(columns.size()));
+    EXPECT_EQ(centers(load("a.pcd", text).scene), points) << name;
+    EXPECT_EQ(centers(load("a.pcd", binary).scene), points) << name;
+    EXPECT_EQ(centers(load("a.pcd", compressed + packed).scene), points) << name;
+  };
+  check(double{}, 'F', {{1.1, 2.2, 3.3}, {-4, 5, 6}});
+  check(float{}, 'F', {{1.5, 2.25, 3.125}, {-4, 5, 6}});
+  check(std::int8_t{}, 'I', {{-1, 2, 3}, {4, -5, 127}});
+  check(std::uint8_t{}, 'U', {{1, 200, 3}, {4, 5, 255}});
+  check(std::int16_t{}, 'I', {{-300, 2, 3}, {4, -5, 32767}});
+  check(std::uint16_t{}, 'U', {{1, 40000, 3}, {4, 5, 65535}});
+  check(std::int32_t{}, 'I', {{-70000, 2, 3}, {4, -5, 2147483647}});
+  check(std::uint32_t{}, 'U', {{1, 3000000000, 3}, {4, 5, 4294967295}});
+}
+
+// A run that reaches back further than a byte tells, and one longer than the three bits of its first byte.
+TEST(IntakePcd, LongRunsAreUnpackedFromFarBack) {
+  std::string plain;
+  for (int i = 0; i < 600; ++i) {
+    for (const float number : {static_cast<float>(i), static_cast<float>(i * i + 1), 0.5F}) append(plain, number);
+  }
+  std::string columns;
+  for (int copy = 0; copy < 2; ++copy) columns += plain;
+  std::string packed;
+  for (std::size_t at = 0; at < plain.size(); at += 32) {
+    const std::string piece = plain.substr(at, 32);
+    packed += static_cast<char>(piece.size() - 1);
+    packed += piece;
+  }
+  // The other half: from 7200 back, which takes all thirteen bits, and 264 at a time.
+  const auto repeat = [&](std::size_t length) {
+    constexpr std::size_t kBack = 7200 - 1;
+    packed += static_cast<char>(std::min<std::size_t>(length - 2, 7) << 5 | kBack >> 8);
+    if (length >= 9) packed += static_cast<char>(length - 9);
+    packed += static_cast<char>(kBack & 0xff);
+  };
+  for (int i = 0; i < 27; ++i) repeat(264);
+  repeat(64);
+  repeat(8);
+  std::string text = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 1200\nDATA binary_compressed\n";
+  append(text, static_cast<std::uint32_t>(packed.size()));
+  append(text, static_cast<std::uint32_t>(columns.size()));
+  const std::vector<Vec3> points = centers(load("a.pcd", text + packed).scene);
+  ASSERT_EQ(points.size(), 1200u);
+  const auto number = [&](std::size_t index) {
+    float value = 0;
+    std::memcpy(&value, columns.data() + 4 * index, 4);
+    return static_cast<double>(value);
+  };
+  for (std::size_t i = 0; i < 1200; ++i) ASSERT_EQ(points[i], Vec3(number(i), number(1200 + i), number(2400 + i))) << i;
+}
+
+TEST(IntakeXyz, ThreeNumbersALineInTheirOrderAndTheRestIsPassedOver) {
+  const std::string text = "# x y z intensity\n1 2 3 0.5\n\n-4 5.5 6 9 9 9\n";
+  EXPECT_EQ(centers(load("a.xyz", text).scene), (std::vector<Vec3>{{1, 2, 3}, {-4, 5.5, 6}}));
+  EXPECT_EQ(complaint("a.xyz", "1 2 3\n1 2\n"), "a.xyz: line 2: a point takes three coordinates. Nothing was loaded.");
+}
+
+// The unit is that of the places; a radius is in metres already.
+TEST(IntakeXyz, UnitAndUpPlaceACloudAndNotItsRadius) {
+  const SceneObject cloud = load("a.xyz", "1 2 3\n4 5 6\n", {.unit_m = 0.5, .up = 'y', .radius_m = 0.125}).scene.objects.at(0);
+  const Sphere second = std::get<Sphere>(cloud.shape.primitives.at(1));
+  EXPECT_LT((cloud.pose.rotation * second.center + cloud.pose.position - Vec3(2, -3, 2.5)).norm(), 1e-15);
+  EXPECT_EQ(second.radius_m, 0.125);
+}
+
+// Bit 0 of a child's number is x, bit 1 y, bit 2 z.
+TEST(IntakeOctomap, EachOfTheEightChildrenHasItsOwnCorner) {
+  const double octant = 32768 * 0.5;
+  for (unsigned child = 0; child < 8; ++child) {
+    std::string tree;
+    append(tree, static_cast<std::uint16_t>(2u << 2 * child));
+    const Box box = std::get<Box>(load("a.bt", octomap(tree)).scene.objects.at(0).shape.primitives.at(0));
+    const Vec3 side(child & 1 ? 1 : -1, child & 2 ? 1 : -1, child & 4 ? 1 : -1);
+    EXPECT_EQ(box.center, octant / 2 * side) << child;
+    EXPECT_EQ(box.half_m, Vec3::Constant(octant / 2)) << child;
+  }
+}
+
+// Down through children 2, 4 and 3: each level halves and goes its own way. The branches of two inner children follow each
+// other, the lower number first.
+TEST(IntakeOctomap, APathThroughUnlikeChildrenEndsWhereItShould) {
+  std::string tree;
+  append(tree, static_cast<std::uint16_t>(3u << 4 | 3u << 12));  // 2 and 6 have children
+  append(tree, static_cast<std::uint16_t>(3u << 8));             // of 2: 4
+  append(tree, static_cast<std::uint16_t>(2u << 6));             // of 4: 3
+  append(tree, static_cast<std::uint16_t>(2u << 10));            // of 6: 5
+  const Scene scene = load("a.bt", octomap(tree)).scene;
+  const auto& boxes = scene.objects.at(0).shape.primitives;
+  ASSERT_EQ(boxes.size(), 2u);
+  const double octant = 32768 * 0.5;
+  EXPECT_EQ(std::get<Box>(boxes[0]).center, octant * Vec3(-1 + 0.25 + 0.125, 0.25 + 0.125, -0.5 + 0.125));
+  EXPECT_EQ(std::get<Box>(boxes[0]).half_m, Vec3::Constant(octant / 8));
+  EXPECT_EQ(std::get<Box>(boxes[1]).center, octant * Vec3(-0.5 + 0.25, 0.25, 0.5 + 0.25));
+  EXPECT_EQ(std::get<Box>(boxes[1]).half_m, Vec3::Constant(octant / 4));
+}
+
+TEST(IntakeBoxTable, EveryColumnIsTakenForWhatItsHeadingSays) {
+  const auto only = [](std::string_view text) { return load("t.csv", text).scene.objects.at(0); };
+  const auto half = [](const SceneObject& object) { return std::get<Box>(object.shape.primitives.at(0)).half_m; };
+  // (2, 4, 5, 6) / 9 is a unit quaternion with four unlike parts.
+  const SceneObject turned = only("qz,sz,x,qw,sy,y,qx,sx,z,qy,object\n0.6666666666666666,6,1,0.2222222222222222,4,2,0.4444444444444444,2,3,0.5555555555555556,crate\n");
+  EXPECT_EQ(turned.name, "t/crate");
+  EXPECT_EQ(turned.pose.position, Vec3(1, 2, 3));
+  EXPECT_EQ(half(turned), Vec3(1, 2, 3));
+  const Quat& q = turned.pose.rotation;
+  EXPECT_LT((Eigen::Vector4d(q.w(), q.x(), q.y(), q.z()) - Eigen::Vector4d(2, 4, 5, 6) / 9).norm(), 1e-15);
+  for (const char* heading : {"cx,cy,cz,size_x,size_y,size_z", "x,y,z,dx,dy,dz"}) {
+    const SceneObject other = only(std::string(heading) + "\n-1,2,-3,2,4,6\n+5,5,5,1,1,1\n");
+    EXPECT_EQ(other.pose.position, Vec3(-1, 2, -3)) << heading;
+    EXPECT_EQ(half(other), Vec3(1, 2, 3)) << heading;
+    EXPECT_EQ(other.name, "t/box_0");
+    EXPECT_EQ(load("t.csv", std::string(heading) + "\n-1,2,-3,2,4,6\n+5,5,5,1,1,1\n").scene.objects.at(1).name, "t/box_1");
+  }
+  for (const char* heading : {"max_z,min_x,max_x,min_y,max_y,min_z", "zmax,xmin,xmax,ymin,ymax,zmin"}) {
+    const SceneObject other = only(std::string(heading) + "\n9,-1,3,2,10,3\n");
+    EXPECT_EQ(other.pose.position, Vec3(1, 6, 6)) << heading;
+    EXPECT_EQ(half(other), Vec3(2, 4, 3)) << heading;
+  }
+  EXPECT_EQ(complaint("t.csv", "x,y,z,sx,sy,sz,qw,qx,qy,qz\n1,2,3,4,5,6,1,0,0,0.01\n"),
+            "t.csv: line 2: quaternion norm 1.0000499987500624, allowed 1 +- 1e-06. Nothing was loaded.");
 }
 
 }  // namespace

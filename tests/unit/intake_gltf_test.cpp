@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "tests/unit/intake_loading.hpp"
 
 namespace collided {
@@ -163,6 +165,123 @@ TEST(IntakeGltf, LimitsAreKept) {
   const std::string view = R"("bufferView":0,"componentType":5126,"count":4)";
   bare.replace(bare.find(view), view.size(), R"("componentType":5126,"count":4000000)");
   EXPECT_NE(complaint("a.gltf", bare).find("has 4000000 elements and no buffer view"), std::string::npos);
+}
+
+// A parent that is turned, moved and scaled otherwise along each axis: no two of these steps may change places.
+TEST(IntakeGltf, ATurnedAndUnevenlyScaledParentPlacesItsChildWhole) {
+  const std::string nodes =
+      R"({"translation":[10,20,30],"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,3,5],"children":[1]},)"
+      R"({"mesh":0,"translation":[1,2,4],"rotation":[0.7071067811865476,0,0,0.7071067811865476],"scale":[7,11,13]})";
+  const std::vector<Vec3> vertices = load("a.gltf", gltf(nodes), {.up = 'z'}).scene.mesh.vertices;
+  // (x, y, z) -> child (7x + 1, -13z + 2, 11y + 4) = (a, b, c) -> parent (10 - 3b, 20 + 2a, 30 + 5c)
+  const auto by_hand = [](double x, double y, double z) {
+    return Vec3(10 - 3 * (-13 * z + 2), 20 + 2 * (7 * x + 1), 30 + 5 * (11 * y + 4));
+  };
+  EXPECT_LT((vertices.at(0) - by_hand(0, 0, 1)).norm(), 1e-12);
+  EXPECT_LT((vertices.at(1) - by_hand(1, 0, 1)).norm(), 1e-12);
+  EXPECT_LT((vertices.at(2) - by_hand(1, 1, 1)).norm(), 1e-12);
+  EXPECT_EQ(by_hand(1, 1, 1), Vec3(43, 36, 105));
+  // As the format is by default: y up.
+  const std::vector<Vec3> turned = load("a.gltf", gltf(nodes)).scene.mesh.vertices;
+  EXPECT_LT((turned.at(2) - Vec3(43, -105, 36)).norm(), 1e-12);
+}
+
+// Three levels, one of them a matrix that shears; siblings begin from their parent and not from each other.
+TEST(IntakeGltf, EveryBranchOfTheTreeIsPlacedByItsOwnAncestors) {
+  const std::string nodes =
+      R"({"name":"top","translation":[100,0,0],"children":[1,3]},)"
+      R"({"name":"sheared","matrix":[1,0,0,0, 2,1,0,0, 0,0,3,0, 0,10,0,1],"children":[2]},)"
+      R"({"name":"leaf","mesh":0,"scale":[1,4,1]},)"
+      R"({"name":"beside","mesh":0,"translation":[0,0,7]})";
+  const Scene scene = load("a.gltf", gltf(nodes), {.up = 'z'}).scene;
+  ASSERT_EQ(scene.parts.size(), 2u);
+  EXPECT_EQ(scene.parts[0].name, "a/leaf");
+  EXPECT_EQ(scene.parts[1].name, "a/beside");
+  EXPECT_EQ(scene.parts[1].first_triangle, 2u);
+  EXPECT_EQ(scene.parts[1].triangle_count, 2u);
+  EXPECT_EQ(scene.mesh.vertices.at(2), Vec3(100 + 1 + 2 * 4, 10 + 4, 3));
+  EXPECT_EQ(scene.mesh.vertices.at(6), Vec3(101, 1, 8));
+  EXPECT_EQ(scene.mesh.triangles.at(2), (TriangleCorners{4, 5, 6}));
+}
+
+TEST(IntakeGltf, TwoMirrorsInARowLeaveTheOutsideWhereItWas) {
+  const std::string nodes = R"({"scale":[-1,1,1],"children":[1]},{"mesh":0,"scale":[1,-1,1]})";
+  EXPECT_EQ(load("a.gltf", gltf(nodes), {.up = 'z'}).scene.mesh.triangles[0], (TriangleCorners{0, 1, 2}));
+  const std::string mirrored_below = R"({"scale":[1,1,-1],"children":[1]},{"mesh":0})";
+  EXPECT_EQ(load("a.gltf", gltf(mirrored_below), {.up = 'z'}).scene.mesh.triangles[0], (TriangleCorners{0, 2, 1}));
+  const std::string strip = R"({"attributes":{"POSITION":0},"mode":5})";
+  EXPECT_EQ(load("a.gltf", gltf(mirrored_below, strip), {.up = 'z'}).scene.mesh.triangles,
+            (std::vector<TriangleCorners>{{0, 2, 1}, {1, 2, 3}}));
+}
+
+TEST(IntakeGltf, TheSceneThatTheFileNamesIsTheOneLoaded) {
+  const std::string nodes = R"({"name":"one","mesh":0},{"name":"other","mesh":0,"translation":[5,6,7]})";
+  const auto loaded =
+      load("a.gltf", gltf(nodes, R"({"attributes":{"POSITION":0},"indices":1})", R"("scene":1,"scenes":[{"nodes":[0]},{"nodes":[1]}],)"), {.up = 'z'});
+  ASSERT_EQ(loaded.scene.parts.size(), 1u);
+  EXPECT_EQ(loaded.scene.parts[0].name, "a/other");
+  EXPECT_EQ(loaded.scene.mesh.vertices.at(0), Vec3(5, 6, 8));
+  EXPECT_EQ(loaded.report.refused.at(0), "1 scenes left out; loaded is number 1");
+}
+
+TEST(IntakeGltf, TwoPrimitivesOfAMeshKeepTheirOwnVertices) {
+  const auto loaded = load("a.gltf", gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"indices":1})"), {.up = 'z'});
+  EXPECT_EQ(loaded.scene.mesh.triangles, (std::vector<TriangleCorners>{{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}}));
+  ASSERT_EQ(loaded.scene.parts.size(), 1u);
+  EXPECT_EQ(loaded.scene.parts[0].triangle_count, 4u);
+}
+
+/// A document whose buffer holds `positions` as that component type at an offset of 4 and a stride of 8 bytes, and nothing
+/// else; the corners are 0 1 2.
+std::string quantized(const std::string& positions, int component, bool is_unit) {
+  return fmt::format(
+      R"({{"asset":{{"version":"2.0"}},"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],)"
+      R"("accessors":[{{"bufferView":0,"byteOffset":2,"componentType":{},"normalized":{},"count":3,"type":"VEC3"}}],)"
+      R"("bufferViews":[{{"buffer":0,"byteOffset":2,"byteStride":8,"byteLength":{}}}],)"
+      R"("buffers":[{{"byteLength":{},"uri":"data:application/octet-stream;base64,{}"}}]}})",
+      component, is_unit, positions.size() - 2, positions.size(), base64(positions));
+}
+
+template <class Number>
+std::string strided(const std::vector<std::array<Number, 3>>& points) {
+  std::string bytes(4, '\x55');
+  for (const auto& point : points) {
+    const std::size_t end = bytes.size() + 8;
+    for (const Number number : point) append(bytes, number);
+    bytes.resize(end, '\x55');
+  }
+  return bytes;
+}
+
+TEST(IntakeGltf, WholeNumbersStandForThemselvesOrForPartsOfOne) {
+  const auto vertices = [](const std::string& bytes, int component, bool is_unit) {
+    return load("a.gltf", quantized(bytes, component, is_unit), {.up = 'z'}).scene.mesh.vertices;
+  };
+  using Points = std::vector<Vec3>;
+  EXPECT_EQ(vertices(strided<std::int8_t>({{-128, 127, 1}, {2, 3, 4}, {5, 7, 6}}), 5120, false), (Points{{-128, 127, 1}, {2, 3, 4}, {5, 7, 6}}));
+  EXPECT_EQ(vertices(strided<std::int8_t>({{-128, 127, 0}, {-127, 0, 127}, {0, 127, 127}}), 5120, true), (Points{{-1, 1, 0}, {-1, 0, 1}, {0, 1, 1}}))
+      << "the least number stands for -1, as the one above it does";
+  EXPECT_EQ(vertices(strided<std::uint8_t>({{0, 255, 51}, {102, 153, 204}, {255, 0, 0}}), 5121, true), (Points{{0, 1, 51 / 255.}, {0.4, 0.6, 0.8}, {1, 0, 0}}));
+  EXPECT_EQ(vertices(strided<std::uint8_t>({{200, 1, 2}, {3, 4, 5}, {6, 8, 7}}), 5121, false), (Points{{200, 1, 2}, {3, 4, 5}, {6, 8, 7}}));
+  EXPECT_EQ(vertices(strided<std::int16_t>({{-32768, 300, 1}, {2, -3, 4}, {5, 7, 6}}), 5122, false), (Points{{-32768, 300, 1}, {2, -3, 4}, {5, 7, 6}}));
+  EXPECT_EQ(vertices(strided<std::uint16_t>({{65535, 300, 1}, {2, 3, 4}, {5, 7, 6}}), 5123, false), (Points{{65535, 300, 1}, {2, 3, 4}, {5, 7, 6}}));
+  EXPECT_EQ(vertices(strided<std::uint16_t>({{65535, 0, 0}, {0, 65535, 0}, {0, 0, 13107}}), 5123, true), (Points{{1, 0, 0}, {0, 1, 0}, {0, 0, 0.2}}));
+}
+
+TEST(IntakeGltf, CornersMayBeOneTwoOrFourBytes) {
+  const auto triangles = [](auto corner, int component) {
+    std::string bytes = square_bytes().substr(0, 48);
+    for (const int number : {3, 1, 0, 2, 0, 1}) append(bytes, static_cast<decltype(corner)>(number));
+    std::string text = gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0},"indices":1})", "", bytes);
+    const auto put = [&](const std::string& what, const std::string& by) { text.replace(text.find(what), what.size(), by); };
+    put("5123", std::to_string(component));
+    put(R"("byteLength":12})", fmt::format(R"("byteLength":{}}})", 6 * sizeof corner));
+    return load("a.gltf", text, {.up = 'z'}).scene.mesh.triangles;
+  };
+  const std::vector<TriangleCorners> expected{{3, 1, 0}, {2, 0, 1}};
+  EXPECT_EQ(triangles(std::uint8_t{}, 5121), expected);
+  EXPECT_EQ(triangles(std::uint16_t{}, 5123), expected);
+  EXPECT_EQ(triangles(std::uint32_t{}, 5125), expected);
 }
 
 }  // namespace

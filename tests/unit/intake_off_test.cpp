@@ -46,5 +46,14 @@ TEST(IntakeOff, ComplaintsNameThePlace) {
             "a.off: line 2: vertex count -1, the file has room for 2. Nothing was loaded.");
 }
 
+TEST(IntakeOff, EachNumberIsReadAtItsPlace) {
+  for (const char* head : {"OFF\n", "COFF\n", "STCNOFF\n", "NOFF\n", ""}) {
+    const std::string more = std::string_view(head) == "OFF\n" || *head == '\0' ? "" : " 9 9 9";
+    const Scene scene = load("a.off", std::string(head) + "4 2 0\n1 2 3" + more + "\n4 5 6" + more + "\n7 8 10" + more + "\n11 13 12" + more + "\n3 2 0 1\n3 3 1 0\n").scene;
+    EXPECT_EQ(scene.mesh.vertices, (std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}, {7, 8, 10}, {11, 13, 12}})) << head;
+    EXPECT_EQ(scene.mesh.triangles, (std::vector<TriangleCorners>{{2, 0, 1}, {3, 1, 0}})) << head;
+  }
+}
+
 }  // namespace
 }  // namespace collided

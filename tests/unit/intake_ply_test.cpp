@@ -146,5 +146,67 @@ TEST(IntakePly, EveryCutOfABinaryFileIsRefused) {
   }
 }
 
+// x, y and z are told apart in every order, as every type of number, in text and in bytes.
+TEST(IntakePly, EachCoordinateIsTakenFromItsOwnColumn) {
+  for (const std::string order : {"xyz", "zyx", "yzx"}) {
+    const auto header = [&](std::string_view format, std::string_view type) {
+      std::string text = "ply\nformat " + std::string(format) + " 1.0\nelement vertex 3\n";
+      for (const char axis : order) text += "property " + std::string(type) + " " + axis + "\n";
+      return text + "element face 1\nproperty list uchar uchar vertex_indices\nend_header\n";
+    };
+    // farthest: a number that the type with or without a sign would read as another.
+    const auto check = [&](auto number, std::string_view type, double farthest) {
+      const std::vector<Vec3> expected{{1, 2, 3}, {4, 5, 6}, {7, 8, farthest}};
+      std::string text = header("ascii", type);
+      std::string little = header("binary_little_endian", type);
+      std::string big = header("binary_big_endian", type);
+      for (const Vec3& vertex : expected) {
+        for (const char axis : order) {
+          const double value = vertex[axis - 'x'];
+          text += std::to_string(static_cast<long long>(value)) + " ";
+          append(little, static_cast<decltype(number)>(value));
+          append_big(big, static_cast<decltype(number)>(value));
+        }
+        text += "\n";
+      }
+      for (std::string* bytes : {&little, &big}) bytes->append("\3\2\0\1", 4);
+      for (const std::string& whole : {text + "3 2 0 1\n", little, big}) {
+        const Scene scene = load("c.ply", whole).scene;
+        EXPECT_EQ(scene.mesh.vertices, expected) << order << ' ' << type;
+        EXPECT_EQ(scene.mesh.triangles, (std::vector<TriangleCorners>{{2, 0, 1}})) << order << ' ' << type;
+      }
+    };
+    check(std::int8_t{}, "char", -100);
+    check(std::uint8_t{}, "uint8", 200);
+    check(std::int16_t{}, "short", -300);
+    check(std::uint16_t{}, "ushort", 40000);
+    check(std::int32_t{}, "int32", -70000);
+    check(std::uint32_t{}, "uint", 3e9);
+    check(float{}, "float32", -10);
+    check(double{}, "double", -10);
+  }
+}
+
+// What waits for the vertices waits as what it is.
+TEST(IntakePly, StripsAndFacesBeforeTheirVerticesStayWhatTheyAre) {
+  const std::string vertices = "element vertex 4\nproperty double x\nproperty double y\nproperty double z\n";
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement tristrips 1\nproperty list uchar int vertex_indices\nelement face 1\n"
+      "property list uchar int vertex_indices\n" + vertices + "end_header\n9 0 1 3 2 -1 0 1 2 -1\n4 0 1 2 3\n" + kSquare;
+  EXPECT_EQ(load("s.ply", text).scene.mesh.triangles,
+            (std::vector<TriangleCorners>{{0, 1, 3}, {3, 1, 2}, {0, 1, 2}, {0, 1, 2}, {0, 2, 3}}));
+}
+
+// A corner that is named twice turns the strip and is no triangle of its own; the turns are counted on over it.
+TEST(IntakePly, ACornerNamedTwiceSteersAStrip) {
+  const auto strip = [](const std::string& numbers) {
+    std::string text = text_ply(std::string(kSquare) + numbers);
+    text.replace(text.find("element face"), 12, "element tristrips");
+    return load("s.ply", text).scene.mesh.triangles;
+  };
+  EXPECT_EQ(strip("6 0 1 1 3 2 2\n"), (std::vector<TriangleCorners>{{1, 3, 2}}));
+  EXPECT_EQ(strip("5 0 0 1 3 2\n"), (std::vector<TriangleCorners>{{1, 0, 3}, {1, 3, 2}}));
+}
+
 }  // namespace
 }  // namespace collided

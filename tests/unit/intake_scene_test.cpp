@@ -19,6 +19,40 @@ TEST(IntakeScene, UnitsAndAxesAreTurnedToMetresWithZUp) {
   EXPECT_EQ(load("a.obj", kTriangle, {.up = 'y'}).scene.mesh.vertices[0], Vec3(1, -3, 2));
 }
 
+/// Where a point of an object is in the world.
+Vec3 placed(const SceneObject& object, const Vec3& point) { return object.pose.position + object.pose.rotation * point; }
+
+// An object that is turned already: the up axis is the world's, not its own.
+TEST(IntakeScene, UpTurnsATurnedObjectAboutTheWorldsAxes) {
+  const std::string table = "x,y,z,sx,sy,sz,qw,qx,qy,qz\n1,2,3,2,4,6,0.5,0.1,0.7,0.5\n";
+  const SceneObject as_told = load("t.csv", table, {.up = 'z'}).scene.objects.at(0);
+  const SceneObject turned = load("t.csv", table, {.unit_m = 0.25, .up = 'y'}).scene.objects.at(0);
+  EXPECT_EQ(turned.pose.position, Vec3(0.25, -0.75, 0.5));
+  EXPECT_EQ(std::get<Box>(turned.shape.primitives.at(0)).half_m, Vec3(0.25, 0.5, 0.75));
+  for (const Vec3& corner : {Vec3(1, 2, 3), Vec3(-1, 2, 3), Vec3(1, -2, 3), Vec3(1, 2, -3)}) {
+    const Vec3 there = placed(as_told, corner);
+    EXPECT_LT((placed(turned, 0.25 * corner) - 0.25 * Vec3(there[0], -there[2], there[1])).norm(), 1e-15);
+  }
+}
+
+// Its links stand turned to each other; each turns about the world's x and none about its own.
+TEST(IntakeScene, UpAndUnitPlaceEachLinkOfARobot) {
+  const std::string robot = R"(<robot name="r"><link name="a"><collision><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/>
+    <geometry><box size="2 4 6"/></geometry></collision></link><link name="b"><collision><origin xyz="0.5 0 0"/>
+    <geometry><cylinder radius="0.25" length="4"/></geometry></collision></link>
+    <joint name="j" type="fixed"><origin xyz="7 8 9" rpy="0 1.5707963267948966 0"/><parent link="a"/><child link="b"/></joint></robot>)";
+  const auto links = load("r.urdf", robot, {.unit_m = 0.5, .up = 'y'}).scene.objects;
+  ASSERT_EQ(links.size(), 2u);
+  const Box box = std::get<Box>(links[0].shape.primitives.at(0));
+  EXPECT_EQ(box.half_m, Vec3(0.5, 1, 1.5));
+  EXPECT_LT((placed(links[0], box.center) - Vec3(0.5, -1.5, 1)).norm(), 1e-15);
+  const Cylinder rod = std::get<Cylinder>(links[1].shape.primitives.at(0));
+  EXPECT_EQ(rod.radius_m, 0.125);
+  // (7, 8, 9) and half a metre along -z, where its x points; its z points along x. Then (x, y, z) -> (x, -z, y) / 2.
+  EXPECT_LT((placed(links[1], rod.a) - Vec3(7 - 2, -8.5, 8) / 2).norm(), 1e-15);
+  EXPECT_LT((placed(links[1], rod.b) - Vec3(7 + 2, -8.5, 8) / 2).norm(), 1e-15);
+}
+
 TEST(IntakeScene, BadOptionsAreRefusedWithTheirValue) {
   EXPECT_EQ(complaint("a.obj", kTriangle, {.unit_m = -1}),
             "a.obj: unit of -1 m, allowed are finite lengths above 0. Nothing was loaded.");

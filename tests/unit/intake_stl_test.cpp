@@ -85,5 +85,36 @@ TEST(IntakeStl, BytesBehindTheLastTriangleAreTold) {
   EXPECT_EQ(loaded.report.warnings[0], "4 bytes after the 1 triangles that the header counts were not read");
 }
 
+// Nine unlike numbers a triangle, a normal that is not zero and bytes behind it that are not: each stands where it belongs.
+TEST(IntakeStl, EachNumberOfATriangleIsReadAtItsPlace) {
+  std::string bytes(80, ' ');
+  append(bytes, std::uint32_t{2});
+  for (const float shift : {0.F, 100.F}) {
+    for (const float normal : {50.F, 51.F, 52.F}) append(bytes, normal);
+    for (const float number : {1.F, 2.F, 3.F, 4.F, 5.F, 6.F, 7.F, 8.F, 10.F}) append(bytes, number + shift);
+    append(bytes, std::uint16_t{0xffff});
+  }
+  const Scene scene = load("n.stl", bytes).scene;
+  ASSERT_EQ(scene.mesh.triangles.size(), 2u);
+  EXPECT_EQ(scene.mesh.triangle(0).a, Vec3(1, 2, 3));
+  EXPECT_EQ(scene.mesh.triangle(0).b, Vec3(4, 5, 6));
+  EXPECT_EQ(scene.mesh.triangle(0).c, Vec3(7, 8, 10));
+  EXPECT_EQ(scene.mesh.triangle(1).a, Vec3(101, 102, 103));
+  EXPECT_EQ(scene.mesh.triangle(1).c, Vec3(107, 108, 110));
+  const Scene text = load("t.stl", "solid\nfacet normal 50 51 52\nouter loop\nvertex 1 2 3\nvertex 4 5 6\nvertex 7 8 10\nendloop\nendfacet\nendsolid\n").scene;
+  EXPECT_EQ(text.mesh.triangle(0).a, Vec3(1, 2, 3));
+  EXPECT_EQ(text.mesh.triangle(0).b, Vec3(4, 5, 6));
+  EXPECT_EQ(text.mesh.triangle(0).c, Vec3(7, 8, 10));
+}
+
+TEST(IntakeStl, TheSecondSolidHasItsOwnTriangles) {
+  const Scene scene = load("t.stl", kText).scene;
+  EXPECT_EQ(scene.parts.at(0).first_triangle, 0u);
+  EXPECT_EQ(scene.parts.at(0).triangle_count, 1u);
+  EXPECT_EQ(scene.parts.at(1).first_triangle, 1u);
+  EXPECT_EQ(scene.parts.at(1).triangle_count, 1u);
+  EXPECT_EQ(scene.mesh.triangle(1).b, Vec3(1, 1, 0));
+}
+
 }  // namespace
 }  // namespace collided

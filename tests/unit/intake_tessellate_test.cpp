@@ -257,5 +257,50 @@ TEST(IntakeSurfaceFile, SurfacesBecomePartsAndTheReportSaysTheirError) {
   EXPECT_NE(test::complaint("a.surfaces", "a blob 1 count 4\n").find("surface 'blob', allowed are"), std::string::npos);
 }
 
+// No kind stands on its side, no place or number changes with another, no surface takes another's corners.
+TEST(IntakeSurfaceFile, EachSurfaceStandsAtItsPlaceWithItsOwnSizes) {
+  const Scene scene = test::load("a.surfaces",
+                                 "egg ellipsoid 1 2 3 at 10 -20 30 count 64 32\ncan cylinder 0.5 4 at 1 2 3 count 8\nhat cone 2 3 at -7 5 1 count 8\n"
+                                 "ring torus 3 0.5 at 0 0 9 count 8 8\nsea waves 4 2 0.5 0.25 3 at 1 2 3 count 8 4\n"
+                                 "sheet patch 1 1 2 2 0 0 0 4 0 1 0 6 2 4 6 3 at 100 200 300 count 1\n").scene;
+  const auto bounds = [&](std::size_t part) {
+    Aabb box;
+    for (std::uint32_t i = 0; i < scene.parts.at(part).triangle_count; ++i) {
+      const Triangle t = scene.mesh.triangle(scene.parts[part].first_triangle + i);
+      for (const Vec3& corner : {t.a, t.b, t.c}) {
+        box.low = box.low.cwiseMin(corner);
+        box.high = box.high.cwiseMax(corner);
+      }
+    }
+    return box;
+  };
+  const auto expect_bounds = [&](std::size_t part, const Vec3& low, const Vec3& high) {
+    const Aabb box = bounds(part);
+    EXPECT_LT((box.low - low).norm(), 1e-12) << scene.parts[part].name << ' ' << box.low.transpose();
+    EXPECT_LT((box.high - high).norm(), 1e-12) << scene.parts[part].name << ' ' << box.high.transpose();
+  };
+  ASSERT_EQ(scene.parts.size(), 6u);
+  expect_bounds(0, {9, -22, 27}, {11, -18, 33});
+  expect_bounds(1, {0.5, 1.5, 1}, {1.5, 2.5, 5});
+  expect_bounds(2, {-9, 3, -0.5}, {-5, 7, 2.5});
+  expect_bounds(3, {-3.5, -3.5, 8.5}, {3.5, 3.5, 9.5});
+  EXPECT_LT((bounds(4).low - Vec3(-1, 1, 0)).head<2>().norm(), 1e-12);
+  EXPECT_LT((bounds(4).high - Vec3(3, 3, 0)).head<2>().norm(), 1e-12);
+  expect_bounds(5, {100, 200, 300}, {104, 206, 303});
+  for (std::uint32_t i = 0; i < scene.parts[4].triangle_count; ++i) {
+    const Vec3 p = scene.mesh.triangle(scene.parts[4].first_triangle + i).b;
+    EXPECT_NEAR(p[2], 3 + 0.5 * std::sin(0.25 * (p[0] - 1)) * std::sin(3 * (p[1] - 2)), 1e-12);
+  }
+  // The cone's apex is up.
+  for (std::uint32_t i = 0; i < scene.parts[2].triangle_count; ++i) {
+    const Triangle t = scene.mesh.triangle(scene.parts[2].first_triangle + i);
+    for (const Vec3& p : {t.a, t.b, t.c}) {
+      if (p[2] > 1) {
+        EXPECT_LT((p - Vec3(-7, 5, 2.5)).norm(), 1e-12);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace collided

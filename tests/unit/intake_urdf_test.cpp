@@ -124,5 +124,65 @@ TEST(IntakeUrdf, ComplaintsSayWhat) {
       "r.urdf: attribute xyz '1 2 a': line 1: number 'a' is not a number. Nothing was loaded.");
 }
 
+/// A robot of one link with that collision.
+std::string one_link(std::string_view collision) {
+  return fmt::format(R"(<robot name="r"><link name="l"><collision>{}</collision></link></robot>)", collision);
+}
+
+// Roll about x first, then pitch about y, then yaw about z, all of them the parent's axes.
+TEST(IntakeUrdf, RollPitchAndYawTurnInTheirOrder) {
+  const auto turned = [](std::string_view rpy) {
+    const auto loaded = load("r.urdf", one_link(fmt::format(R"(<origin rpy="{}"/><geometry><box size="1 1 1"/></geometry>)", rpy)));
+    return Vec3(std::get<Box>(loaded.scene.objects.at(0).shape.primitives.at(0)).axes * Vec3(1, 2, 3));
+  };
+  constexpr const char* kQuarter = "1.5707963267948966";
+  EXPECT_LT((turned(fmt::format("{} 0 0", kQuarter)) - Vec3(1, -3, 2)).norm(), 1e-14);
+  EXPECT_LT((turned(fmt::format("0 {} 0", kQuarter)) - Vec3(3, 2, -1)).norm(), 1e-14);
+  EXPECT_LT((turned(fmt::format("0 0 {}", kQuarter)) - Vec3(-2, 1, 3)).norm(), 1e-14);
+  EXPECT_LT((turned(fmt::format("{0} 0 {0}", kQuarter)) - Vec3(3, 1, 2)).norm(), 1e-14);
+  EXPECT_LT((turned(fmt::format("{0} {0} 0", kQuarter)) - Vec3(2, -3, -1)).norm(), 1e-14);
+  EXPECT_LT((turned(fmt::format("0 {0} {0}", kQuarter)) - Vec3(-2, 3, -1)).norm(), 1e-14);
+}
+
+TEST(IntakeUrdf, TurnedJointsPlaceTurnedShapes) {
+  constexpr const char* kRobot = R"(<robot name="r"><link name="a"/>
+<link name="b"><collision><origin xyz="1 2 3" rpy="1.5707963267948966 0 0"/><geometry><capsule radius="0.5" length="2"/></geometry></collision></link>
+<link name="c"><collision><origin xyz="0 5 0" rpy="0 1.5707963267948966 0"/><geometry><cylinder radius="0.25" length="6"/></geometry></collision></link>
+<joint name="one" type="fixed"><origin xyz="10 20 30" rpy="0 0 1.5707963267948966"/><parent link="a"/><child link="b"/></joint>
+<joint name="two" type="fixed"><origin xyz="1 0 4" rpy="1.5707963267948966 0 0"/><parent link="b"/><child link="c"/></joint></robot>)";
+  const auto loaded = load("r.urdf", kRobot);
+  const auto placed = [](const SceneObject& link, const Vec3& point) { return Vec3(link.pose.position + link.pose.rotation * point); };
+  const SceneObject& b = find(loaded.scene, "r/b");
+  const Capsule capsule = std::get<Capsule>(b.shape.primitives.at(0));
+  EXPECT_EQ(capsule.radius_m, 0.5);
+  // Its z is the link's -y: ends at (1, 2 -+ 1, 3), then a quarter turn about z and the joint's place.
+  EXPECT_LT((placed(b, capsule.a) - Vec3(10 - 3, 20 + 1, 33)).norm(), 1e-14);
+  EXPECT_LT((placed(b, capsule.b) - Vec3(10 - 1, 20 + 1, 33)).norm(), 1e-14);
+  const SceneObject& c = find(loaded.scene, "r/c");
+  const Cylinder rod = std::get<Cylinder>(c.shape.primitives.at(0));
+  // In c its axis is x, from (-3, 5, 0) to (3, 5, 0); in b that is (-+3 + 1, 0, 5 + 4); then as above.
+  EXPECT_LT((placed(c, rod.a) - Vec3(10, 20 - 2, 39)).norm(), 1e-14);
+  EXPECT_LT((placed(c, rod.b) - Vec3(10, 20 + 4, 39)).norm(), 1e-14);
+  EXPECT_LT((placed(c, Vec3::Zero()) - Vec3(10, 21, 34)).norm(), 1e-14);
+}
+
+// Scaled along its own axes, then turned, then moved; a second mesh of the link keeps its own corners.
+TEST(IntakeUrdf, AMeshIsScaledThenTurnedThenMoved) {
+  const std::filesystem::path root = std::filesystem::path(testing::TempDir()) / "scaled_robot";
+  std::filesystem::create_directories(root);
+  std::ofstream(root / "t.obj") << "v 1 2 3\nv 4 5 6\nv 7 8 10\nf 2 3 1\n";
+  std::ofstream(root / "r.urdf") << R"(<robot name="r"><link name="l">
+    <collision><geometry><mesh filename="t.obj"/></geometry></collision>
+    <collision><origin xyz="10 20 30" rpy="0 0 1.5707963267948966"/><geometry><mesh filename="t.obj" scale="2 3 5"/></geometry></collision></link></robot>)";
+  LoadReport report;
+  const Scene scene = load_scene((root / "r.urdf").string(), {}, report);
+  std::filesystem::remove_all(root);
+  const TriangleMesh& mesh = *scene.objects.at(0).shape.mesh;
+  EXPECT_EQ(mesh.triangles, (std::vector<TriangleCorners>{{1, 2, 0}, {4, 5, 3}}));
+  EXPECT_EQ(mesh.vertices.at(0), Vec3(1, 2, 3));
+  EXPECT_LT((mesh.vertices.at(3) - Vec3(10 - 6, 20 + 2, 45)).norm(), 1e-14);
+  EXPECT_LT((mesh.vertices.at(5) - Vec3(10 - 24, 20 + 14, 80)).norm(), 1e-14);
+}
+
 }  // namespace
 }  // namespace collided

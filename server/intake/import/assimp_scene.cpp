@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "server/intake/file_bytes.hpp"
 #include "server/intake/names.hpp"
@@ -97,13 +98,15 @@ class AssimpReader {
             fmt::format("node {}: vertex {} is ({}, {}, {})", quoted(node.mName.C_Str()), i, v.x, v.y, v.z));
       }
     }
+    const bool mirrors = placement.linear.determinant() < 0;
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
-      add_face(mesh.mFaces[i], mesh.mNumVertices, static_cast<std::uint32_t>(first_vertex));
+      add_face(mesh.mFaces[i], mesh.mNumVertices, static_cast<std::uint32_t>(first_vertex), mirrors);
     }
     warn_of_lost_digits(mesh, placement);
   }
 
-  void add_face(const aiFace& face, unsigned vertex_count, std::uint32_t first_vertex) {
+  /// mirrors: the node shows the mesh as in a mirror, where the corners run round the other way.
+  void add_face(const aiFace& face, unsigned vertex_count, std::uint32_t first_vertex, bool mirrors) {
     if (face.mNumIndices != 3) {
       ++other_faces_;
       return;
@@ -115,6 +118,7 @@ class AssimpReader {
       }
       corners[k] = first_vertex + face.mIndices[k];
     }
+    if (mirrors) std::swap(corners[1], corners[2]);
     scene_.mesh.triangles.push_back(corners);
   }
 

@@ -1,0 +1,154 @@
+// What a replay in time publishes, sample by sample, beside what was recorded.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "collided/recording.hpp"
+#include "idl/cdr.hpp"
+#include "idl/mcap/writer.hpp"
+#include "idl/recording/recorded_topics.hpp"
+#include "tests/service/wire_fake_server.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using recording::Recorded;
+using test::FakeServer;
+
+constexpr std::uint64_t kSecond_ns = 1'000'000'000;
+constexpr std::uint64_t kMillisecond_ns = 1'000'000;
+
+/// A file of a recording that goes with the test.
+class RecordingFile {
+ public:
+  RecordingFile()
+      : path_((std::filesystem::temp_directory_path() / ("wire_replay_" + std::to_string(::getpid()) + ".mcap")).string()),
+        output_(path_),
+        writer_(output_, recording::library_name(), recording::channels_of("collided")) {}
+  ~RecordingFile() { std::filesystem::remove(path_); }
+
+  template <class T>
+  void write(Recorded topic, std::uint64_t log_time, const T& sample) {
+    std::vector<std::byte> bytes(wire::cdr_size(sample));
+    wire::write_cdr(sample, bytes);
+    writer_.write(static_cast<std::uint16_t>(topic), log_time, log_time, bytes);
+  }
+  const std::string& close(std::uint64_t opening_messages) {
+    writer_.metadata("recording", {{"opening_messages", std::to_string(opening_messages)}});
+    EXPECT_TRUE(writer_.close());
+    return path_;
+  }
+
+ private:
+  std::string path_;
+  mcap::FileOutput output_;
+  mcap::Writer writer_;
+};
+
+class ClientReplay : public testing::Test {
+ protected:
+  static constexpr std::uint64_t kPublisher = 77;
+  static constexpr std::uint64_t kBegin_ns = 1'700'000'000 * kSecond_ns;
+
+  void define(std::uint64_t log_time, std::uint32_t number, std::uint64_t sequence, const char* name) {
+    dds::Sample<wire::Definition> definition;
+    definition->publisher = kPublisher;
+    definition->incarnation = 5;
+    definition->object_number = number;
+    definition->sequence_number = sequence;
+    definition->moving = true;
+    definition->pose[3] = 1;
+    ASSERT_TRUE(dds::set_text(definition->name, name));
+    file_.write(Recorded::object, log_time, *definition);
+  }
+  void pose(std::uint64_t log_time, std::uint64_t sequence, double from, std::uint8_t flags, std::int64_t source_time_ns) {
+    dds::Sample<wire::PoseBatch> batch;
+    batch->publisher = kPublisher;
+    batch->incarnation = 5;
+    batch->sequence_number = sequence;
+    batch->definitions_through = 2;
+    batch->source_time_ns = source_time_ns;
+    batch->flags = flags;
+    const std::vector<std::uint32_t> numbers{8, 9};
+    std::vector<double> poses, velocities;
+    for (int i = 0; i < 14; ++i) poses.push_back(from + i);
+    for (int i = 0; i < 12; ++i) velocities.push_back(from + 100 + i);
+    dds::borrow(batch->object_numbers, numbers);
+    dds::borrow(batch->poses, poses);
+    dds::borrow(batch->velocities, velocities);
+    file_.write(Recorded::pose, log_time, *batch);
+  }
+  /// The run at that rate: what the server received of it.
+  FakeServer::Received replayed(double rate, std::chrono::nanoseconds& took) {
+    define(kBegin_ns - 9 * kSecond_ns, 8, 1, "eight");
+    define(kBegin_ns - 8 * kSecond_ns, 9, 2, "nine");
+    pose(kBegin_ns, 3, 1'000, 0, 111);
+    pose(kBegin_ns + 40 * kMillisecond_ns, 4, 2'000, wire_contract::kTeleported, 222);
+    pose(kBegin_ns + 100 * kMillisecond_ns, 5, 3'000, 0, 333);
+    const std::string path = file_.close(2);
+    FakeServer server(test::own_namespace());
+    const ConnectOptions here{.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s};
+    const auto start = std::chrono::steady_clock::now();
+    const Result<ReplayReport> report = replay(here, {.path = path, .rate = rate});
+    took = std::chrono::steady_clock::now() - start;
+    EXPECT_TRUE(report) << report.error().message;
+    if (report) {
+      EXPECT_EQ(report->samples, 5u);
+    }
+    return server.received();
+  }
+  void expect_replayed(double rate) {
+    std::chrono::nanoseconds took{};
+    const FakeServer::Received received = replayed(rate, took);
+    ASSERT_EQ(received.batches.size(), 3u);
+    const double froms[] = {1'000, 2'000, 3'000};
+    const std::int64_t after_ns[] = {0, 40'000'000, 100'000'000};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const FakeServer::Batch& batch = received.batches[i];
+      EXPECT_EQ(batch.object_numbers, (std::vector<std::uint32_t>{8, 9}));
+      ASSERT_EQ(batch.poses.size(), 14u);
+      ASSERT_EQ(batch.velocities.size(), 12u);
+      for (std::size_t k = 0; k < 14; ++k) EXPECT_EQ(batch.poses[k], froms[i] + static_cast<double>(k)) << "places are what they were";
+      for (std::size_t k = 0; k < 12; ++k) EXPECT_EQ(batch.velocities[k], rate * (froms[i] + 100 + static_cast<double>(k)));
+      EXPECT_EQ(static_cast<double>(batch.source_time_ns - received.batches[0].source_time_ns), static_cast<double>(after_ns[i]) / rate);
+      EXPECT_EQ(batch.flags, i == 1 ? wire_contract::kTeleported : 0);
+      EXPECT_EQ(batch.sequence, 3 + i);
+      EXPECT_EQ(batch.definitions_through, 2u);
+    }
+    EXPECT_GE(took, std::chrono::nanoseconds(static_cast<std::int64_t>(1e8 / rate)));
+  }
+
+  RecordingFile file_;
+};
+
+TEST_F(ClientReplay, AtItsOwnRateVelocitiesAndTimesAreWhatTheyWere) { expect_replayed(1); }
+
+// What takes half the time moves twice as fast.
+TEST_F(ClientReplay, AtTwiceTheRateVelocitiesAreTwiceAndTimesHalf) { expect_replayed(2); }
+
+TEST_F(ClientReplay, AtAQuarterOfTheRateVelocitiesAreAQuarterAndTimesFourfold) { expect_replayed(0.25); }
+
+// The clock of the machine that replays: stamps of a recording from long ago would be those of the past.
+TEST_F(ClientReplay, SamplesAreStampedAsTheyArePublished) {
+  const auto now_ns = [] { return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count(); };
+  const std::int64_t before_ns = now_ns();
+  std::chrono::nanoseconds took{};
+  const FakeServer::Received received = replayed(4, took);
+  ASSERT_EQ(received.batches.size(), 3u);
+  EXPECT_GE(received.batches.front().source_time_ns, before_ns);
+  EXPECT_LE(received.batches.back().source_time_ns, now_ns());
+}
+
+TEST(ClientReplayRate, MustBeAboveZeroAndNotBeyondSense) {
+  for (const double rate : {0., -1., 2e6, std::numeric_limits<double>::quiet_NaN()}) {
+    const Result<ReplayReport> report = replay({}, {.path = "none.mcap", .rate = rate});
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().code, ErrorCode::bad_input);
+    EXPECT_NE(report.error().message.find("allowed above 0 up to 1e6"), std::string::npos) << report.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace collided
