@@ -149,6 +149,8 @@ void PlainPublishers::move(const service::PoseSample& sample, std::int64_t now_n
   }
   party->parked.push_back(sample);
   ++counts.batches_parked;
+  // The one that was dropped may have kept others waiting.
+  release_parked(sample.publisher, *party, now_ns);
 }
 
 void PlainPublishers::apply(std::uint64_t id, Party& party, const service::PoseSample& sample, std::int64_t now_ns) {

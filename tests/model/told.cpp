@@ -48,22 +48,23 @@ std::pair<std::string, std::string> pair_of(const OpenContact& contact, const Na
   return std::minmax(a, b);
 }
 
-std::string told(const Event& given, const NamesById& names, bool with_contact) {
+std::string told(const Event& given, const NamesById& names, const ContactDetail& detail) {
   const Event event = names.of(given.of.b) < names.of(given.of.a) ? turned_round(given) : given;
   std::string text = names.of(event.of.a) + " " + names.of(event.of.b);
   text += line(" kind %d reason %d", static_cast<int>(event.kind), static_cast<int>(event.reason));
   text += " bracket" + number(event.bracket_low_s) + number(event.bracket_high_s);
-  if (!with_contact) return text;
+  if (!detail.point) return text;
   text += " velocity" + told(event.relative_velocity);
   text += line(" triangles %u %u at", event.of.a_triangle, event.of.b_triangle) + told(event.of.contact.point);
+  if (!detail.normal) return text;
   return text + " normal" + told(event.of.contact.normal) + " depth" + number(event.of.contact.depth_m) +
          number(event.of.contact.depth_error_m);
 }
 
-std::string told(const OpenContact& contact, const NamesById& names) {
+std::string told(const OpenContact& contact, const NamesById& names, const ContactDetail& detail) {
   Event event;
   event.of = contact;
-  return told(event, names, true);
+  return told(event, names, detail);
 }
 
 Lines told(const PairReport& report) {

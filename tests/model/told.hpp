@@ -52,9 +52,15 @@ struct AnswerDetail {
 /// A line for each question and for each hit.
 Lines told(const Answers& answers, const NamesById& names, const AnswerDetail& detail);
 
+/// What of a contact is told. Points are rounded differently where the other of the two has the lower id; normals and depths
+/// along inner edges hang on which contacts were found in the same step.
+struct ContactDetail {
+  bool point = true;
+  bool normal = true;
+};
 /// Lower name first, whichever has the lower id.
-std::string told(const OpenContact& contact, const NamesById& names);
-std::string told(const Event& event, const NamesById& names, bool with_contact);
+std::string told(const OpenContact& contact, const NamesById& names, const ContactDetail& detail);
+std::string told(const Event& event, const NamesById& names, const ContactDetail& detail);
 std::pair<std::string, std::string> pair_of(const OpenContact& contact, const NamesById& names);
 
 Lines told(const PairReport& report);

@@ -24,7 +24,7 @@ using wire_contract::RayMode;
 
 int steps_asked() {
   const char* asked = std::getenv("COLLIDED_TWIN_STEPS");
-  return asked != nullptr ? std::atoi(asked) : 150;
+  return asked != nullptr ? std::atoi(asked) : 600;
 }
 
 /// Like the product's globs, of the few patterns that are asked here: by themselves, a star at the end, a mark anywhere.
@@ -32,6 +32,19 @@ bool fits(std::string_view pattern, std::string_view name) {
   if (pattern.empty() || name.empty()) return pattern == name || pattern == "*";
   if (pattern[0] == '*') return fits(pattern.substr(1), name) || fits(pattern, name.substr(1));
   return (pattern[0] == '?' || pattern[0] == name[0]) && fits(pattern.substr(1), name.substr(1));
+}
+
+/// The lines that only one of the two has.
+void expect_same(const Lines& here, const Lines& twin, const std::string& what) {
+  if (here == twin) return;
+  std::string text = what;
+  for (const std::string& line : here) {
+    if (std::find(twin.begin(), twin.end(), line) == twin.end()) text += "\n  here: " + line;
+  }
+  for (const std::string& line : twin) {
+    if (std::find(here.begin(), here.end(), line) == here.end()) text += "\n  twin: " + line;
+  }
+  ADD_FAILURE() << text;
 }
 
 struct Filtered {
@@ -75,8 +88,9 @@ class WorldTwin : public testing::Test {
   }
   void move_some() {
     std::vector<std::string> names;
+    all_moved_ = make_.chance(0.3);
     for (const auto& [name, object] : plain_.objects()) {
-      if (object.definition.moving && object.is_shown && make_.chance(0.5)) names.push_back(name);
+      if (object.definition.moving && object.is_shown && (all_moved_ || make_.chance(0.5))) names.push_back(name);
     }
     for (const std::string& name : names) {
       const bool teleport = make_.chance(0.05);
@@ -164,9 +178,9 @@ class WorldTwin : public testing::Test {
   }
   /// Lines of a pair whose lower id is the other one in the twin leave out what is rounded differently then.
   void expect_same_events(const World& twin, const NamesById& twin_names) {
-    const auto lines = [](const World& world, const NamesById& names, const auto& same_order) {
+    const auto lines = [&](const World& world, const NamesById& names, const auto& same_order) {
       Lines all;
-      for (const Event& event : world.events()) all.push_back(told(event, names, same_order(pair_of(event.of, names))));
+      for (const Event& event : world.events()) all.push_back(told(event, names, {.point = same_order(pair_of(event.of, names)), .normal = all_moved_}));
       std::sort(all.begin(), all.end());
       return all;
     };
@@ -174,7 +188,7 @@ class WorldTwin : public testing::Test {
     for (const Event& event : world_->events()) first_of[pair_of(event.of, names_)].insert(names_.of(event.of.a));
     for (const Event& event : twin.events()) first_of[pair_of(event.of, twin_names)].insert(twin_names.of(event.of.a));
     const auto same_order = [&](const auto& pair) { return first_of[pair].size() == 1; };
-    EXPECT_EQ(lines(*world_, names_, same_order), lines(twin, twin_names, same_order));
+    expect_same(lines(*world_, names_, same_order), lines(twin, twin_names, same_order), "events");
     EXPECT_EQ(world_->cost().moved, twin.cost().moved);
     EXPECT_EQ(world_->cost().contacts, twin.cost().contacts);
     EXPECT_EQ(world_->cost().undecided, twin.cost().undecided);
@@ -195,6 +209,7 @@ class WorldTwin : public testing::Test {
         EXPECT_EQ(event.of.episode, event.sequence);
         began_ns_[pair] = now_ns_ - static_cast<std::int64_t>(event.bracket_high_s * 1e9);
         ++began_count_;
+        expect_time(event, pair);
       } else {
         EXPECT_EQ(event.of.episode, episodes_[pair]) << pair.first << " " << pair.second;
         EXPECT_EQ(episodes_.erase(pair), 1u);
@@ -203,6 +218,21 @@ class WorldTwin : public testing::Test {
       EXPECT_EQ(event.of.began_ns, began_ns_[pair]);
     }
     EXPECT_EQ(world_->last_event_sequence(), sequence_);
+  }
+  /// Between the beginning of the ways of the two and now; at once where one of them is new.
+  void expect_time(const Event& event, const std::pair<std::string, std::string>& pair) {
+    std::int64_t first_ns = now_ns_;
+    bool is_new = false;
+    for (const std::string& name : {pair.first, pair.second}) {
+      const auto object = plain_.objects().find(name);
+      const auto before = before_.objects().find(name);
+      is_new = is_new || (object != plain_.objects().end() && object->second.posed_ns == now_ns_ && before == before_.objects().end());
+      if (object != plain_.objects().end()) first_ns = std::min(first_ns, object->second.before_ns);
+    }
+    const double longest_s = is_new ? 0 : static_cast<double>(now_ns_ - first_ns) * 1e-9;
+    EXPECT_GE(event.bracket_low_s, event.bracket_high_s) << pair.first << " " << pair.second;
+    EXPECT_GE(event.bracket_high_s, 0) << pair.first << " " << pair.second;
+    EXPECT_LE(event.bracket_low_s, longest_s * (1 + 1e-12)) << pair.first << " " << pair.second;
   }
   void expect_reason(const Event& event, const std::pair<std::string, std::string>& pair) {
     const auto first = ended_by_removal_.find(pair.first), second = ended_by_removal_.find(pair.second);
@@ -223,13 +253,13 @@ class WorldTwin : public testing::Test {
     Lines here, there;
     std::set<std::pair<std::string, std::string>> open, touching;
     for (const OpenContact& contact : world_->contacts()) {
-      here.push_back(told(contact, names_));
+      here.push_back(told(contact, names_, {.normal = all_moved_}));
       const auto pair = pair_of(contact, names_);
       open.insert(pair);
       EXPECT_EQ(contact.episode, episodes_.contains(pair) ? episodes_[pair] : 0);
       EXPECT_EQ(contact.began_ns, began_ns_[pair]);
     }
-    for (const OpenContact& contact : twin->contacts()) there.push_back(told(contact, twin_names));
+    for (const OpenContact& contact : twin->contacts()) there.push_back(told(contact, twin_names, {.normal = all_moved_}));
     for (const auto& [a, b] : oracle::touching_pairs(*twin->newest())) {
       OpenContact met;
       met.a = a;
@@ -238,7 +268,7 @@ class WorldTwin : public testing::Test {
     }
     std::sort(here.begin(), here.end());
     std::sort(there.begin(), there.end());
-    EXPECT_EQ(here, there);
+    expect_same(here, there, "contacts");
     EXPECT_EQ(open, touching);
     EXPECT_EQ(episodes_.size(), open.size());
     expect_snapshot();
@@ -250,7 +280,12 @@ class WorldTwin : public testing::Test {
     EXPECT_EQ(now->world_time_ns, now_ns_);
     std::size_t count = 0;
     for (const auto& info : *now->objects) {
-      if (!info || info->scene_part != 0xffffffff) continue;
+      if (!info) continue;
+      if (info->scene_part != 0xffffffff) {
+        EXPECT_EQ(now->poses[slot_of(info->id)].position, Vec3::Zero()) << info->name;
+        EXPECT_EQ(now->posed_ns[slot_of(info->id)], 0) << info->name << " has no pose";
+        continue;
+      }
       ++count;
       const auto found = plain_.objects().find(info->name);
       ASSERT_NE(found, plain_.objects().end()) << info->name;
@@ -279,7 +314,7 @@ class WorldTwin : public testing::Test {
       Probes fresh;
       EXPECT_FALSE(fresh.set(probe_definitions_.at(probes_.definition(i).name)));
       fresh.read(*twin.newest(), find_in(twin), expected);
-      EXPECT_EQ(told(readings[i], names_), told(expected.at(0), twin_names));
+      expect_same({told(readings[i], names_)}, {told(expected.at(0), twin_names)}, "probe");
     }
   }
   void expect_pairs(const World& twin) {
@@ -287,7 +322,7 @@ class WorldTwin : public testing::Test {
       const std::string a = make_.one_of(order_before_), b = make_.one_of(order_before_);
       if (a == b) continue;
       const PairReport here = report_pair(*world_->newest(), *world_->find(a), *world_->find(b), {});
-      EXPECT_EQ(told(here), told(report_pair(*twin.newest(), *twin.find(a), *twin.find(b), {}))) << a << " " << b;
+      expect_same(told(here), told(report_pair(*twin.newest(), *twin.find(a), *twin.find(b), {})), a + " and " + b);
     }
   }
 
@@ -324,17 +359,16 @@ class WorldTwin : public testing::Test {
   }
   void ask() {
     change_filter();
-    const QueryKind kind = static_cast<QueryKind>(make_.below(5));
+    const QueryKind kind = make_.one_of(std::vector<QueryKind>{QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep});
     const std::vector<double> asked = numbers(kind);
     const ObjectInfo mover = without_world(Shape{{Primitive(Sphere{Vec3::Zero(), 0.2})}, nullptr});
     Questions questions{.kind = kind, .mode = filter_.mode, .mask = filter_.mask, .max_hits = filter_.max_hits, .only = filter_.only,
                         .skip = filter_.skip, .error_m = filter_.error_m, .numbers = asked, .mover = &mover};
     answer(*world_->newest(), questions, answers_, scratch_);
-    answered_count_ += answers_.hits.size();
     Answers fresh;
     QueryScratch fresh_scratch;
     answer(*world_->newest(), questions, fresh, fresh_scratch);
-    EXPECT_EQ(told(answers_, names_, {.cost = true}), told(fresh, names_, {.cost = true}));
+    expect_same(told(answers_, names_, {.cost = true}), told(fresh, names_, {.cost = true}), "with a new scratch");
     if (filter_.error_m == 0) expect_as_filtered_world(questions);
   }
   /// A world that holds only what may answer, asked without a filter: by its indexes, and by brute force.
@@ -350,12 +384,13 @@ class WorldTwin : public testing::Test {
     answer(*twin->newest(), questions, expected, scratch);
     const bool any = filter_.mode == RayMode::any;
     const AnswerDetail detail{.hits = !any, .age = !any};
-    EXPECT_EQ(told(answers_, names_, detail), told(expected, twin_names, detail))
-        << "kind " << static_cast<int>(questions.kind) << " mask " << filter_.mask << " only '" << filter_.only << "' skip '" << filter_.skip << "'";
+    const std::string asked = line("kind %d mode %d mask %u only '%s' skip '%s'", static_cast<int>(questions.kind),
+                                   static_cast<int>(filter_.mode), filter_.mask, filter_.only.c_str(), filter_.skip.c_str());
+    expect_same(told(answers_, names_, detail), told(expected, twin_names, detail), asked);
     if (any || questions.kind == QueryKind::sweep || plain_.has_stale() || !plain_.is_covered_everywhere()) return;
     const AnswerDetail of_force{.point_error = false, .age = false};
     oracle::answer(*twin->newest(), questions, expected);
-    EXPECT_EQ(told(answers_, names_, of_force), told(expected, twin_names, of_force)) << "by force, kind " << static_cast<int>(questions.kind);
+    expect_same(told(answers_, names_, of_force), told(expected, twin_names, of_force), "by force, " + asked);
   }
 
   void run(int steps) {
@@ -393,22 +428,22 @@ class WorldTwin : public testing::Test {
   Answers answers_;
   Filtered filter_;
   bool covers_ = false, stale_ = false;
-  std::size_t began_count_ = 0, answered_count_ = 0;
+  bool all_moved_ = false;  // in this step, so that every contact is found in it
+  std::size_t began_count_ = 0;
 };
 
 // A24 A43: what a world says hangs on what it holds, not on what it was.
 TEST_F(WorldTwin, OneLongLivedWorldSaysWhatANewOneSays) {
   random_ = oracle::seeded(171);
   run(steps_asked());
-  EXPECT_GT(began_count_, static_cast<std::size_t>(steps_asked()) / 2) << "the scene must be worth testing";
-  EXPECT_GT(answered_count_, static_cast<std::size_t>(steps_asked()));
+  EXPECT_TRUE(HasFailure() || began_count_ > static_cast<std::size_t>(steps_asked()) / 2) << "the scene must be worth testing";
 }
 
 TEST_F(WorldTwin, ALongLivedWorldWithLostPublishersAndCoversSaysWhatANewOneSays) {
   random_ = oracle::seeded(172);
   covers_ = stale_ = true;
   run(steps_asked());
-  EXPECT_GT(began_count_, static_cast<std::size_t>(steps_asked()) / 2) << "the scene must be worth testing";
+  EXPECT_TRUE(HasFailure() || began_count_ > static_cast<std::size_t>(steps_asked()) / 2) << "the scene must be worth testing";
 }
 
 }  // namespace
