@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 #include "server/geometry/float_environment.hpp"
@@ -122,14 +123,28 @@ void Step::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* 
   }
 }
 
+/// From the way of the swept mover where its contact is timed, else from all that the two did in this step.
 void Step::set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const {
-  const double end_s = static_cast<double>(world_time_ns - s.posed_ns[mover]) * 1e-9;
-  const double way_s = s.motion[mover] == Motion::moved
-                           ? static_cast<double>(s.posed_ns[mover] - s.posed_before_ns[mover]) * 1e-9
-                           : 0.0;
-  const bool timed = sweep != nullptr && sweep->yes;
-  found.bracket_low_s = std::max(0.0, end_s + way_s * (timed ? 1 - sweep->bracket.low : 1.0));
-  found.bracket_high_s = std::max(0.0, end_s + way_s * (timed ? 1 - sweep->bracket.high : 0.0));
+  const auto seconds_ago = [&](std::int64_t time_ns) { return static_cast<double>(world_time_ns - time_ns) * 1e-9; };
+  const auto way_s = [&](std::uint32_t slot) {
+    return s.motion[slot] == Motion::moved ? static_cast<double>(s.posed_ns[slot] - s.posed_before_ns[slot]) * 1e-9 : 0.0;
+  };
+  if (sweep != nullptr && sweep->yes) {
+    found.bracket_low_s = std::max(0.0, seconds_ago(s.posed_ns[mover]) + way_s(mover) * (1 - sweep->bracket.low));
+    found.bracket_high_s = std::max(0.0, seconds_ago(s.posed_ns[mover]) + way_s(mover) * (1 - sweep->bracket.high));
+    return;
+  }
+  double low_s = 0, high_s = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t slot : {slot_of(found.a), slot_of(found.b)}) {
+    if (!has_moved(slot)) continue;
+    // Who is new, or static and so without a time, is there from this step on and touches from then on.
+    const double posed_s = s.posed_ns[slot] == 0 ? 0.0 : seconds_ago(s.posed_ns[slot]);
+    if (s.motion[slot] == Motion::placed && posed_s == 0) return;
+    low_s = std::max(low_s, posed_s + way_s(slot));
+    high_s = std::min(high_s, posed_s);
+  }
+  found.bracket_low_s = low_s;
+  found.bracket_high_s = std::clamp(high_s, 0.0, low_s);
 }
 
 /// Of the object's point that is there at that time of its last way, m/s.

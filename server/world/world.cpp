@@ -294,6 +294,11 @@ bool World::remove(ObjectId id, wire_contract::EndReason reason) {
   s.bounds[slot] = Aabb{};
   s.movable[slot] = 0;
   s.lone_spheres[slot].reset();
+  // A part of a scene may have the slot next, and a part has no pose, age or way.
+  s.poses[slot] = Pose{};
+  s.frames[slot] = s.frames_before[slot] = Frame{};
+  s.posed_ns[slot] = s.posed_before_ns[slot] = 0;
+  s.has_way[slot] = 0;
   s.table()[slot].reset();
   s.mark(slot, Motion::placed);
   return true;

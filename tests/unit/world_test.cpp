@@ -64,6 +64,54 @@ class WorldTest : public testing::Test {
   World world{WorldOptions{}};
 };
 
+// A part has no pose: not that of a mover whose place in the tables it got, and neither its age nor its speed.
+TEST_F(WorldTest, AScenesPartHasNothingOfAMoverThatWasThereBefore) {
+  const ObjectId mover = define(world, ball("mover", {0, 0, 9}, 0.25));
+  step(1'000'000'000);
+  world.move(mover, at({1, 0, 9}), 1'010'000'000, false);
+  step(1'010'000'000);
+  world.remove(mover, EndReason::removed);
+  step(1'011'000'000);
+  load(world, floor_scene("floor", 0));
+  define(world, ball("ball", {2, 0, 0.125}, 0.25));
+  step(1'012'000'000);
+  EXPECT_EQ(slot_of(*world.find("floor")), slot_of(mover)) << "the scene must be worth testing";
+  const Answers down = ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, INFINITY});
+  ASSERT_EQ(down.answers[0], Answer::hit);
+  EXPECT_EQ(down.oldest_pose_ns, -1) << "nothing that moves decided";
+  ASSERT_EQ(world.events().size(), 1u);
+  EXPECT_EQ(world.events()[0].relative_velocity, Vec3::Zero());
+}
+
+// Whichever of the two has the lower id: before the new one came they cannot have touched.
+TEST_F(WorldTest, AContactWithWhatIsNewBeganWhenThatCame) {
+  constexpr std::int64_t kNow = 5'000'000'000;
+  const auto expect_now = [&](const char* what) {
+    ASSERT_EQ(world.events().size(), 1u) << what;
+    EXPECT_EQ(world.events()[0].bracket_low_s, 0) << what;
+    EXPECT_EQ(world.events()[0].bracket_high_s, 0) << what;
+    EXPECT_EQ(world.events()[0].of.began_ns, kNow) << what;
+  };
+  const ObjectId ball_id = define(world, ball("resting", {0, 0, 0}, 0.25));
+  step(1'000'000'000);
+  ObjectDefinition post = ball("post", {0.25, 0, 0}, 0.25);
+  post.moving = false;
+  define(world, post);
+  step(kNow);
+  expect_now("a static object");
+  world.remove(*world.find("post"), EndReason::removed);
+  step(kNow);
+  load(world, floor_scene("floor", 0));
+  step(kNow);
+  expect_now("a scene");
+  world.remove_scene("floor");
+  step(kNow);
+  define(world, ball("other", {0.3, 0, 0}, 0.25));
+  world.move(ball_id, at({0.01, 0, 0}), 4'999'000'000, false);
+  step(kNow);
+  expect_now("a mover");
+}
+
 TEST_F(WorldTest, ARayMeetsTheNearerOfFloorAndBall) {
   load(world, floor_scene("floor", 0));
   define(world, ball("ball", {0, 0, 1}, 0.25));
