@@ -49,7 +49,7 @@ def parse(arguments):
     parser.add_argument("--count", type=int, default=600)
     parser.add_argument("--seed", type=int, default=int(os.environ.get("COLLIDED_SEED", "17")))
     parser.add_argument("--workers", type=int, default=os.cpu_count())
-    parser.add_argument("--budget", type=float, default=300)
+    parser.add_argument("--budget", type=float, default=60)
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("--require", type=float, default=0, help="fails below this score in percent")
