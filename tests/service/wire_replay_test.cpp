@@ -82,8 +82,9 @@ class ClientReplay : public testing::Test {
   }
   /// The run at that rate: what the server received of it.
   FakeServer::Received replayed(double rate, std::chrono::nanoseconds& took) {
-    define(kBegin_ns - 9 * kSecond_ns, 8, 1, "eight");
-    define(kBegin_ns - 8 * kSecond_ns, 9, 2, "nine");
+    // What was there before is not waited for.
+    define(kBegin_ns - 7'200 * kSecond_ns, 8, 1, "eight");
+    define(kBegin_ns - 3'600 * kSecond_ns, 9, 2, "nine");
     pose(kBegin_ns, 3, 1'000, 0, 111);
     pose(kBegin_ns + 40 * kMillisecond_ns, 4, 2'000, wire_contract::kTeleported, 222);
     pose(kBegin_ns + 100 * kMillisecond_ns, 5, 3'000, 0, 333);
@@ -91,11 +92,13 @@ class ClientReplay : public testing::Test {
     FakeServer server(test::own_namespace());
     const ConnectOptions here{.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s};
     const auto start = std::chrono::steady_clock::now();
-    const Result<ReplayReport> report = replay(here, {.path = path, .rate = rate});
+    const auto in_time = [&] { return std::chrono::steady_clock::now() - start < 20s; };
+    const Result<ReplayReport> report = replay(here, {.path = path, .rate = rate, .go_on = in_time});
     took = std::chrono::steady_clock::now() - start;
     EXPECT_TRUE(report) << report.error().message;
     if (report) {
       EXPECT_EQ(report->samples, 5u);
+      EXPECT_FALSE(report->stopped);
     }
     return server.received();
   }

@@ -209,6 +209,22 @@ TEST_F(WatchStateTest, LateTailIsNoGap) {
   EXPECT_EQ(state_.resyncs(), 0u);
 }
 
+// Each bookmark is ahead of what has come, and more comes each time: slow, and nothing is missing.
+TEST_F(WatchStateTest, BookmarksAheadOfAStreamThatGoesOnAreNoGap) {
+  Model server(1);
+  hear(server.bookmark());
+  const HeardFrame first = server.began({1, 2});
+  const HeardFrame second = server.began({3, 4});
+  hear(server.bookmark());
+  hear(first);
+  hear(server.bookmark());
+  EXPECT_TRUE(state_.in_step());
+  hear(second);
+  hear(server.bookmark());
+  EXPECT_EQ(told(), (Lines{"began 1 2", "began 3 4"}));
+  EXPECT_EQ(state_.resyncs(), 0u);
+}
+
 // The count is right and the pair is wrong: only the hash can tell.
 TEST_F(WatchStateTest, BookmarkThatDisagreesStartsAResync) {
   Model server(1);
@@ -355,6 +371,7 @@ TEST_F(WatchStateTest, AShardThatThereIsNotChangesNothing) {
   for (const int number : {static_cast<int>(wire_contract::kContactShards), 255}) {
     HeardShard beyond = server.shard({1, 2});
     beyond.shard = static_cast<std::uint8_t>(number);
+    beyond.as_of_sequence = ~std::uint64_t{0};
     hear(beyond);
   }
   hear(server.bookmark());
@@ -376,6 +393,9 @@ TEST_F(WatchStateTest, ASecondServersWordsAreNotMixedIn) {
     state_.hear_persisted(second.persisted({3, 4}));
     hear(second.ended({3, 4}));
   }
+  Model twin(7, 2);  // of the same ids and numbers
+  twin.began({1, 2});
+  state_.hear_persisted(twin.persisted({1, 2}));
   EXPECT_EQ(told(), Lines{"began 1 2"});
   EXPECT_TRUE(state_.in_step());
   hear(first.bookmark());
