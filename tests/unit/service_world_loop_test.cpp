@@ -301,9 +301,9 @@ TEST_F(WorldLoopTest, TheStatusCountsEverything) {
   malformed->poses.clear();
   inbox.push(std::move(malformed));                                   // two dropped
   start();
-  EXPECT_TRUE(books.wait([&] { return books.status.poses_applied == batches - 2; }));
-  const std::size_t statuses = books.statuses;
-  EXPECT_TRUE(books.wait([&] { return books.statuses > statuses + 1; }));
+  // What was merged leaves a gap of numbers, which is waited for before it is given up.
+  const std::vector<std::uint64_t> applied{sequence};
+  EXPECT_TRUE(books.wait([&] { return books.status.poses_applied == batches - 2 && books.status.applied_sequences == applied; }));
   const std::lock_guard lock(books.mutex);
   EXPECT_EQ(books.status.poses_dropped, 7U);
   EXPECT_EQ(books.status.object_count, 3U);
@@ -314,7 +314,6 @@ TEST_F(WorldLoopTest, TheStatusCountsEverything) {
   EXPECT_EQ(books.status.questions_refused, 32U);
   EXPECT_EQ(books.status.undecided_answers, 33U);
   EXPECT_EQ(books.status.publishers, std::vector<std::uint64_t>{7});
-  EXPECT_EQ(books.status.applied_sequences, std::vector<std::uint64_t>{sequence});
   EXPECT_EQ(books.status.publisher_states, std::vector<std::uint8_t>{0});
   EXPECT_FALSE(books.status.contacts_truncated);
   EXPECT_GT(books.status.stamp.version, 0U);
