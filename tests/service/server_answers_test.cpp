@@ -143,6 +143,40 @@ TEST_F(ServerAnswers, ADeadlineThatIsOverIsUndecided) {
   }
 }
 
+// Who asks for no error or deadline gets the server's: exact and in its own time where it was started without.
+TEST_F(ServerAnswers, TheServersErrorAndDeadlineAreOfQuestionsThatBringNone) {
+  start({"--namespace", "plain"}, "plain");
+  start({"--namespace", "loose", "--error", "1cm", "--deadline", "10min"}, "loose");
+  start({"--namespace", "late", "--deadline", "1ns"}, "late");
+  // A ray that grazes a tilted sheet at 1e-9 rad: the distance is sharpened for who needs it.
+  const std::vector<Vec3> corners{{-1e3, -1e3, 20.1}, {1e3, -1e3, 20.3}, {0, 2e3, 20.7}};
+  const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+  const Vec3 direction = (corners[2] - corners[0]).normalized() - 1e-9 * normal;
+  const RayQuestion grazing{.origin = (corners[0] + corners[1] + corners[2]) / 3 - 100 * direction, .direction = direction};
+  int sheets = 0;
+  const auto error_m = [&](const std::string& name, const AskOptions& options = {}) {
+    const std::string sheet = "sheet" + std::to_string(++sheets);
+    Client client = connect(name);
+    Publisher publisher = publish(client, "tester");
+    EXPECT_TRUE(publisher.add({.name = sheet, .shape = {MeshShape{.vertices = corners, .triangles = {{0, 1, 2}}}}}));
+    AskOptions fresh = options;
+    fresh.fresh = true;
+    fresh.only = sheet;
+    const Result<Answer> answer = client.ask(grazing, fresh);
+    EXPECT_TRUE(answer) << answer.error().message;
+    if (!answer || answer->verdict != Verdict::hit) return -1.0;
+    return answer->hits[0].error_m;
+  };
+  const double exact_m = error_m("plain");
+  EXPECT_GE(exact_m, 0);
+  EXPECT_LT(exact_m, 1e-7);
+  EXPECT_GT(error_m("loose"), exact_m);
+  EXPECT_LE(error_m("loose"), 1e-2);
+  EXPECT_LE(error_m("loose", {.error_m = 1e-9}), 1e-9);
+  EXPECT_EQ(error_m("late"), -1.0);
+  EXPECT_EQ(error_m("late", {.deadline = 10min}), exact_m);
+}
+
 // Reply partitions are fewer than clients may be, so some of these share one: each gets its own answers and no other's.
 TEST_F(ServerAnswers, ClientsThatShareAPartitionGetTheirOwn) {
   start();

@@ -59,6 +59,75 @@ TEST(Inbox, MergesWhatIsSupersededAndCountsIt) {
   EXPECT_EQ(inbox.counts().poses_dropped, 1U);
 }
 
+// What is left of many batches has the stamps of the newest, for each publisher its own.
+TEST(Inbox, WhatWasMergedHasTheStampsOfTheNewest) {
+  Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .definition_bytes = 1'000, .jobs = 1});
+  for (const std::uint64_t publisher : {7, 8}) {
+    for (std::uint64_t sequence = 1; sequence <= 3; ++sequence) {
+      auto sample = batch(publisher * 10 + sequence, {{1, static_cast<double>(sequence)}});
+      sample->publisher = publisher;
+      sample->incarnation = publisher * 2;
+      sample->definitions_through = sequence == 2 ? 40 : 4;
+      sample->source_time_ns = static_cast<std::int64_t>(publisher * 100 + sequence);
+      sample->received_ns = static_cast<std::int64_t>(publisher * 1'000 + sequence);
+      inbox.push(std::move(sample));
+    }
+  }
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 2U);
+  for (const Arrival& arrival : arrivals) {
+    const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrival);
+    EXPECT_EQ(merged.incarnation, merged.publisher * 2);
+    EXPECT_EQ(merged.sequence, merged.publisher * 10 + 3);
+    EXPECT_EQ(merged.definitions_through, 40U) << "the poses of the second batch may be of those";
+    EXPECT_EQ(merged.source_time_ns, static_cast<std::int64_t>(merged.publisher * 100 + 3));
+    EXPECT_EQ(merged.received_ns, static_cast<std::int64_t>(merged.publisher * 1'000 + 3));
+    EXPECT_EQ(merged.flags, 0);
+    EXPECT_EQ(merged.poses, (std::vector<double>{0, 0, 3, 1, 0, 0, 0}));
+  }
+  EXPECT_EQ(inbox.counts().poses_superseded, 4U);
+}
+
+// A program that starts again while its earlier poses wait: they are of another life.
+TEST(Inbox, ALaterLifeTakesThePlaceOfAnEarlierOne) {
+  Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 3, .definition_bytes = 1'000, .jobs = 1});
+  inbox.push(batch(50, {{1, 1}, {2, 1}}, wire_contract::kTeleported));
+  auto reborn = batch(3, {{2, 5}});
+  reborn->incarnation = 2;
+  inbox.push(std::move(reborn));
+  inbox.push(batch(51, {{1, 9}}));  // late, of the earlier life
+  auto more = batch(4, {{3, 6}, {4, 6}});
+  more->incarnation = 2;
+  inbox.push(std::move(more));
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 1U);
+  const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrivals[0]);
+  EXPECT_EQ(merged.incarnation, 2U);
+  EXPECT_EQ(merged.sequence, 4U);
+  EXPECT_EQ(merged.flags, 0) << "it was the earlier life that jumped";
+  EXPECT_EQ(merged.object_numbers, (std::vector<std::uint32_t>{2, 3, 4})) << "the room of the earlier life's is free again";
+  EXPECT_EQ(inbox.counts().poses_superseded, 3U);
+  EXPECT_EQ(inbox.counts().poses_dropped, 0U);
+}
+
+// Once some are merged, a batch that would fit again must not overtake them; after a drain nothing of that is left.
+TEST(Inbox, NothingOvertakesWhatWasMerged) {
+  Inbox inbox({.batches = 9, .poses = 2, .merged_objects = 9, .definition_bytes = 1'000, .jobs = 1});
+  inbox.push(batch(1, {{1, 1}, {2, 1}}));
+  inbox.push(batch(2, {{1, 2}}));
+  EXPECT_EQ(drain(inbox).size(), 2U);
+  inbox.push(batch(3, {{1, 3}, {2, 3}, {3, 3}}));
+  inbox.push(batch(4, {{1, 4}}));
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 1U) << "the second would have fit";
+  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[0])->poses[2], 4);
+  inbox.push(batch(5, {{2, 5}}));
+  const std::vector<Arrival> next = drain(inbox);
+  ASSERT_EQ(next.size(), 1U);
+  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(next[0])->object_numbers, std::vector<std::uint32_t>{2}) << "1 and 3 were told already";
+  EXPECT_EQ(inbox.counts().poses_superseded, 1U);
+}
+
 // A skipped teleport must not become a sweep across the room.
 TEST(Inbox, AMergedTeleportStaysOne) {
   Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .definition_bytes = 1'000, .jobs = 1});

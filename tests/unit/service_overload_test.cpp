@@ -34,5 +34,20 @@ TEST(Overload, LeavesOutInOrderAndSaysSo) {
   EXPECT_NE(said.back().find("no longer overloaded"), std::string::npos);
 }
 
+// Calm is so many ticks in a row: one with too much in between begins the count again.
+TEST(Overload, IsTakenBackOnlyAfterCalmWithoutABreak) {
+  Overload overload([](const std::string&) {});
+  for (int i = 0; i < 2; ++i) overload.note(true, false);
+  for (int round = 0; round < 5; ++round) {
+    for (int i = 0; i + 1 < Overload::kCalmTicks; ++i) overload.note(false, false);
+    EXPECT_EQ(overload.stage(), Stage::low_questions) << round;
+    overload.note(round % 2 == 0, round % 2 == 1);
+  }
+  for (int i = 0; i < Overload::kCalmTicks; ++i) overload.note(false, false);
+  EXPECT_EQ(overload.stage(), Stage::details);
+  for (int i = 0; i + 1 < Overload::kCalmTicks; ++i) overload.note(false, false);
+  EXPECT_EQ(overload.stage(), Stage::details) << "each stage has its own calm";
+}
+
 }  // namespace
 }  // namespace collided::service

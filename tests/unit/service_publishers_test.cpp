@@ -539,5 +539,35 @@ TEST_F(PublishersTest, EveryPublisherIsShownWithItsNameAndSilence) {
   EXPECT_EQ(shown, (std::vector<std::pair<std::string, std::int64_t>>{{"test", 600}, {"arm", 100}}));
 }
 
+// Definitions of two objects may come in either order: what has been seen is the newest of them.
+TEST_F(PublishersTest, AnOlderDefinitionThatComesLateUnsaysNoneOfTheNewer) {
+  define(definition(2, 4, "newer", 6));
+  define(definition(1, 3, "older"));
+  move(pose(5, {{1, 2}}, 4));
+  step();
+  EXPECT_EQ(publishers.counts().batches_parked, 0U);
+  EXPECT_EQ(height("older"), 2);
+  EXPECT_EQ(publishers.applied_through(kPublisher), 5U);
+}
+
+// Somebody else has taken the object out of the world: its number says nothing of what has its slot now.
+TEST_F(PublishersTest, APoseOfAnObjectThatIsGoneMovesNobody) {
+  define(definition(1, 1, "ball"));
+  step();
+  const ObjectId gone = *world.find("ball");
+  world.remove(gone, EndReason::removed);
+  step();
+  ObjectDefinition other;
+  other.name = "other";
+  other.shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 0.5});
+  other.pose.position = {0, 0, 7};
+  const auto defined = world.define(other);
+  ASSERT_EQ(slot_of(std::get<ObjectId>(defined)), slot_of(gone));
+  move(pose(2, {{1, 2}}));
+  step();
+  EXPECT_EQ(height("other"), 7);
+  EXPECT_EQ(publishers.counts().poses_unknown, 1U);
+}
+
 }  // namespace
 }  // namespace collided::service

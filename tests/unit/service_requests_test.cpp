@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <limits>
 #include <unistd.h>
 
 #include "server/service/epoch.hpp"
@@ -57,6 +59,24 @@ TEST(SequenceWatermark, ALateDefinitionIsWaitedForWhateverIsUnderWay) {
   EXPECT_EQ(mark.through(), 2 + kUnderWay);
 }
 
+// What is lost is given up so long after it was missed, however much comes behind it meanwhile.
+TEST(SequenceWatermark, AGapIsAsOldAsItsBeginning) {
+  SequenceWatermark mark;
+  mark.apply_pose(1, 0);
+  constexpr std::int64_t kTenth = SequenceWatermark::kGapPatienceNs / 10;
+  for (std::uint64_t i = 0; i < 10; ++i) mark.apply_pose(3 + i, static_cast<std::int64_t>(i) * kTenth);
+  mark.settle(10 * kTenth - 1);
+  EXPECT_EQ(mark.through(), 1U);
+  mark.settle(10 * kTenth);
+  EXPECT_EQ(mark.through(), 12U);
+  // The next gap is another one, with its own patience.
+  mark.apply_pose(14, 12 * kTenth);
+  mark.settle(21 * kTenth);
+  EXPECT_EQ(mark.through(), 12U);
+  mark.settle(22 * kTenth);
+  EXPECT_EQ(mark.through(), 14U);
+}
+
 // A late datagram moves the pose's reception, not the time at which it was true.
 TEST(SourceClock, TakesTheJitterOffTheWay) {
   SourceClock clock;
@@ -74,6 +94,20 @@ TEST(SourceClock, AWildClockShiftsPosesByItsBoundOnly) {
     const std::int64_t time_ns = clock.server_time_ns(source_ns, received_ns);
     EXPECT_LE(time_ns, received_ns);
     EXPECT_GE(time_ns, received_ns - SourceClock::kMostJitterNs);
+  }
+}
+
+// The publisher's clock is set back by twice the bound: from then on it counts anew, at once.
+TEST(SourceClock, AClockThatWasSetBackIsBelievedFromThenOn) {
+  for (const std::int64_t back_ns : {SourceClock::kMostJitterNs * 2, SourceClock::kMostJitterNs / 2}) {
+    SourceClock clock;
+    EXPECT_EQ(clock.server_time_ns(10'000'000'000, 20'000'000'000), 20'000'000'000);
+    const std::int64_t told_ns = clock.server_time_ns(10'001'000'000 - back_ns, 20'001'000'000);
+    if (back_ns > SourceClock::kMostJitterNs) {
+      EXPECT_EQ(told_ns, 20'001'000'000);
+    } else {
+      EXPECT_EQ(told_ns, 20'001'000'000 - back_ns + 100) << "late on its way, less what clocks drift in a millisecond";
+    }
   }
 }
 
@@ -99,6 +133,23 @@ TEST_F(LeaseBookTest, AllChunksOfARequestSeeOneState) {
   EXPECT_EQ(book.size(), 1U) << "the last chunk lets the state go";
   EXPECT_FALSE(version(1, 1, 3)) << "a chunk after the last one has no state";
   EXPECT_FALSE(version(9, 1, 3)) << "nor has one whose first chunk never came";
+}
+
+// Requests are counted by each client for itself: the same number is another request.
+TEST_F(LeaseBookTest, RequestsOfTwoClientsWithOneNumberAreTwo) {
+  const auto version_for = [&](std::uint64_t client, std::uint32_t chunk) {
+    const std::optional<SnapshotRing::Lease> lease = book.take(client, 5, chunk, 2, 0, 0);
+    return lease ? (*lease)->version : 0;
+  };
+  const std::uint64_t first = version_for(1, 0);
+  step();
+  const std::uint64_t second = version_for(2, 0);
+  EXPECT_EQ(second, first + 1);
+  EXPECT_EQ(book.size(), 2U);
+  step();
+  EXPECT_EQ(version_for(1, 1), first);
+  EXPECT_EQ(version_for(2, 1), second);
+  EXPECT_EQ(book.size(), 0U);
 }
 
 // Who opens requests and never ends them must not stop the world.
@@ -178,6 +229,39 @@ TEST(Fences, LetPassInOrderOnceTheSampleIsIn) {
   EXPECT_EQ(fences.pass(fourth), Fences::Outcome::passed);
   EXPECT_EQ(fences.take_overdue(Fences::kPatienceNs + 1).size(), 1U);
   EXPECT_TRUE(fences.empty());
+}
+
+// Both ends of what is allowed are answered, what lies beyond is refused by name.
+TEST(AskLimits, AreThoseThatTheRefusalNames) {
+  const std::vector<double> ray{0, 0, 0, 0, 0, 1, 1};
+  const auto refusal = [&](const std::function<void(wire::Query&)>& change) {
+    Ask ask;
+    wire::Query& query = *ask.query;
+    query.kind = static_cast<std::uint8_t>(wire_contract::QueryKind::ray);
+    query.chunk_count = 1;
+    query.max_hits = 1;
+    dds::borrow(query.numbers, ray);
+    change(query);
+    return why_refused(query).value_or("");
+  };
+  using wire_contract::kMaxHitsPerChunk;
+  using wire_contract::kMaxQuestionsPerRequest;
+  EXPECT_EQ(refusal([](wire::Query&) {}), "");
+  EXPECT_EQ(refusal([](wire::Query& q) { q.chunk_count = 4, q.chunk_index = 3; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = 4, q.chunk_index = 4; }).find("they count from 0"), std::string::npos);
+  EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = 0; }), "");
+  EXPECT_EQ(refusal([](wire::Query& q) { q.chunk_count = kMaxQuestionsPerRequest; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = kMaxQuestionsPerRequest + 1; }), "");
+  EXPECT_EQ(refusal([](wire::Query& q) { q.first_question = kMaxQuestionsPerRequest - 1; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.first_question = kMaxQuestionsPerRequest; }), "");
+  EXPECT_EQ(refusal([](wire::Query& q) { q.max_hits = kMaxHitsPerChunk; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.max_hits = kMaxHitsPerChunk + 1; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.max_hits = 0; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.deadline_ns = -1; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.error_asked_m = -1e-300; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.error_asked_m = std::numeric_limits<double>::quiet_NaN(); }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.kind = 7; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.mode = 3; }), "");
 }
 
 /// Answers of `questions` spheres that all meet the same `objects`.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <set>
@@ -271,6 +272,52 @@ TEST_F(WorldLoopTest, AWayThatCannotBeFollowedIsSaid) {
   define(2, {-1e300, 0, 0}, false, {{Box{.center = Vec3::Zero(), .half_m = {1, 2, 1}}}, nullptr});
   move(2, {1e300, 0, 0});
   EXPECT_TRUE(books.wait([&] { return books.notices.find("could not be followed from pose to pose") != std::string::npos; }));
+}
+
+// Every pose that came is in one of the two counts, and every object in those that it belongs to.
+TEST_F(WorldLoopTest, TheStatusCountsEverything) {
+  Scene scene{.name = "hall"};
+  scene.mesh.vertices = {{-9, -9, -50}, {9, -9, -50}, {0, 9, -50}};
+  scene.mesh.triangles = {{0, 1, 2}, {0, 2, 1}};
+  scene.parts = {{.name = "hall/floor", .first_triangle = 0, .triangle_count = 2, .filter = {}}};
+  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, World::index_scene(scene, {}))));
+  questions.answered = 31;
+  questions.refused = 32;
+  questions.undecided = 33;
+  define(1, {0, 0, 0});
+  define(2, {5, 0, 0});
+  move(9, {0, 0, 1});                                                 // of nobody
+  move(1, {std::numeric_limits<double>::quiet_NaN(), 0, 0});          // refused
+  move(1, {0, 0, 1});
+  sequence -= 1;
+  move(1, {0, 0, 2});                                                 // the same number again: late
+  const std::size_t batches = InboxLimits{}.batches;
+  for (std::size_t i = 4; i < batches; ++i) move(1, {0, 0, 3});
+  for (int i = 0; i < 3; ++i) move(1, {0, 0, 4});                     // two of them are superseded
+  auto malformed = inbox.spare();
+  malformed->publisher = 7;
+  malformed->incarnation = 1;
+  malformed->object_numbers = {1, 2};
+  malformed->poses.clear();
+  inbox.push(std::move(malformed));                                   // two dropped
+  start();
+  // What was merged leaves a gap of numbers, which is waited for before it is given up.
+  const std::vector<std::uint64_t> applied{sequence};
+  EXPECT_TRUE(books.wait([&] { return books.status.poses_applied == batches - 2 && books.status.applied_sequences == applied; }));
+  const std::lock_guard lock(books.mutex);
+  EXPECT_EQ(books.status.poses_dropped, 7U);
+  EXPECT_EQ(books.status.object_count, 3U);
+  EXPECT_EQ(books.status.moving_count, 2U);
+  EXPECT_EQ(books.status.static_triangles, 2U);
+  EXPECT_EQ(books.status.scenes, "hall");
+  EXPECT_EQ(books.status.questions_answered, 31U);
+  EXPECT_EQ(books.status.questions_refused, 32U);
+  EXPECT_EQ(books.status.undecided_answers, 33U);
+  EXPECT_EQ(books.status.publishers, std::vector<std::uint64_t>{7});
+  EXPECT_EQ(books.status.publisher_states, std::vector<std::uint8_t>{0});
+  EXPECT_FALSE(books.status.contacts_truncated);
+  EXPECT_GT(books.status.stamp.version, 0U);
+  EXPECT_GT(books.status.stamp.world_time_ns, 0);
 }
 
 }  // namespace

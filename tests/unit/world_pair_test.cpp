@@ -48,6 +48,13 @@ void expect_turned(const PairReport& one, const PairReport& other) {
   EXPECT_EQ(one.contact.depth_m, other.contact.depth_m);
   EXPECT_EQ(one.contact.point, other.contact.point);
   EXPECT_EQ(one.contact.normal, -other.contact.normal);
+  EXPECT_EQ(one.contact.depth_error_m, other.contact.depth_error_m);
+  EXPECT_EQ(one.a_triangle, other.b_triangle);
+  EXPECT_EQ(one.b_triangle, other.a_triangle);
+  EXPECT_EQ(one.contained == Contained::a_in_b, other.contained == Contained::b_in_a);
+  EXPECT_EQ(one.contained == Contained::b_in_a, other.contained == Contained::a_in_b);
+  EXPECT_EQ(one.separation.error_m, other.separation.error_m);
+  EXPECT_EQ(one.separation.point_error_m, other.separation.point_error_m);
   EXPECT_EQ(one.separation.distance_m, other.separation.distance_m);
   EXPECT_EQ(one.separation.on_a, other.separation.on_b);
   EXPECT_EQ(one.separation.on_b, other.separation.on_a);
@@ -56,7 +63,9 @@ void expect_turned(const PairReport& one, const PairReport& other) {
   for (std::size_t i = 0; i < one.manifold.size(); ++i) {
     EXPECT_EQ(one.manifold[i].point, other.manifold[i].point);
     EXPECT_EQ(one.manifold[i].depth_m, other.manifold[i].depth_m);
+    EXPECT_EQ(one.manifold[i].depth_error_m, other.manifold[i].depth_error_m);
     EXPECT_EQ(one.manifold[i].a_triangle, other.manifold[i].b_triangle);
+    EXPECT_EQ(one.manifold[i].b_triangle, other.manifold[i].a_triangle);
   }
   EXPECT_EQ(one.crossing_count, other.crossing_count);
   std::set<std::pair<std::uint32_t, std::uint32_t>> turned;
@@ -124,6 +133,35 @@ TEST(PairReports, AreAsEveryPairOfPartsSays) {
   }
   EXPECT_GT(touching, 100);
   EXPECT_GT(apart, 50);
+}
+
+// Values known by hand, told in the order asked in, whichever name comes first in the alphabet.
+TEST(PairReports, NormalsPointsAndTrianglesAreThoseOfTheFirstAndTheSecondAsked) {
+  TriangleMesh floor{{{-9, -9, 0}, {9, 9, 0}, {-9, 9, 0}, {9, -9, 0}}, {{0, 1, 2}, {0, 3, 1}}};
+  for (const bool floor_named_first : {true, false}) {
+    Stage stage;
+    const ObjectId ground = stage.add(floor_named_first ? "a" : "z", extreme::mesh_shape(floor), extreme::at({0, 0, 0}));
+    const ObjectId high = stage.add("high", {.primitives = {Sphere{Vec3::Zero(), 0.5}}, .mesh = nullptr}, extreme::at({3, 1, 2}));
+    const ObjectId low = stage.add("low", {.primitives = {Sphere{Vec3::Zero(), 0.5}}, .mesh = nullptr}, extreme::at({3, 1, 0.25}));
+    stage.step();
+    const PairReport up = report(stage.world, ground, high);
+    ASSERT_EQ(up.touches, Decision::no);
+    EXPECT_NEAR(up.separation.distance_m, 1.5, up.separation.error_m);
+    EXPECT_NEAR((up.separation.normal - Vec3::UnitZ()).norm(), 0, 1e-12);
+    EXPECT_NEAR((up.separation.on_a - Vec3(3, 1, 0)).norm(), 0, 1e-12);
+    EXPECT_NEAR((up.separation.on_b - Vec3(3, 1, 1.5)).norm(), 0, 1e-12);
+    expect_turned(up, report(stage.world, high, ground));
+    const PairReport touching = report(stage.world, ground, low);
+    ASSERT_EQ(touching.touches, Decision::yes);
+    EXPECT_NEAR((touching.contact.normal - Vec3::UnitZ()).norm(), 0, 1e-12);
+    EXPECT_NEAR(touching.contact.depth_m, 0.25, touching.contact.depth_error_m + 1e-15);
+    EXPECT_EQ(touching.a_triangle, 1u) << "the half of the floor where x > y";
+    EXPECT_EQ(touching.b_triangle, wire_contract::kNoTriangle);
+    ASSERT_EQ(touching.manifold.size(), 1u);
+    EXPECT_EQ(touching.manifold[0].a_triangle, 1u);
+    EXPECT_EQ(touching.manifold[0].b_triangle, wire_contract::kNoTriangle);
+    expect_turned(touching, report(stage.world, low, ground));
+  }
 }
 
 TEST(PairReports, CountAllCrossingsAndTellWhatFits) {
