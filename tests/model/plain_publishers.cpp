@@ -32,7 +32,8 @@ void PlainPublishers::heard(std::uint64_t id, Party& party, WriterKind kind) {
 
 void PlainPublishers::back_alive(std::uint64_t id, Party& party) {
   party.lost = false;
-  for (auto& [number, object] : party.objects) {
+  for (const std::uint32_t number : party.numbers) {
+    Object& object = party.objects.at(number);
     if (object.place == Place::taken_away) enter({id, number}, object);
     if (object.place != Place::in_world || object.policy != LostPolicy::freeze) continue;
     object.is_stale = false;
@@ -97,6 +98,7 @@ void PlainPublishers::define(const service::DefinitionSample& sample, std::int64
   }
   heard(sample.publisher, *party, WriterKind::object);
   const Key key{sample.publisher, sample.object_number};
+  if (!party->objects.contains(sample.object_number)) party->numbers.push_back(sample.object_number);
   Object& object = party->objects[sample.object_number];
   if (sample.sequence <= object.defined_by) {
     ++counts.definitions_late;

@@ -34,6 +34,7 @@ class PlainPublishers {
     bool object_writer = false, pose_writer = false, lost = false, said_all = false;
     std::int64_t lost_ns = 0;
     std::map<std::uint32_t, Object> objects;
+    std::vector<std::uint32_t> numbers;  // in the order of their first definitions, which is that of coming back
     std::deque<service::PoseSample> parked;
     std::set<std::uint64_t> heard;  // sequences
     std::uint64_t through = 0, newest_definition = 0, newest_pose = 0;

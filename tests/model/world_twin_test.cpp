@@ -24,7 +24,7 @@ using wire_contract::RayMode;
 
 int steps_asked() {
   const char* asked = std::getenv("COLLIDED_TWIN_STEPS");
-  return asked != nullptr ? std::atoi(asked) : 600;
+  return asked != nullptr ? std::atoi(asked) : 300;
 }
 
 /// Like the product's globs, of the few patterns that are asked here: by themselves, a star at the end, a mark anywhere.
@@ -180,7 +180,7 @@ class WorldTwin : public testing::Test {
   void expect_same_events(const World& twin, const NamesById& twin_names) {
     const auto lines = [&](const World& world, const NamesById& names, const auto& same_order) {
       Lines all;
-      for (const Event& event : world.events()) all.push_back(told(event, names, {.point = same_order(pair_of(event.of, names)), .normal = all_moved_}));
+      for (const Event& event : world.events()) all.push_back(told(event, names, {.point = same_order(pair_of(event.of, names)), .normal = all_moved_ && event.kind != EventKind::ended}));
       std::sort(all.begin(), all.end());
       return all;
     };
@@ -213,6 +213,8 @@ class WorldTwin : public testing::Test {
       } else {
         EXPECT_EQ(event.of.episode, episodes_[pair]) << pair.first << " " << pair.second;
         EXPECT_EQ(episodes_.erase(pair), 1u);
+        const auto held = held_.find(pair);
+        if (held != held_.end()) expect_same({told(event.of, names_, {})}, {held->second}, "an end tells the contact as it last was");
         expect_reason(event, pair);
       }
       EXPECT_EQ(event.of.began_ns, began_ns_[pair]);
@@ -251,11 +253,13 @@ class WorldTwin : public testing::Test {
     NamesById twin_names;
     twin_names.learn(twin->objects());
     Lines here, there;
+    held_.clear();
     std::set<std::pair<std::string, std::string>> open, touching;
     for (const OpenContact& contact : world_->contacts()) {
       here.push_back(told(contact, names_, {.normal = all_moved_}));
       const auto pair = pair_of(contact, names_);
       open.insert(pair);
+      held_[pair] = told(contact, names_, {});
       EXPECT_EQ(contact.episode, episodes_.contains(pair) ? episodes_[pair] : 0);
       EXPECT_EQ(contact.began_ns, began_ns_[pair]);
     }
@@ -382,12 +386,15 @@ class WorldTwin : public testing::Test {
     Answers expected;
     QueryScratch scratch;
     answer(*twin->newest(), questions, expected, scratch);
-    const bool any = filter_.mode == RayMode::any;
+    // Of several that touch from the start the lowest id is told, and ids of parts hang on which slots were free.
+    const bool is_tie = questions.kind == QueryKind::sweep && !answers_.hits.empty() && answers_.hits[0].is_at_start();
+    const bool any = filter_.mode == RayMode::any || is_tie;
     const AnswerDetail detail{.hits = !any, .age = !any};
     const std::string asked = line("kind %d mode %d mask %u only '%s' skip '%s'", static_cast<int>(questions.kind),
                                    static_cast<int>(filter_.mode), filter_.mask, filter_.only.c_str(), filter_.skip.c_str());
     expect_same(told(answers_, names_, detail), told(expected, twin_names, detail), asked);
-    if (any || questions.kind == QueryKind::sweep || plain_.has_stale() || !plain_.is_covered_everywhere()) return;
+    const bool is_cut = filter_.max_hits < 1'000 && questions.kind != QueryKind::near;
+    if (any || is_cut || questions.kind == QueryKind::sweep || plain_.has_stale() || !plain_.is_covered_everywhere()) return;
     const AnswerDetail of_force{.point_error = false, .age = false};
     oracle::answer(*twin->newest(), questions, expected);
     expect_same(told(answers_, names_, of_force), told(expected, twin_names, of_force), "by force, " + asked);
@@ -422,6 +429,7 @@ class WorldTwin : public testing::Test {
   std::uint64_t sequence_ = 0;
   std::map<std::pair<std::string, std::string>, std::uint64_t> episodes_;
   std::map<std::pair<std::string, std::string>, std::int64_t> began_ns_;
+  std::map<std::pair<std::string, std::string>, std::string> held_;  // contacts as they were told after the last step
   Probes probes_;
   std::map<std::string, ProbeDefinition> probe_definitions_;
   QueryScratch scratch_;
