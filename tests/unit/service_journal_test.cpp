@@ -265,7 +265,7 @@ TEST(ServiceJournal, AFileOfBeforeThereWereCountsIsReadAndCountedFromThenOn) {
   Journal journal = open(platter);
   EXPECT_EQ(journal.entries(), book.entries);
   EXPECT_EQ(journal.damage(), "");
-  work(journal, 1, random);
+  journal.put(entry(9, random), Journal::Sync::now);
   EXPECT_EQ(open(platter).entries(), journal.entries());
   content.resize(content.size() - journal_layout::bytes_of(journal.entries().back()));
   EXPECT_NE(open(platter).damage().find("what came after is lost"), std::string::npos);
