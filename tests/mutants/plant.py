@@ -201,6 +201,17 @@ def still_there(planted, root, say):
     return kept
 
 
+def remove_others(tree, files):
+    """What an earlier copy had and the sources have no longer."""
+    for folder, folders, names in os.walk(tree):
+        if folder == tree and "build" in folders:
+            folders.remove("build")
+        for name in names:
+            path = os.path.join(folder, name)
+            if os.path.relpath(path, tree) not in files:
+                os.remove(path)
+
+
 def write_tree(root, tree, planted):
     """The tree is kept between runs: files whose text stays keep their time, so that only what changed is built."""
     listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=root, check=True,
@@ -208,9 +219,9 @@ def write_tree(root, tree, planted):
     by_file = {}
     for one in planted:
         by_file.setdefault(one.file, []).append(one)
-    for path in listed.stdout.split("\n"):
-        if not path or not os.path.isfile(os.path.join(root, path)):
-            continue
+    files = [path for path in listed.stdout.split("\n") if path and os.path.isfile(os.path.join(root, path))]
+    remove_others(tree, set(files))
+    for path in files:
         with open(os.path.join(root, path), "rb") as file:
             content = file.read()
         for one in sorted(by_file.get(path, []), key=lambda p: -p.start):
