@@ -285,16 +285,16 @@ TEST_F(Files, TheIndexIsToldByItsBytesATriangle) {
 }
 
 TEST_F(Files, AShareOfTheTrianglesIsThatShareAndANumberThatNumber) {
-  const std::string path = write("flat.stl", flat_stl(10));
+  const std::string path = write("flat.stl", flat_stl(4));
   const std::string out = (folder_ / "out.cscene").string();
-  for (const char* target : {"25%", "50", "24.9%"}) {
-    const Ran ran = run("convert " + path + " " + out + " --to " + target);
-    EXPECT_NE(ran.text.find("  simplify  50 of 200 triangles, "), std::string::npos) << target << ": " << ran.text;
-    EXPECT_EQ(checked(out)["triangles"], 50) << target;
+  for (const char* target : {"50%", "16", "49.9%"}) {
+    const Ran ran = run("convert " + path + " " + out + " --cost length --to " + target);
+    EXPECT_NE(ran.text.find("  simplify  16 of 32 triangles, "), std::string::npos) << target << ": " << ran.text;
+    EXPECT_EQ(checked(out)["triangles"], 16) << target;
   }
-  EXPECT_NE(run("convert " + path + " " + out + " --to 100%").text.find("  simplify  nothing: 200 triangles are asked for, the file has 200\n"), std::string::npos);
+  EXPECT_NE(run("convert " + path + " " + out + " --to 100%").text.find("  simplify  nothing: 32 triangles are asked for, the file has 32\n"), std::string::npos);
   for (const char* target : {"0", "0%", "101%", "25%%", "%", "many"}) {
-    const Ran ran = run("convert " + path + " " + out + " --to " + target);
+    const Ran ran = run("convert " + path + " " + out + " --cost length --to " + target);
     EXPECT_EQ(ran.code, 2) << target;
     EXPECT_NE(ran.text.find(std::string("error: --to '") + target + "'; a number of triangles, or of per cent of them, is needed: 5000 or 10%\n"),
               std::string::npos) << ran.text;
