@@ -110,17 +110,27 @@ def judged_before(path, options):
     return verdicts
 
 
+def known_tests(build, learned):
+    """The tests of which an earlier run knows what they reach, and the others."""
+    past = {}
+    if learned:
+        with open(learned, encoding="utf-8") as file:
+            past = json.load(file)
+    known, unknown = [], []
+    for test in judge.default_tests(build):
+        if test.name in past:
+            test.seconds, test.reaches = past[test.name]["seconds"], frozenset(past[test.name]["reaches"])
+        (known if test.name in past else unknown).append(test)
+    return known, unknown
+
+
 def prepared(options, source, work, tree):
     """The bugs that stand in a copy that is built, and the tests with what each reaches."""
     chosen, learned = os.path.join(work, "mutants.json"), os.path.join(work, "reached.json")
     build = os.path.join(tree, "build")
     if options.resume:
-        with open(learned, encoding="utf-8") as file:
-            known = json.load(file)
-        tests = [t for t in judge.default_tests(build) if t.name in known]
-        for test in tests:
-            test.seconds, test.reaches = known[test.name]["seconds"], frozenset(known[test.name]["reaches"])
-        return plant.load(chosen), tests
+        known, _ = known_tests(build, learned)
+        return plant.load(chosen), known
     if options.again:
         planted = plant.still_there(plant.load(chosen), source, say)
     else:
@@ -129,7 +139,8 @@ def prepared(options, source, work, tree):
     plant.save(planted, chosen)
     planted = plant.build_tree(source, tree, planted, say)
     plant.save(planted, chosen)
-    tests = judge.learn(judge.default_tests(build), 1 + max(p.number for p in planted), options.workers, say)
+    known, unknown = known_tests(build, learned if options.again else None)
+    tests = known + judge.learn(unknown, 1 + max(p.number for p in planted), options.workers, say)
     with open(learned, "w", encoding="utf-8") as file:
         json.dump({t.name: {"seconds": t.seconds, "reaches": sorted(t.reaches)} for t in tests}, file)
     return planted, tests
