@@ -1,5 +1,6 @@
 #include "server/world/candidates.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace collided {
@@ -53,7 +54,15 @@ Candidates::Lookers Candidates::movers_to_look() const {
       lookers.all = true;
     }
   }
-  if (!lookers.all) return lookers;
+  if (!lookers.all) {
+    const auto add = [&](std::uint32_t slot) {
+      if (!rows_.has_moved(slot)) lookers.slots.push_back(slot);
+    };
+    std::for_each(step_.motion.young().begin(), step_.motion.young().end(), add);
+    const std::vector<std::uint32_t>& travelling = step_.motion.history().travelling();
+    std::for_each(travelling.begin(), travelling.end(), add);
+    return lookers;
+  }
   lookers.slots.clear();
   for (std::uint32_t slot = 0; slot < rows_.size(); ++slot) {
     if (rows_.info(slot) != nullptr && rows_.info(slot)->moving) lookers.slots.push_back(slot);
@@ -71,7 +80,7 @@ bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_loo
   const auto found = [](void* raw, std::uint32_t other) {
     const Context& c = *static_cast<Context*>(raw);
     const ObjectRows& rows = c.candidates.rows_;
-    const bool looks_too = rows.info(other)->moving && (c.all_look || rows.has_moved(other));
+    const bool looks_too = rows.info(other)->moving && (c.all_look || rows.has_moved(other) || c.candidates.step_.motion.is_open(other));
     return other == c.mover || (looks_too && other < c.mover) || c.candidates.consider(c.mover, other);
   };
   grid.walk_box(step_.motion.bounds()[mover], found, &context, walk_);
@@ -98,8 +107,9 @@ bool Candidates::consider_waiting() {
 }
 
 bool Candidates::consider(std::uint32_t first, std::uint32_t second) {
-  if (!rows_.has_moved(first) && !rows_.has_moved(second) && !all_rest_too_) return true;
-  if (decisions_.has_room() && decisions_.stay_apart(first, second)) {
+  const bool on_common_time = step_.sources.need_common_time() && decisions_.are_on_common_time(first, second);
+  if (!on_common_time && !rows_.has_moved(first) && !rows_.has_moved(second) && !all_rest_too_) return true;
+  if (!on_common_time && decisions_.has_room() && decisions_.stay_apart(first, second)) {
     ++cost_.candidate_pairs;
     return true;
   }
@@ -111,7 +121,12 @@ bool Candidates::consider(std::uint32_t first, std::uint32_t second) {
     return true;
   }
   cost_.truncated = cost_.truncated || !decisions_.has_room();
-  if (!cost_.truncated) decisions_.decide_pair(first, second);
+  if (cost_.truncated) return false;
+  if (on_common_time) {
+    decisions_.decide_on_common_time(first, second);
+  } else {
+    decisions_.decide_pair(first, second);
+  }
   return !cost_.truncated;
 }
 

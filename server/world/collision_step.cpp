@@ -21,8 +21,8 @@ void end_removed(std::vector<std::pair<ObjectId, wire_contract::EndReason>>& rem
 
 /// The grid holds each mover's whole way since its last pose, so that pairs that met on the way are candidates. While
 /// nothing moves, the one of the state before serves.
-void index_motion(const StepMotion& motion, const Snapshot& current, bool has_moved, std::shared_ptr<Grid>& grid) {
-  if (!has_moved && current.grid) {
+void index_motion(const StepMotion& motion, const Snapshot& current, bool has_open, std::shared_ptr<Grid>& grid) {
+  if (!has_open && current.grid) {
     grid = current.grid;
     return;
   }
@@ -38,7 +38,6 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   Snapshot* next = s.ring.writable();
   if (next == nullptr) return false;
   const std::int64_t started = now_ns();
-  const bool has_moved = !s.rows.moved().empty();
   s.version += batches;
   ++s.step_count;
   s.cost = {.moved = static_cast<std::uint32_t>(s.rows.moved().size())};
@@ -46,18 +45,20 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   // Ingest: what came since the last step ends contacts and goes to the snapshot.
   s.ledger.begin_step(world_time_ns, wishes.persisted);
   end_removed(s.removed, s.ledger);
+  s.sources.begin_step(world_time_ns);
   s.rows.stamp_changes(s.step_count, world_time_ns);
   s.fill(*next, world_time_ns);
   const std::int64_t updated = now_ns();
 
   // Motion, and candidates by its bounds.
-  s.motion.begin_step(s.apart);
-  index_motion(s.motion, s.ring.current(), has_moved, next->grid);
+  s.motion.begin_step(s.sources, s.apart);
+  const bool has_open = !s.rows.moved().empty() || !s.motion.history().travelling().empty() || !s.motion.young().empty();
+  index_motion(s.motion, s.ring.current(), has_open, next->grid);
   const std::int64_t indexed = now_ns();
 
   // Decisions, into the ledger.
-  if (has_moved) {
-    s.decide({s.rows, s.motion, s.scenes, s.options, wishes, world_time_ns}, *next->grid);
+  if (has_open) {
+    s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, wishes, world_time_ns}, *next->grid);
     if (wishes.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
     s.looks_at_all = s.cost.truncated;
   } else {
@@ -69,7 +70,8 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   next->contacts_truncated = s.cost.truncated;
   s.ring.publish();
   s.apart.end_step();
-  s.motion.end_step();
+  s.sources.end_step();
+  s.motion.end_step(s.sources.oldest_asked_ns());
   s.rows.end_step();
   s.last_step_ns = world_time_ns;
   s.cost.update_ns = updated - started;

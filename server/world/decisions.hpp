@@ -7,6 +7,7 @@
 
 #include "server/world/apart_memory.hpp"
 #include "server/world/contact_ledger.hpp"
+#include "server/world/motion_history.hpp"
 #include "server/world/object_rows.hpp"
 #include "server/world/scene_touch.hpp"
 #include "server/world/step_motion.hpp"
@@ -19,6 +20,7 @@ namespace collided {
 struct StepView {
   const ObjectRows& rows;
   const StepMotion& motion;
+  const Sources& sources;
   const std::vector<std::shared_ptr<const StaticScene>>& scenes;  // in order of loading
   const WorldOptions& options;
   StepWishes wishes;
@@ -35,6 +37,26 @@ struct PartSweep {
 struct DecisionLists {
   PartTouches part_touches{true};
   std::vector<PartSweep> part_sweeps;
+  std::vector<std::int64_t> cuts;
+};
+
+/// The time in which a pair is decided: after from_ns, up to to_ns; the instant from_ns as well where it is closed.
+struct PairWindow {
+  std::int64_t from_ns = 0;
+  std::int64_t to_ns = 0;
+  bool is_closed = false;
+
+  bool is_empty() const { return is_closed ? to_ns < from_ns : to_ns <= from_ns; }
+};
+
+/// Two objects in a piece of time in which both go straight and turn evenly.
+struct PairPiece {
+  std::uint32_t a = 0;  // lower id
+  std::uint32_t b = 0;
+  std::int64_t from_ns = 0;
+  std::int64_t to_ns = 0;
+  BodyWay a_way;
+  BodyWay b_way;
 };
 
 /// The decisions of one step: each candidate's contact at the end of the step, and on the way there, goes to the ledger.
@@ -51,6 +73,11 @@ class Decisions {
   void decide_open();
   /// A contact that was not found again although one of the two moved is over.
   void end_parted(std::int64_t last_step_ns);
+  /// Whether the two are known up to different times, or moved at different ones; else they are decided at the step's end.
+  bool are_on_common_time(std::uint32_t first, std::uint32_t second) const;
+  /// Two such objects, on all time that is newly known of both, in pieces that end at the poses of both: the same for
+  /// whatever steps it comes in.
+  void decide_on_common_time(std::uint32_t first, std::uint32_t second);
   /// Two balls that certainly do not meet on their ways: most candidates, told from what lies in one place.
   bool stay_apart(std::uint32_t first, std::uint32_t second) const;
   /// Another pair may be tested, and found.
@@ -61,6 +88,9 @@ class Decisions {
   void report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
   Vec3 velocity_at(const Vec3& point, std::uint32_t slot, double time) const;
+  void decide_unfound();
+  double seconds_ago(std::int64_t time_ns) const;
+  bool is_timed(std::uint32_t slot) const;
 
   // scene_decisions.cpp
   void touch_scene(const Placed& a, const StaticScene& scene);
@@ -76,6 +106,26 @@ class Decisions {
   std::optional<SweptTouch> sweep_sphere(std::uint32_t mover, std::uint32_t other);
   SweptTouch sweep_bodies(std::uint32_t first, std::uint32_t second);
   SweepOptions sweep_options(std::uint32_t mover) const;
+
+  // common_time.cpp: pairs of several publishers
+  PairWindow window_of(std::uint32_t first, std::uint32_t second) const;
+  void cut(std::uint32_t first, std::uint32_t second, const PairWindow& window);
+  void decide_piece(const PairPiece& piece);
+  void decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, bool is_jump);
+  Touch touch_at_end(const PairPiece& piece);
+  SweptTouch sweep_piece(const PairPiece& piece);
+  std::optional<SweptTouch> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere);
+  bool surely_stay_apart(const PairPiece& piece) const;
+  void begin_on_way(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep);
+  ContactEnd parting(const PairPiece& piece);
+  FoundContact found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
+                        const Contact& contact, double time) const;
+  struct PieceBracket {
+    double low_s = 0;  // before the step's world time
+    double high_s = 0;
+  };
+  PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
+  bool may_begin();
 
   // kept_apart.cpp: meshes that need no test for a while
   double gap_wanted_m(std::uint32_t slot) const;

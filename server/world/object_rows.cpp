@@ -30,8 +30,10 @@ ObjectId ObjectRows::take_slot() {
     table_to_change().emplace_back();
     rows_.emplace_back();
     motion_.push_back(Motion::none);
+    news_.push_back(0);
     changed_.push_back(0);
     generations_.push_back(1);
+    source_.push_back(Sources::kResting);
   }
   return (static_cast<ObjectId>(generations_[slot]) << 32) | slot;
 }
@@ -43,8 +45,10 @@ void ObjectRows::put(std::shared_ptr<const ObjectInfo> info) {
   mark(slot, Motion::placed);
 }
 
-void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose) {
+void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, std::uint32_t source,
+                     std::int64_t born_ns) {
   ObjectRow& row = rows_[slot_of(info->id)];
+  source_[slot_of(info->id)] = source;
   row.movable = info->id;
   row.pose = pose;
   row.frame = row.frame_before = frame_of(pose);
@@ -52,8 +56,8 @@ void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose) {
   row.lone_sphere = lone_sphere(*info);
   row.size = size_of(*info);
   row.has_way = false;
-  // A mover is where it is from the next step's world time on.
-  row.posed_ns = row.posed_before_ns = info->moving ? kPosedAtStep : 0;
+  row.posed_ns = row.posed_before_ns = row.said_before_ns = row.born_ns = info->moving ? born_ns : 0;
+  news_[slot_of(info->id)] = kDefined;
   put(std::move(info));
 }
 
@@ -66,23 +70,26 @@ void ObjectRows::remove(ObjectId id) {
   row.movable = 0;
   row.lone_sphere.reset();
   row.is_stale = false;
+  source_[slot] = Sources::kResting;
   freed_.push_back(slot);
   mark(slot, Motion::placed);
 }
 
-bool ObjectRows::move(ObjectId id, const Pose& pose, std::int64_t time_ns, Motion how) {
+bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how) {
   const std::uint32_t slot = slot_of(id);
   if (slot >= rows_.size() || rows_[slot].movable != id || id == 0) return false;
   ObjectRow& row = rows_[slot];
   if (motion_[slot] == Motion::none) {
     row.frame_before = row.frame;
-    row.posed_before_ns = row.posed_ns;
+    row.said_before_ns = row.posed_ns;
+    row.posed_before_ns = row.posed_ns == kPosedAtStep ? row.posed_ns : std::max(row.posed_ns, at.since_ns);
   }
   row.pose = pose;
   row.frame = frame_of(pose);
   row.bounds = row.lone_sphere ? bounds(place(row.frame, *row.lone_sphere)) : bounds_of(*info(slot), row.frame);
   // An object's time does not go back, whatever its publisher's clock does: brackets are measured in it.
-  row.posed_ns = std::max(row.posed_ns, time_ns);
+  row.posed_ns = std::max(row.posed_ns, at.time_ns);
+  news_[slot] |= kPosed;
   row.has_way = how == Motion::moved;
   mark(slot, how);
   return true;
@@ -109,7 +116,9 @@ void ObjectRows::stamp_changes(std::uint64_t step, std::int64_t world_time_ns) {
   step_ = step;
   for (const std::uint32_t slot : moved_) {
     changed_[slot] = step;
-    if (rows_[slot].posed_ns == kPosedAtStep) rows_[slot].posed_ns = world_time_ns;
+    ObjectRow& row = rows_[slot];
+    if (row.born_ns == kPosedAtStep) row.born_ns = world_time_ns;
+    if (row.posed_ns == kPosedAtStep) row.posed_ns = world_time_ns;
   }
 }
 
@@ -138,7 +147,10 @@ void ObjectRows::copy_changes(Snapshot& to) {
 }
 
 void ObjectRows::end_step() {
-  for (const std::uint32_t slot : moved_) motion_[slot] = Motion::none;
+  for (const std::uint32_t slot : moved_) {
+    motion_[slot] = Motion::none;
+    news_[slot] = 0;
+  }
   moved_.clear();
   free_slots_.insert(free_slots_.end(), freed_.begin(), freed_.end());
   freed_.clear();

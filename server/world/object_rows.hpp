@@ -11,6 +11,7 @@
 #include "server/exact_phase/body_way.hpp"
 #include "server/world/object.hpp"
 #include "server/world/snapshot.hpp"
+#include "server/world/sources.hpp"
 #include "server/world/sweep.hpp"
 
 namespace collided {
@@ -34,6 +35,14 @@ struct ObjectRow {
   MoverSize size;
   bool has_way = false;                // the last two poses are the ends of a way
   bool is_stale = false;
+  std::int64_t born_ns = 0;            // where its definition's pose begins to hold
+  std::int64_t said_before_ns = 0;     // of its pose before, however long it rested since
+};
+
+/// When a pose holds, and how the object came there.
+struct PoseTime {
+  std::int64_t time_ns = 0;
+  std::int64_t since_ns = 0;  // it rested up to there
 };
 
 /// The table of objects: the one place where rows are added, removed, moved and copied. A row's number is the object's
@@ -48,13 +57,14 @@ class ObjectRows {
   ObjectId take_slot();
   /// The object named by info->id: a part of a scene, or one that has a pose.
   void put(std::shared_ptr<const ObjectInfo> info);
-  void put(std::shared_ptr<const ObjectInfo> info, const Pose& pose);
+  /// source: whose time it is known by; born_ns: kPosedAtStep, or the instant from which it is there.
+  void put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, std::uint32_t source, std::int64_t born_ns);
   /// Its slot is free again after the step that ends its contacts.
   void remove(ObjectId id);
 
   // Moving.
   /// False: no such object, or it does not move.
-  bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, Motion how);
+  bool move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how);
   /// What move() writes of an object, for writing; a hint, so any slot will do.
   void prefetch(std::uint32_t slot) const;
   /// Everything that moves is looked at again: what was there before may touch what came.
@@ -74,7 +84,13 @@ class ObjectRows {
   const ObjectInfo* find(ObjectId id) const;
   std::optional<ObjectId> find(std::string_view name) const;
   std::size_t name_count() const { return names_.size(); }
+  /// Sources::kResting: it does not move.
+  std::uint32_t source(std::uint32_t slot) const { return source_[slot]; }
   Motion motion(std::uint32_t slot) const { return motion_[slot]; }
+  /// Defined since the last step.
+  bool is_new(std::uint32_t slot) const { return (news_[slot] & kDefined) != 0; }
+  /// Has a pose since the last step that is not its definition's.
+  bool is_posed(std::uint32_t slot) const { return (news_[slot] & kPosed) != 0; }
   bool has_moved(std::uint32_t slot) const { return motion_[slot] != Motion::none; }
   const std::vector<std::uint32_t>& moved() const { return moved_; }
   bool has_lower_id(std::uint32_t slot, std::uint32_t than) const {
@@ -88,8 +104,11 @@ class ObjectRows {
   std::vector<ObjectRow> rows_;
   // Beside the rows, since they are read for all objects.
   std::vector<Motion> motion_;
+  enum News : std::uint8_t { kDefined = 1, kPosed = 2 };
+  std::vector<std::uint8_t> news_;      // since the last step
   std::vector<std::uint64_t> changed_;  // step of the last change
   std::vector<std::uint32_t> generations_;
+  std::vector<std::uint32_t> source_;
 
   std::shared_ptr<ObjectTable> table_;  // replaced when a definition changes
   std::uint64_t table_version_ = 0;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/world/touch.hpp"
+
 namespace collided {
 namespace {
 
@@ -9,12 +11,26 @@ namespace {
 /// two that pass through each other go at least their two widths.
 constexpr double kUnsweptShare = 0.5;
 
+BodyWay way_between(const ObjectRow& row, const Frame& before) {
+  if (!row.lone_sphere) return {before, row.frame};
+  BodyWay way{row.frame, row.frame};
+  const Vec3& center = row.lone_sphere->center;
+  way.from.position = place(before, center) - (place(row.frame, center) - row.frame.position);
+  way.travel = way.to.position - way.from.position;
+  return way;
+}
+
 }  // namespace
 
-void StepMotion::begin_step(ApartMemory& apart) {
+void StepMotion::begin_step(const Sources& sources, ApartMemory& apart) {
   bounds_.resize(rows_.size());
   balls_.resize(rows_.size());
   fast_.resize(rows_.size());
+  open_.resize(rows_.size());
+  for (const std::uint32_t slot : widened_) {
+    if (!rows_.has_moved(slot)) bounds_[slot] = rows_[slot].bounds;
+  }
+  widened_.assign(rows_.moved().begin(), rows_.moved().end());
   for (const std::uint32_t slot : rows_.moved()) {
     const ObjectRow& row = rows_[slot];
     const std::optional<MovingSphere> way = sphere_way(slot);
@@ -27,14 +43,42 @@ void StepMotion::begin_step(ApartMemory& apart) {
     }
     set_ball(slot, way);
     count_way(slot, apart);
+    if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
+    if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
+    if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr) remember(slot);
+  }
+  for (const std::uint32_t slot : young_) open_[slot] = 1;
+  for (const std::uint32_t slot : history_.travelling()) {
+    open_[slot] = 1;
+    if (!rows_.has_moved(slot)) widened_.push_back(slot);
+    bounds_[slot].extend(history_.bounds(slot));
   }
 }
 
-void StepMotion::end_step() {
-  for (const std::uint32_t slot : rows_.moved()) {
-    bounds_[slot] = rows_[slot].bounds;
-    fast_[slot] = 0;
+void StepMotion::end_step(std::int64_t oldest_asked_ns) {
+  for (const std::uint32_t slot : rows_.moved()) fast_[slot] = 0;
+  for (const std::uint32_t slot : young_) open_[slot] = 0;
+  for (const std::uint32_t slot : history_.travelling()) open_[slot] = 0;
+  std::erase_if(young_, [&](std::uint32_t slot) {
+    return rows_.info(slot) == nullptr || rows_[slot].born_ns <= oldest_asked_ns;
+  });
+  history_.forget_up_to(oldest_asked_ns);
+}
+
+void StepMotion::remember(std::uint32_t slot) {
+  const ObjectRow& row = rows_[slot];
+  MotionSegment segment{.from_ns = row.posed_ns, .to_ns = row.posed_ns, .from = row.frame_before, .to = row.frame,
+                        .bounds = row.bounds};
+  if (row.has_way && row.posed_before_ns < row.posed_ns) {
+    segment.from_ns = row.posed_before_ns;
+    const BodyWay way = way_between(row, row.frame_before);
+    segment.from = way.from;
+    segment.to = way.to;
+    segment.bounds = collided::bounds(*rows_.info(slot), way, row.size.reach_m);
+  } else {
+    segment.bounds.extend(bounds_of(*rows_.info(slot), row.frame_before));
   }
+  history_.add(slot, segment);
 }
 
 bool StepMotion::turns_fast(std::uint32_t slot) const {
@@ -59,13 +103,7 @@ bool StepMotion::goes_fast(std::uint32_t slot) const {
 
 BodyWay StepMotion::body_way(std::uint32_t slot) const {
   const ObjectRow& row = rows_[slot];
-  const Frame& before = rows_.motion(slot) == Motion::moved ? row.frame_before : row.frame;
-  if (!row.lone_sphere) return {before, row.frame};
-  BodyWay way{row.frame, row.frame};
-  const Vec3& center = row.lone_sphere->center;
-  way.from.position = place(before, center) - (place(row.frame, center) - row.frame.position);
-  way.travel = way.to.position - way.from.position;
-  return way;
+  return way_between(row, rows_.motion(slot) == Motion::moved ? row.frame_before : row.frame);
 }
 
 double StepMotion::longest_way_m(std::uint32_t slot, double reach_m) const {

@@ -207,7 +207,10 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
     info->cut = definition.cut;
     info->part_triangles = static_cast<std::uint32_t>(definition.shape.mesh->triangles.size());
   }
-  s.rows.put(std::move(info), definition.pose);
+  const Source* known = s.sources.find(definition.publisher);
+  const std::int64_t born_ns = known != nullptr && known->is_timed ? known->known_ns : kPosedAtStep;
+  const std::uint32_t source = definition.moving ? s.sources.add_object(definition.publisher) : Sources::kResting;
+  s.rows.put(std::move(info), definition.pose, source, born_ns);
   return id;
 }
 
@@ -216,13 +219,29 @@ bool World::remove(ObjectId id, wire_contract::EndReason reason) {
   if (s.rows.find(id) == nullptr) return false;
   s.removed.emplace_back(id, reason);
   s.forget_stale(id);
+  const std::uint32_t source = s.rows.source(slot_of(id));
+  if (source != Sources::kResting) s.sources.remove_object(source);
   s.rows.remove(id);
   return true;
 }
 
+bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed) {
+  const std::uint32_t slot = slot_of(id);
+  if (slot >= rows.size()) return false;
+  const std::uint32_t source = rows.source(slot);
+  PoseTime at{.time_ns = time_ns};
+  if (source != Sources::kResting) {
+    if (is_streamed) sources.note_streamed(source);
+    sources.note_posed(source);
+    at.time_ns = sources[source].admitted(time_ns);
+    if (sources[source].is_timed) at.since_ns = is_streamed ? time_ns - kStreamGapNs : sources[source].instant_before(at.time_ns);
+  }
+  return rows.move(id, pose, at, teleport ? Motion::placed : Motion::moved);
+}
+
 bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport) {
   const OwnFloatEnvironment own_floats;
-  const bool moved = state_->rows.move(id, pose, time_ns, teleport ? Motion::placed : Motion::moved);
+  const bool moved = state_->move(id, pose, time_ns, teleport, false);
   // Somebody else put it there.
   for (StaleObject& stale : state_->stale_objects) {
     if (stale.id == id) stale.position = pose.position, stale.speed_mps = 0;
@@ -231,15 +250,21 @@ bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool telep
 }
 
 void World::move(std::span<const ObjectId> ids, std::span<const Pose> poses, std::int64_t time_ns, bool teleport,
-                 std::span<bool> moved) {
+                 std::span<bool> moved, bool is_streamed) {
   constexpr std::size_t kAhead = 8;
   const OwnFloatEnvironment own_floats;
-  const Motion how = teleport ? Motion::placed : Motion::moved;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (i + kAhead < ids.size()) state_->rows.prefetch(slot_of(ids[i + kAhead]));
-    moved[i] = state_->rows.move(ids[i], poses[i], time_ns, how);
+    moved[i] = state_->move(ids[i], poses[i], time_ns, teleport, is_streamed);
   }
 }
+
+bool World::advance(std::uint64_t publisher, std::int64_t time_ns) {
+  state_->sources.advance(publisher, time_ns);
+  return state_->sources.are_several();
+}
+
+void World::lose(std::uint64_t publisher) { state_->sources.lose(publisher); }
 
 bool World::has_moved(ObjectId id) const {
   return slot_of(id) < state_->rows.size() && state_->rows.has_moved(slot_of(id));

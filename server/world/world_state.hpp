@@ -21,6 +21,7 @@ struct World::State {
   SnapshotRing ring;
 
   ObjectRows rows;
+  Sources sources;
   std::vector<std::shared_ptr<const StaticScene>> scenes;  // in order of loading
   std::vector<StaleObject> stale_objects;
   std::map<std::string, std::vector<Aabb>, std::less<>> covers_of;  // by scene; "": of the world
@@ -42,6 +43,7 @@ struct World::State {
   std::shared_ptr<const IndexedMesh> mesh_for(const ObjectDefinition& definition);
   void fill(Snapshot& next, std::int64_t world_time_ns);
   void decide(const StepView& step, const Grid& grid);
+  bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed);
   void forget_stale(ObjectId id);
   void gather_covers();
 };
