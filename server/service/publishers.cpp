@@ -323,7 +323,7 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
   for (const PoseSample& part : publisher.parts) apply_batch(publisher, part, stamp, now_ns);
   publisher.parts.clear();
   apply_batch(publisher, last, stamp, now_ns);
-  if (stamp.time_ns > 0 && stamp.kind != StampKind::late && world_.advance(publisher.id, stamp.time_ns)) ++changes_;
+  if (stamp.time_ns > 0 && world_.advance(publisher.id, stamp.time_ns)) ++changes_;
   counts_.stamps_late += stamp.kind == StampKind::late ? 1 : 0;
   counts_.stamps_jumped += stamp.kind == StampKind::jumped ? 1 : 0;
   counts_.stamps_missing += stamp.kind == StampKind::none ? 1 : 0;
@@ -332,11 +332,6 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
 
 void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, const WorldStamp& stamp,
                              std::int64_t now_ns) {
-  if (stamp.kind == StampKind::late) {
-    counts_.poses_late += sample.object_numbers.size();
-    publisher.watermark.apply_pose(sample.sequence, now_ns);
-    return;
-  }
   find_all(publisher, sample);
   if ((sample.flags & wire_contract::kAllSaid) != 0) publisher.said_all = true;
   ++batch_;

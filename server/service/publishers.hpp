@@ -42,7 +42,7 @@ struct PublisherCounts {
   std::uint64_t poses_late = 0;
   std::uint64_t poses_unknown = 0;  // of an object that is not in the world
   std::uint64_t poses_refused = 0;
-  std::uint64_t stamps_late = 0;    // batches before what their publisher had said already: refused
+  std::uint64_t stamps_late = 0;    // batches before what their publisher had said: they count as its next instant
   std::uint64_t stamps_jumped = 0;  // its clock went back or ahead by more than a lease: its objects are placed anew
   std::uint64_t stamps_missing = 0; // the reception counts
   std::uint64_t publishers_refused = 0;

@@ -18,7 +18,7 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
     offset_ns_ = off_ns >= -kMostOffNs && off_ns <= kMostOffNs ? 0 : off_ns;
   }
   const std::int64_t time_ns = source_ns + offset_ns_;
-  if (started_ && !jumped && time_ns < newest_ns_) return {newest_ns_, StampKind::late};
+  if (started_ && !jumped && time_ns < newest_ns_) return {++newest_ns_, StampKind::late};
   started_ = true;
   source_ns_ = source_ns;
   received_ns_ = received_ns;

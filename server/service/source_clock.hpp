@@ -11,7 +11,7 @@ enum class StampKind : std::uint8_t {
   good,
   none,    // it says none: the batch's reception counts
   jumped,  // its clock went back or ahead by more than a lease: no way leads there
-  late,    // before what it has said already
+  late,    // before what it has said already: where things are now is news all the same
 };
 
 struct WorldStamp {
