@@ -1,8 +1,7 @@
+#include <algorithm>
 #include <set>
 
 #include <gtest/gtest.h>
-
-#include <algorithm>
 
 #include "client/library/published_objects.hpp"
 #include "collided/client.hpp"
