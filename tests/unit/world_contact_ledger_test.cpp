@@ -11,7 +11,7 @@ using wire_contract::EventKind;
 FoundContact pair_of(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
 
 void end_everything_unfound(ContactLedger& ledger) {
-  ledger.end_unfound([](const OpenContact&) { return EndReason::separated; }, 0);
+  ledger.end_unfound([](const OpenContact&) { return ContactEnd{.reason = EndReason::separated}; });
 }
 
 TEST(ContactLedger, BeganAndEndedAlternateAndShareTheEpisode) {
