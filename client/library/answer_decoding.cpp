@@ -122,10 +122,7 @@ void AnswerCollector::note_state(const wire::Reply& reply) {
   result_.epoch = reply.epoch;
   result_.version = reply.version;
   result_.world_time = nanoseconds(reply.world_time_ns);
-  // A reply that came twice was worked out once.
-  const bool is_known = reply.answers._length > 0 && std::all_of(seen_.begin() + static_cast<std::ptrdiff_t>(reply.first_question),
-      seen_.begin() + static_cast<std::ptrdiff_t>(reply.first_question + reply.answers._length), [](std::uint8_t seen) { return seen != 0; });
-  if (!is_known) result_.compute += nanoseconds(reply.compute_ns);
+  result_.compute += nanoseconds(reply.compute_ns);
   if (reply.oldest_pose_age_ns >= 0) {
     const nanoseconds age(reply.oldest_pose_age_ns);
     result_.oldest_pose_age = std::max(age, result_.oldest_pose_age.value_or(age));

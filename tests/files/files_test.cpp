@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -252,6 +253,52 @@ std::string flat_stl(std::uint32_t cells) {
     }
   }
   return bytes;
+}
+
+TEST_F(Files, TheWidestCrackIsTheOneAskedInMetresOrByItsUnit) {
+  std::string apart = kPanels;
+  apart.replace(apart.find("v 1 .5 0"), 8, "v .99 .5 0");
+  const std::string path = write("apart.obj", apart);
+  EXPECT_NEAR(checked(path)["crack_m"].get<double>(), std::sqrt(5.0) * 1e-4, 1e-12);
+  EXPECT_EQ(checked(path)["cracks"], 0);
+  for (const char* crack : {"0.02", "0.02m", "20mm", "2cm"}) {
+    const json found = checked(path + " --crack " + crack);
+    EXPECT_NEAR(found["crack_m"].get<double>(), 0.02, 1e-15) << crack;
+    EXPECT_EQ(found["cracks"], 1) << crack;
+  }
+}
+
+TEST_F(Files, TheIndexIsToldByItsBytesATriangle) {
+  const std::string path = write("flat.stl", flat_stl(30));
+  const fs::path with = folder_ / "with.cscene";
+  const fs::path without = folder_ / "without.cscene";
+  const Ran ran = run("convert " + path + " " + with.string());
+  ASSERT_EQ(run("convert " + path + " " + without.string() + " --no-index").code, 0);
+  const std::size_t told = ran.text.find(" ms, ");
+  ASSERT_NE(told, std::string::npos) << ran.text;
+  const double index_bytes = 1800 * std::strtod(ran.text.c_str() + told + 5, nullptr);
+  // Told to a tenth of a byte; in the file it is aligned and listed.
+  const auto added_bytes = static_cast<double>(fs::file_size(with) - fs::file_size(without));
+  EXPECT_LE(index_bytes, added_bytes + 90) << ran.text;
+  EXPECT_GE(index_bytes, added_bytes - 90 - 512) << ran.text;
+  EXPECT_GT(added_bytes, 10000);
+}
+
+TEST_F(Files, AShareOfTheTrianglesIsThatShareAndANumberThatNumber) {
+  const std::string path = write("flat.stl", flat_stl(4));
+  const std::string out = (folder_ / "out.cscene").string();
+  for (const char* target : {"50%", "16", "49.9%"}) {
+    const Ran ran = run("convert " + path + " " + out + " --cost length --to " + target);
+    EXPECT_NE(ran.text.find("  simplify  16 of 32 triangles, "), std::string::npos) << target << ": " << ran.text;
+    EXPECT_EQ(checked(out)["triangles"], 16) << target;
+  }
+  EXPECT_NE(run("convert " + path + " " + out + " --to 100%").text.find("  simplify  nothing: 32 triangles are asked for, the file has 32\n"), std::string::npos);
+  for (const char* target : {"0", "0%", "101%", "25%%", "%", "many"}) {
+    const Ran ran = run("convert " + path + " " + out + " --cost length --to " + target);
+    EXPECT_EQ(ran.code, 2) << target;
+    EXPECT_NE(ran.text.find(std::string("error: --to '") + target + "'; a number of triangles, or of per cent of them, is needed: 5000 or 10%\n"),
+              std::string::npos) << ran.text;
+  }
 }
 
 TEST_F(Files, ALongCheckShowsHowFarItIsAndEndsAtCtrlC) {

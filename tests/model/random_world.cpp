@@ -28,7 +28,7 @@ Primitive RandomWorld::solid(int kind) {
 }
 
 Shape RandomWorld::shape() {
-  const int kind = below(12);
+  const int kind = only_slow_meshes ? 8 : below(12);
   Shape made;
   if (kind >= 8) made.mesh = mesh();
   if (kind < 7) made.primitives.push_back(solid(kind));

@@ -24,8 +24,8 @@ class RandomWorld {
   Pose pose() { return {.position = point(kReach), .rotation = turn()}; }
   /// Some step on from where it is; mostly small, so that what is near stays near.
   Pose next(const Pose& pose) {
-    if (chance(0.15)) return this->pose();
-    const double size = chance(0.7) ? 0.03 : 0.5;
+    if (!only_slow_meshes && chance(0.15)) return this->pose();
+    const double size = only_slow_meshes ? 0.003 : chance(0.7) ? 0.03 : 0.5;
     const Quat small = Quat(1, uniform(-size, size), uniform(-size, size), uniform(-size, size)).normalized();
     return {.position = pose.position + point(size), .rotation = chance(0.5) ? pose.rotation : (small * pose.rotation).normalized()};
   }
@@ -36,7 +36,7 @@ class RandomWorld {
   /// Few values, so that objects share them and questions meet some and not others.
   std::uint32_t layers() { return 1u << below(3); }
   Filter filter() {
-    return {.layers = layers(), .mask = chance(0.7) ? 0xffffffffu : 5u, .group = chance(0.8) ? 0u : 1u};
+    return {.layers = layers(), .mask = chance(0.5) ? 0xffffffffu : 5u, .group = chance(0.8) ? 0u : 1u};
   }
   ObjectDefinition definition(const std::string& name) {
     ObjectDefinition made;
@@ -49,6 +49,8 @@ class RandomWorld {
   }
   Scene scene(const std::string& name);
   Shape shape();
+
+  bool only_slow_meshes = false;  // what is known of their distances is kept from step to step
 
  private:
   static constexpr double kReach = 1.6;

@@ -10,7 +10,8 @@ usage: mutants.py --source DIR --build DIR --work DIR [--count N] [--seed N] [--
   --resume    goes on where the run before was ended, with what it had built and learned
 
 Needs Debian's python3-clang-14. Prints a table (file, line, bug, killed by or survived) and the score by room; table.csv and
-mutants.json stay in the work folder. Bugs named in harmless.txt beside this file count as equivalent, with the reason given there.
+mutants.json stay in the work folder. Bugs named in survivors.txt beside this file have
+a sentence: why nobody can notice, and then they do not count; or what a test would take ("would take ..."), and then they do.
 """
 
 import argparse
@@ -26,15 +27,15 @@ import judge  # noqa: E402
 import plant  # noqa: E402
 
 
-def read_harmless(path):
-    """Lines `file | function | before -> after | why no test can or need notice`."""
-    harmless = {}
+def read_sentences(path):
+    """Lines `file | function | before -> after | sentence`."""
+    sentences = {}
     with open(path, encoding="utf-8") as file:
         for line in file:
             if line.strip() and not line.startswith("#"):
                 where, function, change, why = (part.strip() for part in line.rstrip("\n").split(" | ", 3))
-                harmless[(where, function, change)] = why
-    return harmless
+                sentences[(where, function, change)] = why
+    return sentences
 
 
 def change_of(one):
@@ -60,19 +61,21 @@ def say(text):
     print(time.strftime("%H:%M:%S"), text, file=sys.stderr, flush=True)
 
 
-def outcome_of(one, verdict, harmless):
+def outcome_of(verdict, sentence):
     if verdict.killed_by:
         return "killed"
-    return "harmless" if (one.file, one.function, change_of(one)) in harmless else "survived"
+    return "survived" if not sentence or sentence.startswith("would take") else "harmless"
 
 
-def rows_of(planted, verdicts, harmless):
+def rows_of(planted, verdicts, sentences):
     for one in planted:
         verdict = verdicts[one.number]
-        outcome = outcome_of(one, verdict, harmless)
-        by = verdict.killed_by or harmless.get((one.file, one.function, change_of(one)), "")
+        sentence = sentences.get((one.file, one.function, change_of(one)), "")
+        outcome = outcome_of(verdict, sentence)
+        by = verdict.killed_by or sentence
         if outcome == "survived":
-            by = ", ".join([f"{verdict.ran} of {verdict.reached_by} tests that reach it"] + verdict.notes)
+            ran = f"{verdict.ran} of {verdict.reached_by} tests that reach it"
+            by = ", ".join([part for part in [ran, *verdict.notes, sentence or "no sentence yet"] if part])
         yield {"room": one.room, "file": one.file, "line": one.line, "function": one.function, "rule": one.rule,
                "bug": change_of(one), "outcome": outcome, "by": by, "seconds": round(verdict.seconds, 1)}
 
@@ -107,17 +110,27 @@ def judged_before(path, options):
     return verdicts
 
 
+def known_tests(build, learned):
+    """The tests of which an earlier run knows what they reach, and the others."""
+    past = {}
+    if learned:
+        with open(learned, encoding="utf-8") as file:
+            past = json.load(file)
+    known, unknown = [], []
+    for test in judge.default_tests(build):
+        if test.name in past:
+            test.seconds, test.reaches = past[test.name]["seconds"], frozenset(past[test.name]["reaches"])
+        (known if test.name in past else unknown).append(test)
+    return known, unknown
+
+
 def prepared(options, source, work, tree):
     """The bugs that stand in a copy that is built, and the tests with what each reaches."""
     chosen, learned = os.path.join(work, "mutants.json"), os.path.join(work, "reached.json")
     build = os.path.join(tree, "build")
     if options.resume:
-        with open(learned, encoding="utf-8") as file:
-            known = json.load(file)
-        tests = [t for t in judge.default_tests(build) if t.name in known]
-        for test in tests:
-            test.seconds, test.reaches = known[test.name]["seconds"], frozenset(known[test.name]["reaches"])
-        return plant.load(chosen), tests
+        known, _ = known_tests(build, learned)
+        return plant.load(chosen), known
     if options.again:
         planted = plant.still_there(plant.load(chosen), source, say)
     else:
@@ -126,7 +139,8 @@ def prepared(options, source, work, tree):
     plant.save(planted, chosen)
     planted = plant.build_tree(source, tree, planted, say)
     plant.save(planted, chosen)
-    tests = judge.learn(judge.default_tests(build), 1 + max(p.number for p in planted), options.workers, say)
+    known, unknown = known_tests(build, learned if options.again else None)
+    tests = known + judge.learn(unknown, 1 + max(p.number for p in planted), options.workers, say)
     with open(learned, "w", encoding="utf-8") as file:
         json.dump({t.name: {"seconds": t.seconds, "reaches": sorted(t.reaches)} for t in tests}, file)
     return planted, tests
@@ -138,7 +152,7 @@ def main():
     tree = os.path.join(work, "tree")
     os.makedirs(tree, exist_ok=True)
     planted, tests = prepared(options, source, work, tree)
-    harmless = read_harmless(os.path.join(os.path.dirname(os.path.abspath(__file__)), "harmless.txt"))
+    sentences = read_sentences(os.path.join(os.path.dirname(os.path.abspath(__file__)), "survivors.txt"))
     said = os.path.join(work, "verdicts.jsonl")
     verdicts = judged_before(said, options)
 
@@ -151,7 +165,7 @@ def main():
             say(f"{len(verdicts)} of {len(planted)} judged, {killed} killed")
 
     judge.judge_all([p for p in planted if p.number not in verdicts], tests, options.workers, options.budget, on_verdict)
-    rows = list(rows_of(planted, verdicts, harmless))
+    rows = list(rows_of(planted, verdicts, sentences))
     with open(os.path.join(work, "table.csv"), "w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, rows[0].keys())
         writer.writeheader()

@@ -1,0 +1,232 @@
+// Small worlds whose answers, contacts, bounds and words are known by hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/world/boxes_only.hpp"
+#include "server/world/menu.hpp"
+#include "server/world/plan.hpp"
+#include "server/world/query.hpp"
+#include "server/world/surface_distance.hpp"
+#include "server/world/world.hpp"
+#include "tests/scenes/meshes.hpp"
+
+namespace collided {
+namespace {
+
+using wire_contract::Answer;
+using wire_contract::QueryKind;
+using wire_contract::RayMode;
+
+class WorldByHand : public testing::Test {
+ protected:
+  void load(TriangleMesh mesh, const Filter& filter = {}) {
+    Scene scene;
+    scene.name = "scene";
+    scene.mesh = std::move(mesh);
+    scene.parts = {{.name = "part", .first_triangle = 0,
+                    .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size()), .filter = filter}};
+    auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
+    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+  }
+  ObjectId define(const std::string& name, const Vec3& at, const Shape& shape, bool moving = true) {
+    ObjectDefinition definition;
+    definition.name = name;
+    definition.shape = shape;
+    definition.pose.position = at;
+    definition.moving = moving;
+    const auto defined = world.define(definition);
+    EXPECT_TRUE(std::holds_alternative<ObjectId>(defined)) << name;
+    return std::get<ObjectId>(defined);
+  }
+  static Shape ball(double radius_m) {
+    Shape shape;
+    shape.primitives = {Sphere{.center = Vec3::Zero(), .radius_m = radius_m}};
+    return shape;
+  }
+  static Shape rock() {
+    Shape shape;
+    shape.mesh = std::make_shared<const TriangleMesh>(scenes::icosphere(1, 0.5));
+    return shape;
+  }
+  void move(ObjectId id, const Vec3& to) {
+    EXPECT_TRUE(world.move(id, {.position = to, .rotation = Quat::Identity()}, 1'000'000'000 * (steps + 1), false));
+  }
+  void step() { EXPECT_TRUE(world.step(1'000'000'000 * ++steps, 1, {})); }
+  bool touch(ObjectId a, ObjectId b) const {
+    return std::any_of(world.contacts().begin(), world.contacts().end(), [&](const OpenContact& contact) {
+      return (contact.a == a && contact.b == b) || (contact.a == b && contact.b == a);
+    });
+  }
+  Answers ask(Questions questions, const std::vector<double>& numbers) const {
+    questions.numbers = numbers;
+    Answers answers;
+    QueryScratch scratch;
+    const SnapshotRing::Lease lease = world.newest();
+    answer(*lease, questions, answers, scratch);
+    return answers;
+  }
+
+  World world{WorldOptions{}};
+  std::int64_t steps = 0;
+};
+
+TriangleMesh square(double half_m, double z) {
+  return {{{-half_m, -half_m, z}, {half_m, -half_m, z}, {half_m, half_m, z}, {-half_m, half_m, z}}, {{0, 1, 2}, {0, 2, 3}}};
+}
+
+TEST_F(WorldByHand, ARayMeetsNothingOfASceneThatMayNotAnswer) {
+  load(square(4, 0), {.layers = 2});
+  step();
+  for (const RayMode mode : {RayMode::any, RayMode::closest, RayMode::all}) {
+    const std::vector<double> down{0.5, 0.25, 3, 0, 0, -1, INFINITY};
+    Questions question{.kind = QueryKind::ray, .mode = mode, .mask = 1, .numbers = {}};
+    EXPECT_EQ(ask(question, down).answers[0], Answer::miss);
+    question.mask = 2;
+    EXPECT_EQ(ask(question, down).answers[0], Answer::hit);
+  }
+}
+
+// What was found of a mover and a scene says nothing of the mover and the object with the next number.
+TEST_F(WorldByHand, AGapToASceneIsNotOneToAnotherMover) {
+  const ObjectId first = define("first", {0, 0, 0}, rock());
+  const ObjectId second = define("second", {2, 0, 0}, rock());
+  TriangleMesh floor = square(20, -5);
+  floor.vertices.insert(floor.vertices.end(), {{19, 19, -5}, {20, 19, -5}, {20, 20, 5}});
+  floor.triangles.push_back({4, 5, 6});
+  load(floor);
+  step();
+  move(first, {0.1, 0, 0});
+  step();
+  EXPECT_FALSE(touch(first, second));
+  move(first, {0.2, 0, 0});
+  move(second, {1, 0, 0});
+  step();
+  EXPECT_TRUE(touch(first, second));
+}
+
+TEST_F(WorldByHand, WhatIsPlacedOntoTheFirstObjectTouchesIt) {
+  const ObjectId first = define("first", {0, 0, 0}, ball(0.5));
+  for (int i = 0; i < 60; ++i) define("post" + std::to_string(i), {10.0 + 2 * i, 0, 0}, ball(0.5), false);
+  step();
+  const ObjectId placed = define("placed", {0.75, 0, 0}, ball(0.5), false);
+  step();
+  EXPECT_TRUE(touch(first, placed));
+  EXPECT_EQ(world.contacts().size(), 1U);
+}
+
+TEST_F(WorldByHand, NothingIsNearerThanWhatHoldsThePointWhateverErrorIsAsked) {
+  define("ball", {0, 0, 0}, ball(1));
+  define("other", {5, 0, 0}, ball(1));
+  step();
+  const Answers inside = ask({.kind = QueryKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {0.25, 0, 0, 9});
+  ASSERT_EQ(inside.hits.size(), 1U);
+  EXPECT_TRUE(inside.hits[0].is_at_start());
+  EXPECT_TRUE(std::isfinite(inside.hits[0].point_error_m));
+  const Answers outside = ask({.kind = QueryKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {2.25, 0, 0, 9});
+  ASSERT_EQ(outside.hits.size(), 1U);
+  EXPECT_NEAR(outside.hits[0].distance_m, 1.25, outside.hits[0].error_m);
+  EXPECT_GT(outside.hits[0].error_m, 1e-3) << "half of it may lie nearer";
+  EXPECT_LE(outside.hits[0].error_m, 0.01);
+}
+
+TEST_F(WorldByHand, AnOverlapSaysWhichObjectsAreStale) {
+  const ObjectId stale = define("stale", {0, 0, 0}, ball(1));
+  const ObjectId fresh = define("fresh", {1, 0, 0}, ball(1));
+  step();
+  world.set_stale(stale, true);
+  step();
+  const auto flags_of = [](const Answers& answers, ObjectId id) {
+    for (const AnswerHit& hit : answers.hits) {
+      if (hit.object == id) return static_cast<int>(hit.flags);
+    }
+    return -1;
+  };
+  const Answers sphere = ask({.kind = QueryKind::sphere, .numbers = {}}, {0.5, 0, 0, 0.25});
+  const Answers box = ask({.kind = QueryKind::box, .numbers = {}}, {0.5, 0, 0, 0.25, 0.25, 0.25, 0, 0, 0, 1});
+  for (const Answers* answers : {&sphere, &box}) {
+    EXPECT_EQ(flags_of(*answers, stale), wire_contract::kStale);
+    EXPECT_EQ(flags_of(*answers, fresh), 0);
+  }
+}
+
+TEST_F(WorldByHand, BoxesAloneAnswerForTheirBoxes) {
+  load(square(4, 0));
+  const ObjectId part = world.newest()->scenes.empty() ? 0 : world.newest()->scenes[0]->part_objects[0];
+  const ObjectId one = define("ball", {1, 1, 2}, ball(0.5));
+  step();
+  const SnapshotRing::Lease lease = world.newest();
+  const auto by_boxes = [&](QueryKind kind, const std::vector<double>& numbers) {
+    return answer_by_boxes(*lease, Questions{.kind = kind, .numbers = numbers});
+  };
+  // Past the ball through a corner of its box; past both; along an axis within a slab and beside it.
+  EXPECT_NEAR(by_boxes(QueryKind::ray, {1.45, 1.45, 5, 0, 0, -2, INFINITY}).distance_m.value_or(-1), 2.5, 1e-9);
+  EXPECT_NEAR(by_boxes(QueryKind::ray, {-1, -1, 5, 0, 0, -2, INFINITY}).distance_m.value_or(-1), 5, 1e-9);
+  EXPECT_NEAR(by_boxes(QueryKind::ray, {-3, 1, 2, 1, 0, 0, INFINITY}).distance_m.value_or(-1), 3.5, 1e-9);
+  EXPECT_FALSE(by_boxes(QueryKind::ray, {-3, 1, 2, 1, 0, 0, 3.25}).distance_m.has_value()) << "too short";
+  EXPECT_FALSE(by_boxes(QueryKind::ray, {-3, 2, 2, 1, 0, 0, INFINITY}).distance_m.has_value());
+  EXPECT_NEAR(by_boxes(QueryKind::near, {1.25, 1.25, 4, 9}).distance_m.value_or(-1), 1.5, 1e-9);
+  const std::set<ObjectId> met = by_boxes(QueryKind::sphere, {1.5, 1.5, 2.5, 0.1}).objects;
+  EXPECT_EQ(met, std::set<ObjectId>{one}) << "of another than " << part;
+}
+
+TEST_F(WorldByHand, ThePriceListSaysThatBoxesComeWithoutABound) {
+  for (int i = 0; i < 8; ++i) define("ball" + std::to_string(i), {i & 1 ? 3.0 : 0, i & 2 ? 3.0 : 0, i & 4 ? 3.0 : 0}, ball(1.4));
+  step();
+  const SnapshotRing::Lease lease = world.newest();
+  const std::vector<MenuRow> menu = menu_of(*lease, {.questions = 200, .seed = 7, .cancelled = {}});
+  int boxes = 0;
+  for (const MenuRow& row : menu) {
+    EXPECT_EQ(row.asked, 200U) << row.method;
+    if (row.method != "boxes only") continue;
+    ++boxes;
+    EXPECT_EQ(row.worst_bound_m, INFINITY) << "no bound comes with a box";
+  }
+  EXPECT_EQ(boxes, 4);
+}
+
+TEST_F(WorldByHand, ThePlanSaysWhatATriangleOfTheIndexCosts) {
+  load(scenes::terrain(8, 2, 1));
+  step();
+  const SnapshotRing::Lease lease = world.newest();
+  const StaticScene& scene = *lease->scenes[0];
+  char bytes[64];
+  std::snprintf(bytes, sizeof bytes, " references and %.1f bytes a triangle, ", static_cast<double>(scene.bytes()) / 128);
+  ASSERT_EQ(scene.mesh.triangles.size(), 128U);
+  const PlanRow tree = plan_of(*lease, false)[0];
+  EXPECT_EQ(tree.structure, "bsp_tree (static)");
+  EXPECT_NE(tree.why.find(bytes), std::string::npos) << tree.why << "\nwithout" << bytes;
+}
+
+TEST(WorldPlan, ProbesAreBuiltWhereSomebodyReadsThem) {
+  EXPECT_FALSE(plan_of_probes(0, true).built);
+  EXPECT_EQ(plan_of_probes(0, true).why, "no ray is fixed to an object");
+  EXPECT_FALSE(plan_of_probes(3, false).built);
+  EXPECT_EQ(plan_of_probes(3, false).why, "3 probes; nobody reads them");
+  EXPECT_EQ(plan_of_probes(3, false).saves, "a ray a probe and step");
+  EXPECT_TRUE(plan_of_probes(3, true).built);
+  EXPECT_EQ(plan_of_probes(3, true).why, "3 probes that somebody reads");
+  EXPECT_EQ(plan_of_probes(3, true).saves, "");
+}
+
+struct Surface {
+  TriangleMesh mesh;
+  BspTree tree = BspTree::build(mesh);
+  std::vector<std::uint32_t> part_of = std::vector<std::uint32_t>(mesh.triangles.size(), 0);
+  PartedSurface parted() const { return {mesh, tree, part_of}; }
+};
+
+// Without a cut: a sheet over a table says all of a surface over another, corners all of a hole.
+TEST(WorldSurfaceDistance, TablesAndCornersSayMuchBeforeAnythingIsCut) {
+  const DistanceOptions uncut{.pieces_at_most = 0, .cancelled = {}};
+  TriangleMesh fan{{{-2, -2, 0.25}, {2, -2, 0.25}, {2, 2, 0.25}, {-2, 2, 0.25}, {1.5, 0.5, 0.25}},
+                   {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}};
+  const Surface flat{square(2, 0)};
+  const Surface raised{fan};
+  EXPECT_NEAR(surface_distance(flat.parted(), raised.parted(), uncut), 0.25, 1e-4);
+  const Surface half{{flat.mesh.vertices, {{0, 1, 2}}}};
+  EXPECT_NEAR(surface_distance(flat.parted(), half.parted(), uncut), std::sqrt(8.0), 1e-6);
+}
+
+}  // namespace
+}  // namespace collided
