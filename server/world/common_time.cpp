@@ -91,7 +91,8 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
   const PairWindow window = window_of(first, second);
   const MotionHistory& history = step_.motion.history();
-  const bool is_moved = history.moves(first, window.from_ns, window.to_ns) || history.moves(second, window.from_ns, window.to_ns);
+  const auto moves = [&](std::uint32_t slot) { return history.moves(slot, window.from_ns, window.to_ns); };
+  const bool is_moved = moves(first) || moves(second);
   if (window.is_empty() || !(window.is_closed || is_moved)) return;
   ++cost_.candidate_pairs;
   if (window.is_closed) decide_instant(first, second, window.from_ns, false);
@@ -235,7 +236,8 @@ std::optional<SweptTouch> Decisions::sweep_sphere_piece(const PairPiece& piece, 
                               .end = place(way.to, sphere->center),
                               .radius_m = sphere->radius_m},
                     .width = step_.options.sweep_width};
-  sweep_object(sweep, {.info = rows_.info(other), .frame = &others.to, .bounds = bounds_of(*rows_.info(other), others.to)}, walk_);
+  const Placed at_end{.info = rows_.info(other), .frame = &others.to, .bounds = bounds_of(*rows_.info(other), others.to)};
+  sweep_object(sweep, at_end, walk_);
   cost_.exact_tests += sweep.found.exact_tests;
   return sweep.found;
 }
