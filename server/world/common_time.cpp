@@ -91,29 +91,34 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
   const PairWindow window = window_of(first, second);
   const MotionHistory& history = step_.motion.history();
-  const bool is_moved = history.moves(first, window.from_ns, window.to_ns) || history.moves(second, window.from_ns, window.to_ns);
+  const auto moves = [&](std::uint32_t slot) { return history.moves(slot, window.from_ns, window.to_ns); };
+  const bool is_moved = moves(first) || moves(second);
   if (window.is_empty() || !(window.is_closed || is_moved)) return;
   ++cost_.candidate_pairs;
   if (window.is_closed) decide_instant(first, second, window.from_ns, false);
   if (window.to_ns <= window.from_ns) return;
   cut(first, second, window);
   std::int64_t from_ns = window.from_ns;
+  const bool are_balls = rows_[first].lone_sphere && rows_[second].lone_sphere;
+  bool is_held = ledger_.holds(rows_.info(first)->id, rows_.info(second)->id);
   for (const std::int64_t to_ns : lists_.cuts) {
-    const PairPiece piece{.a = first, .b = second, .from_ns = from_ns, .to_ns = to_ns,
-                          .a_way = history.way(first, from_ns, to_ns, rows_[first].frame),
-                          .b_way = history.way(second, from_ns, to_ns, rows_[second].frame)};
-    if (!rests(piece.a_way) || !rests(piece.b_way)) decide_piece(piece);
-    if (history.jumps(first, to_ns) || history.jumps(second, to_ns)) decide_instant(first, second, to_ns, true);
+    // Most pieces of most candidates, told from what two centres do.
+    if (is_held || !are_balls || !balls_stay_apart(first, second, from_ns, to_ns)) {
+      is_held = decide_piece({.a = first, .b = second, .from_ns = from_ns, .to_ns = to_ns,
+                              .a_way = history.way(first, from_ns, to_ns, rows_[first].frame),
+                              .b_way = history.way(second, from_ns, to_ns, rows_[second].frame)});
+    }
+    if (history.jumps(first, to_ns) || history.jumps(second, to_ns)) is_held = decide_instant(first, second, to_ns, true);
     from_ns = to_ns;
   }
 }
 
-/// What held goes on, parts or is in doubt, which is no parting; else it begins on the way or does not.
-void Decisions::decide_piece(const PairPiece& piece) {
+/// What held goes on, parts or is in doubt, which is no parting; else it begins on the way or does not. True: it holds.
+bool Decisions::decide_piece(const PairPiece& piece) {
   const ObjectId a = rows_.info(piece.a)->id;
   const ObjectId b = rows_.info(piece.b)->id;
   const bool is_held = ledger_.holds(a, b);
-  if (!is_held && surely_stay_apart(piece)) return;
+  if ((rests(piece.a_way) && rests(piece.b_way)) || (!is_held && surely_stay_apart(piece))) return is_held;
   const Touch touch = touch_at_end(piece);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   if (is_held && touch.yes) {
@@ -128,6 +133,7 @@ void Decisions::decide_piece(const PairPiece& piece) {
     if (sweep.undecided && !sweep.yes && !touch.yes) ++cost_.sweeps_skipped;
     if ((touch.yes || sweep.yes) && may_begin()) begin_on_way(piece, touch, sweep);
   }
+  return ledger_.holds(a, b);
 }
 
 void Decisions::begin_on_way(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep) {
@@ -172,7 +178,7 @@ Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const Time
           .high_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::ceil(high)))};
 }
 
-void Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, bool is_jump) {
+bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, bool is_jump) {
   const MotionHistory& history = step_.motion.history();
   const PairPiece instant{.a = a, .b = b, .from_ns = time_ns, .to_ns = time_ns,
                           .a_way = BodyWay::resting(history.at(a, time_ns, rows_[a].frame)),
@@ -186,6 +192,7 @@ void Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
   } else if (is_held && is_jump && !touch.undecided) {
     ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, EndReason::teleported, seconds_ago(time_ns), seconds_ago(time_ns));
   }
+  return ledger_.holds(rows_.info(a)->id, rows_.info(b)->id);
 }
 
 Touch Decisions::touch_at_end(const PairPiece& piece) {
@@ -229,22 +236,25 @@ std::optional<SweptTouch> Decisions::sweep_sphere_piece(const PairPiece& piece, 
                               .end = place(way.to, sphere->center),
                               .radius_m = sphere->radius_m},
                     .width = step_.options.sweep_width};
-  sweep_object(sweep, {.info = rows_.info(other), .frame = &others.to, .bounds = bounds_of(*rows_.info(other), others.to)}, walk_);
+  const Placed at_end{.info = rows_.info(other), .frame = &others.to, .bounds = bounds_of(*rows_.info(other), others.to)};
+  sweep_object(sweep, at_end, walk_);
   cost_.exact_tests += sweep.found.exact_tests;
   return sweep.found;
 }
 
+bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const {
+  const MotionHistory& history = step_.motion.history();
+  const Sphere& ball = *rows_[a].lone_sphere;
+  const Sphere& other = *rows_[b].lone_sphere;
+  const MotionHistory::PointWay way = history.center_way(a, ball.center, from_ns, to_ns, rows_[a].frame);
+  const MotionHistory::PointWay others = history.center_way(b, other.center, from_ns, to_ns, rows_[b].frame);
+  return kernel::surely_apart({.start = way.from + (others.to - others.from), .end = way.to, .radius_m = ball.radius_m},
+                              {.center = others.to, .radius_m = other.radius_m});
+}
+
 bool Decisions::surely_stay_apart(const PairPiece& piece) const {
-  const ObjectRow& a = rows_[piece.a];
-  const ObjectRow& b = rows_[piece.b];
-  if (a.lone_sphere && b.lone_sphere) {
-    const MovingSphere way{.start = place(piece.a_way.from, a.lone_sphere->center) + piece.b_way.travel,
-                           .end = place(piece.a_way.to, a.lone_sphere->center),
-                           .radius_m = a.lone_sphere->radius_m};
-    return kernel::surely_apart(way, place(piece.b_way.to, *b.lone_sphere));
-  }
-  return !overlaps(bounds(*rows_.info(piece.a), piece.a_way, a.size.reach_m),
-                   bounds(*rows_.info(piece.b), piece.b_way, b.size.reach_m));
+  return !overlaps(bounds(*rows_.info(piece.a), piece.a_way, rows_[piece.a].size.reach_m),
+                   bounds(*rows_.info(piece.b), piece.b_way, rows_[piece.b].size.reach_m));
 }
 
 /// Whole brackets of an instant; those of a piece are set by who knows them.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <tuple>
 
 namespace collided {
@@ -12,7 +13,7 @@ OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
           .b = found.b,
           .a_triangle = found.a_triangle,
           .b_triangle = found.b_triangle,
-          .began_ns = world_time_ns - static_cast<std::int64_t>(found.bracket_high_s * 1e9),
+          .began_ns = world_time_ns - std::llround(found.bracket_high_s * 1e9),
           .contact = found.contact};
 }
 

@@ -110,8 +110,9 @@ class Decisions {
   // common_time.cpp: pairs of several publishers
   PairWindow window_of(std::uint32_t first, std::uint32_t second) const;
   void cut(std::uint32_t first, std::uint32_t second, const PairWindow& window);
-  void decide_piece(const PairPiece& piece);
-  void decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, bool is_jump);
+  bool decide_piece(const PairPiece& piece);
+  bool balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const;
+  bool decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, bool is_jump);
   Touch touch_at_end(const PairPiece& piece);
   SweptTouch sweep_piece(const PairPiece& piece);
   std::optional<SweptTouch> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere);

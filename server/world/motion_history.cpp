@@ -13,6 +13,13 @@ Frame place_on(const MotionSegment& segment, std::int64_t time_ns) {
   return BodyWay(segment.from, segment.to).at(share);
 }
 
+Vec3 center_on(const MotionSegment& segment, const Vec3& center, std::int64_t time_ns) {
+  if (time_ns >= segment.to_ns) return place(segment.to, center);
+  if (time_ns <= segment.from_ns) return place(segment.from, center);
+  const double share = static_cast<double>(time_ns - segment.from_ns) / static_cast<double>(segment.to_ns - segment.from_ns);
+  return segment.to.rotation * center + ((1 - share) * segment.from.position + share * segment.to.position);
+}
+
 }  // namespace
 
 void MotionHistory::add(std::uint32_t slot, const MotionSegment& segment) {
@@ -75,24 +82,39 @@ void MotionHistory::add_times(std::uint32_t slot, std::int64_t from_ns, std::int
   }
 }
 
+/// The first that ends later; null: none does.
+const MotionSegment* MotionHistory::ending_after(std::uint32_t slot, std::int64_t time_ns) const {
+  for (const MotionSegment& segment : segments_[slot]) {
+    if (segment.to_ns > time_ns) return &segment;
+  }
+  return nullptr;
+}
+
 BodyWay MotionHistory::way(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns, const Frame& resting) const {
   if (!is_travelling(slot)) return BodyWay::resting(resting);
-  const std::vector<MotionSegment>& own = segments_[slot];
-  const auto found = std::find_if(own.begin(), own.end(), [&](const MotionSegment& segment) {
-    return segment.to_ns > from_ns;
-  });
-  if (found == own.end()) return BodyWay::resting(own.back().to);
+  const MotionSegment* found = ending_after(slot, from_ns);
+  if (found == nullptr) return BodyWay::resting(segments_[slot].back().to);
   const bool rests = found->is_jump() || found->from_ns >= to_ns;
   return rests ? BodyWay::resting(found->from) : BodyWay(place_on(*found, from_ns), place_on(*found, to_ns));
 }
 
+MotionHistory::PointWay MotionHistory::center_way(std::uint32_t slot, const Vec3& center, std::int64_t from_ns,
+                                                  std::int64_t to_ns, const Frame& resting) const {
+  const auto at_rest = [&](const Frame& frame) {
+    const Vec3 point = place(frame, center);
+    return PointWay{point, point};
+  };
+  if (!is_travelling(slot)) return at_rest(resting);
+  const MotionSegment* found = ending_after(slot, from_ns);
+  if (found == nullptr) return at_rest(segments_[slot].back().to);
+  if (found->is_jump() || found->from_ns >= to_ns) return at_rest(found->from);
+  return {center_on(*found, center, from_ns), center_on(*found, center, to_ns)};
+}
+
 Frame MotionHistory::at(std::uint32_t slot, std::int64_t time_ns, const Frame& resting) const {
   if (!is_travelling(slot)) return resting;
-  const std::vector<MotionSegment>& own = segments_[slot];
-  const auto later = std::find_if(own.begin(), own.end(), [&](const MotionSegment& segment) {
-    return segment.to_ns > time_ns;
-  });
-  return later == own.end() ? own.back().to : place_on(*later, time_ns);
+  const MotionSegment* later = ending_after(slot, time_ns);
+  return later == nullptr ? segments_[slot].back().to : place_on(*later, time_ns);
 }
 
 }  // namespace collided

@@ -76,7 +76,7 @@ void Sources::end_step() {
     newest_ns = std::max(newest_ns, source.settled_ns);
     oldest_ns = std::min(oldest_ns, source.settled_ns - (source.is_streamed ? kStreamGapNs : 0));
   }
-  oldest_asked_ns_ = std::max(oldest_ns, newest_ns - kLongestMemoryNs);
+  oldest_asked_ns_ = used_count_ == 0 ? 0 : std::max(oldest_ns, newest_ns - kLongestMemoryNs);
   for (Source& source : sources_) {
     std::erase_if(source.instants, [&](std::int64_t instant) { return instant <= oldest_asked_ns_; });
   }

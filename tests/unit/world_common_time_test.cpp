@@ -201,6 +201,103 @@ TEST(WorldCommonTime, RelativeVelocityIsThatOfTheContact) {
   }
 }
 
+/// A world in which each object is named by its number, for stories that the generator does not tell.
+class Stage {
+ public:
+  Stage() { step(); }
+  std::size_t ball(std::uint64_t publisher, const Vec3& at) {
+    ObjectDefinition definition;
+    definition.name = "ball" + std::to_string(ids_.size());
+    definition.shape.primitives.emplace_back(Sphere{Vec3::Zero(), 0.5});
+    definition.publisher = publisher;
+    definition.pose.position = at;
+    ids_.push_back(std::get<ObjectId>(world.define(definition)));
+    return ids_.size() - 1;
+  }
+  void move(std::size_t ball, std::int64_t ms, const Vec3& to, bool teleport = false) {
+    EXPECT_TRUE(world.move(ids_[ball], {.position = to}, kStart + ms * kMs, teleport));
+  }
+  void advance(std::uint64_t publisher, std::int64_t ms) { world.advance(publisher, kStart + ms * kMs); }
+  const std::vector<Event>& step() {
+    EXPECT_TRUE(world.step(++now_ns_, 1, {}));
+    return world.events();
+  }
+  /// Milliseconds after the start at the end of the event's bracket.
+  double ms_of(const Event& event) const {
+    return 1e-6 * (static_cast<double>(now_ns_ - kStart) - event.bracket_high_s * 1e9);
+  }
+  World world{WorldOptions{}};
+
+ private:
+  std::vector<ObjectId> ids_;
+  std::int64_t now_ns_ = kStart;
+};
+
+// Left out for 90 ms, it went its 100 m in the last ten: it comes to what stands in the middle at 95 ms, not at 50.
+TEST(WorldCommonTime, WhoIsLeftOutOfAnInstantHasRested) {
+  Stage stage;
+  const std::size_t mover = stage.ball(1, {0, 0, 0});
+  stage.ball(2, {51, 0, 0});
+  for (int ms = 10; ms <= 90; ms += 10) {
+    stage.advance(1, ms);
+    stage.advance(2, ms);
+    EXPECT_TRUE(stage.step().empty()) << ms;
+  }
+  stage.move(mover, 100, {100, 0, 0});
+  stage.advance(1, 100);
+  stage.advance(2, 100);
+  ASSERT_EQ(stage.step().size(), 2u);
+  EXPECT_NEAR(stage.ms_of(stage.world.events()[0]), 95, 1e-5) << "its side touches after 50 m";
+}
+
+// What one publisher has not said yet keeps nobody else waiting; when it is lost, what it had rests.
+TEST(WorldCommonTime, ASilentPublisherDelaysItsOwnPairsOnly) {
+  Stage stage;
+  const std::size_t mover = stage.ball(1, {0, 0, 0});
+  stage.ball(2, {20, 0, 0});
+  stage.ball(3, {20, 0, 0.75});
+  for (const std::uint64_t publisher : {1, 2, 3}) stage.advance(publisher, 10);
+  EXPECT_EQ(stage.step().size(), 1u) << "the two that stand together";
+  stage.move(mover, 20, {20, 0, 0});
+  stage.advance(1, 20);
+  EXPECT_TRUE(stage.step().empty()) << "where the second is at 20 ms is not known";
+  stage.advance(2, 20);
+  ASSERT_EQ(stage.step().size(), 1u);
+  EXPECT_EQ(stage.world.info(stage.world.events()[0].of.b)->name, "ball1");
+  stage.world.lose(3);
+  ASSERT_EQ(stage.step().size(), 0u) << "the server's own time is not there yet";
+}
+
+// A jump is no way: what stands between is not met, what is left behind is parted from at that instant.
+TEST(WorldCommonTime, AJumpPartsAtItsInstant) {
+  Stage stage;
+  const std::size_t jumper = stage.ball(1, {0, 0, 0});
+  stage.ball(2, {0.5, 0, 0});
+  stage.ball(2, {50, 0, 0});
+  stage.advance(1, 10);
+  stage.advance(2, 10);
+  EXPECT_EQ(stage.step().size(), 1u);
+  stage.move(jumper, 20, {100, 0, 0}, true);
+  stage.advance(1, 20);
+  stage.advance(2, 30);
+  ASSERT_EQ(stage.step().size(), 1u);
+  EXPECT_EQ(stage.world.events()[0].reason, EndReason::teleported);
+  EXPECT_NEAR(stage.ms_of(stage.world.events()[0]), 20, 1e-6);
+}
+
+// The same stamp twice, or one that goes back: the way there is looked at all the same.
+TEST(WorldCommonTime, AnInstantThatComesAgainIsTheNextNanosecond) {
+  Stage stage;
+  const std::size_t mover = stage.ball(1, {0, 0, 0});
+  stage.ball(2, {20, 0, 0});
+  stage.advance(1, 10);
+  stage.advance(2, 30);
+  EXPECT_TRUE(stage.step().empty());
+  stage.move(mover, 10, {40, 0, 0});
+  stage.advance(1, 10);
+  EXPECT_EQ(stage.step().size(), 2u) << "through the other";
+}
+
 /// Rates from 1 to 240 Hz, phases, jitter, turns of the way, objects of several sizes; most meet near the middle.
 struct Crossing {
   std::vector<std::pair<std::size_t, MovingBody>> bodies;
