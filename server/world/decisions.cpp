@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace collided {
@@ -120,27 +121,52 @@ void Decisions::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTo
   }
 }
 
-/// In nanoseconds where the publisher's instants are known: the same whatever step they come in.
+/// In nanoseconds where the publisher's instants are known: the same whatever step they come in. From the way of the swept mover
+/// where its contact is timed, else from all that the two did in this step.
 void Decisions::set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const {
   const ObjectRow& row = rows_[mover];
-  const bool has_way = rows_.motion(mover) == Motion::moved;
-  const std::int64_t way_ns = has_way ? row.posed_ns - row.posed_before_ns : 0;
-  const bool timed = sweep != nullptr && sweep->yes;
-  const double low = timed ? sweep->bracket.low : 0;
-  const double high = timed ? sweep->bracket.high : 1;
-  if (is_timed(mover)) {
+  const std::int64_t way_ns = rows_.motion(mover) == Motion::moved ? row.posed_ns - row.posed_before_ns : 0;
+  if (sweep == nullptr || !sweep->yes) {
+    set_bracket_of_moves(found);
+  } else if (is_timed(mover)) {
     const double way = static_cast<double>(way_ns);
-    found.bracket_low_s = seconds_ago(row.posed_ns - way_ns + static_cast<std::int64_t>(std::floor(low * way)));
-    found.bracket_high_s = seconds_ago(row.posed_ns - way_ns + static_cast<std::int64_t>(std::ceil(high * way)));
-    found.parted_high_s = seconds_ago(row.posed_ns);
+    found.bracket_low_s = seconds_ago(row.posed_ns - way_ns + static_cast<std::int64_t>(std::floor(sweep->bracket.low * way)));
+    found.bracket_high_s = seconds_ago(row.posed_ns - way_ns + static_cast<std::int64_t>(std::ceil(sweep->bracket.high * way)));
   } else {
     const double end_s = seconds_ago(row.posed_ns);
     const double way_s = static_cast<double>(way_ns) * 1e-9;
-    found.bracket_low_s = std::max(0.0, end_s + way_s * (1 - low));
-    found.bracket_high_s = std::max(0.0, end_s + way_s * (1 - high));
+    found.bracket_low_s = std::max(0.0, end_s + way_s * (1 - sweep->bracket.low));
+    found.bracket_high_s = std::max(0.0, end_s + way_s * (1 - sweep->bracket.high));
   }
+  if (is_timed(mover)) found.parted_high_s = seconds_ago(row.posed_ns);
   // It parted some time between the first contact and the end.
   found.parted_low_s = found.bracket_high_s;
+}
+
+void Decisions::set_bracket_of_moves(FoundContact& found) const {
+  std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();
+  std::int64_t placed_ns = std::numeric_limits<std::int64_t>::min();
+  std::int64_t last_ns = placed_ns;
+  bool all_timed = true;
+  for (const std::uint32_t slot : {slot_of(found.a), slot_of(found.b)}) {
+    const Motion motion = rows_.motion(slot);
+    if (motion == Motion::none) continue;
+    const ObjectRow& row = rows_[slot];
+    // What is new, or static and so without a time, is there from this step on and touches from then on.
+    if (row.posed_ns == 0) return;
+    if (motion == Motion::moved) {
+      first_ns = std::min(first_ns, row.posed_before_ns);
+    } else {
+      placed_ns = std::max(placed_ns, row.posed_ns);  // nothing touched it before it was there
+    }
+    last_ns = std::max(last_ns, row.posed_ns);
+    all_timed = all_timed && is_timed(slot);
+  }
+  found.bracket_low_s = seconds_ago(std::max(placed_ns, std::min(first_ns, last_ns)));
+  found.bracket_high_s = seconds_ago(last_ns);
+  if (all_timed) return;
+  found.bracket_low_s = std::max(0.0, found.bracket_low_s);
+  found.bracket_high_s = std::clamp(found.bracket_high_s, 0.0, found.bracket_low_s);
 }
 
 /// Of the object's point that is there at that time of its last way, m/s.

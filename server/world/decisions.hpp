@@ -87,6 +87,7 @@ class Decisions {
   // decisions.cpp: from what is found to the ledger
   void report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
+  void set_bracket_of_moves(FoundContact& found) const;
   Vec3 velocity_at(const Vec3& point, std::uint32_t slot, double time) const;
   void decide_unfound();
   double seconds_ago(std::int64_t time_ns) const;
