@@ -236,6 +236,28 @@ TEST(VCollideAdapter, CallsOutOfOrderAndBadNumbersSaySo) {
   EXPECT_EQ(vc.UpdateTrans(0, trans), VC_ERR);
 }
 
+// Messages name the object and the corner that they are about, counted as the calls do.
+TEST(VCollideAdapter, AComplaintNamesTheObjectThatIsOpen) {
+  VCollide vc;
+  add(vc, scenes::icosphere(1, 1.0));
+  add(vc, scenes::icosphere(1, 1.0));
+  int id = -1;
+  ASSERT_EQ(vc.NewObject(&id), VC_OK);
+  ASSERT_EQ(id, 2);
+  int other = -1;
+  EXPECT_EQ(vc.NewObject(&other), VC_ERR_CALL_OUT_OF_SEQUENCE);
+  EXPECT_EQ(vc.LastError(), "NewObject: object 2 is open; EndObject comes first");
+  EXPECT_EQ(vc.EndObject(), VC_ERR_EMPTY_OBJECT);
+  EXPECT_EQ(vc.LastError(), "EndObject: object 2 has no triangle");
+  VCReport report;
+  EXPECT_EQ(vc.Collide(&report, VC_ALL_CONTACTS), VC_ERR_CALL_OUT_OF_SEQUENCE);
+  EXPECT_EQ(vc.LastError(), "Collide: object 2 is open; EndObject comes first");
+  const double good[3] = {0, 0, 0};
+  const double bad[3] = {1, std::numeric_limits<double>::infinity(), 3};
+  EXPECT_EQ(vc.AddTri(bad, good, good, 9), VC_ERR);
+  EXPECT_EQ(vc.LastError(), "AddTri: triangle 9, corner 1 is (1, inf, 3); allowed are finite numbers");
+}
+
 TEST(VCollideAdapter, TakesARotationRoundedToSixDigits) {
   VCollide vc;
   add(vc, scenes::box({0.5, 0.5, 0.5}));
