@@ -34,7 +34,9 @@ enum class PublisherState : std::uint8_t { alive, silent, lost };
 /// What becomes of a lost publisher's objects.
 enum class LostPolicy : std::uint8_t { remove, freeze, hold };
 /// kAllSaid: every definition of the publisher was sent anew before this batch, with the newest poses.
-enum PoseFlags : std::uint8_t { kTeleported = 1, kAllSaid = 2 };
+/// kStreamed: the publisher's objects move between their own poses; without, who is left out of an instant has rested.
+/// kMoreFollows: more batches of the same instant come; all of them are applied with the last.
+enum PoseFlags : std::uint8_t { kTeleported = 1, kAllSaid = 2, kStreamed = 4, kMoreFollows = 8 };
 /// Of a probe: its object is not in the world; nothing within reach; ahead; at 0; behind the surface; behind it by more
 /// than the probe looks back, so that the clearance is at most what is told; the test came out undecided.
 enum class ProbeState : std::uint8_t { absent, nothing, gap, touching, collision, deeper, undecided };

@@ -48,7 +48,12 @@ Record event_record(const Event& event) {
   const bool touches = event.what != What::ended;
   const bool is_told = event.what == What::began || event.what == What::persisted;
   const Value none = std::monostate{};
+  const auto at = [&](double seconds_before) { return event.world_time.count() - std::llround(seconds_before * 1e9); };
+  const bool has_bracket = event.what == What::began || event.what == What::ended;
   return {{"time", seconds_of(event.world_time)},
+          {"time_ns", std::int64_t{event.world_time.count()}},
+          {"first_ns", has_bracket ? Value(std::int64_t{at(event.bracket_low_s)}) : none},
+          {"last_ns", has_bracket ? Value(std::int64_t{at(event.bracket_high_s)}) : none},
           {"what", name_of(event.what)},
           {"a", std::string_view(event.a)},
           {"b", std::string_view(event.b)},

@@ -44,6 +44,7 @@ class PublishedObjects {
   void mark_sent(std::size_t count);
 
   const PublishedObject& at(std::uint32_t number) const { return objects_[number]; }
+  std::size_t size() const { return names_.size(); }
   std::uint32_t numbers_used() const { return static_cast<std::uint32_t>(objects_.size()); }
 
  private:

@@ -20,6 +20,8 @@ namespace {
 constexpr nanoseconds kLease(wire_contract::kPublisherLeaseNs);
 // A call that comes this soon after the last word needs not say again that the publisher lives.
 constexpr nanoseconds kWordPeriod = kLease / 5;
+// Longer than from one pose to the next of what moves.
+constexpr nanoseconds kAtRest = kLease;
 constexpr std::int64_t kGoodbyeSliceNs = 10'000'000;
 
 std::int64_t since_1970_ns() {
@@ -55,6 +57,7 @@ Result<Done> Publisher::move(Object object, const Pose& pose, bool teleport) {
   return state_->move(object, pose, teleport);
 }
 Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) { return state_->flush(source_time); }
+void Publisher::stream() { state_->stream(); }
 Result<Done> Publisher::keep_alive() { return state_->keep_alive(); }
 Result<Done> Publisher::wait_applied(std::chrono::nanoseconds timeout) { return state_->wait_applied(timeout); }
 
@@ -207,15 +210,31 @@ Result<std::uint64_t> Publisher::State::flush(nanoseconds source_time) {
   if (auto error = say_alive()) {
     return *error;
   }
-  if (auto error = send_waiting(source_time.count() != 0 ? source_time.count() : since_1970_ns())) {
+  has_own_clock_ = source_time.count() == 0;
+  if (auto error = send_waiting(has_own_clock_ ? since_1970_ns() : source_time.count())) {
     return *error;
   }
   return sequence_;
 }
 
+void Publisher::State::stream() {
+  const std::lock_guard lock(mutex_);
+  is_streamed_ = true;
+}
+
+/// Who has moved nothing for long rests: others' objects need not wait for its next flush. Only while the times are this
+/// library's own, since a user's next one may lie before now.
+std::optional<Error> Publisher::State::say_at_rest() {
+  const bool is_due = has_own_clock_ && objects_.waiting().empty() && Clock::now() - last_instant_ > kAtRest;
+  return is_due ? write_batch({}, 0, since_1970_ns()) : std::nullopt;
+}
+
 Result<Done> Publisher::State::keep_alive() {
   const std::lock_guard lock(mutex_);
   if (auto error = say_alive()) {
+    return *error;
+  }
+  if (auto error = say_at_rest()) {
     return *error;
   }
   return Done{};

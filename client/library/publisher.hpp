@@ -21,6 +21,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   Result<Done> remove(Object object);
   Result<Done> move(Object object, const Pose& pose, bool teleport);
   Result<std::uint64_t> flush(std::chrono::nanoseconds source_time);
+  void stream();
   Result<Done> keep_alive();
   Result<Done> wait_applied(std::chrono::nanoseconds timeout);
 
@@ -36,9 +37,10 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   bool has_room();
   std::optional<Error> define_all();
   std::optional<Error> write_definition(std::uint32_t number, const client::PublishedObject& object, bool removed);
-  std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, bool teleported, std::int64_t time_ns);
+  std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags, std::int64_t time_ns);
+  std::optional<Error> say_at_rest();
   std::optional<Error> send_waiting(std::int64_t time_ns);
-  void note_written();
+  void note_written(bool is_news = true);
 
   std::shared_ptr<client::Connection> connection_;
   std::uint64_t publisher_;
@@ -49,6 +51,9 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::uint64_t definitions_through_ = 0;
   std::uint64_t defined_all_at_ = 0;  // sequence at which everything was last defined anew
   std::uint64_t server_ = 0;
+  bool is_streamed_ = false;
+  bool has_own_clock_ = false;  // the last flush left its time to this library
+  client::Clock::time_point last_instant_;
   client::UnacknowledgedPoses unacknowledged_;
   client::Clock::time_point last_word_;
   client::Clock::time_point last_sample_;

@@ -99,7 +99,7 @@ std::optional<Error> Publisher::State::define_all() {
   }
   objects_.mark_sent(objects_.waiting().size());  // definitions carry the newest poses
   defined_all_ = Clock::now();
-  return write_batch({}, false, 0);  // revives the pose writer, whose lease ran out as well
+  return write_batch({}, 0, 0);  // revives the pose writer, whose lease ran out as well
 }
 
 std::optional<Error> Publisher::State::write_definition(std::uint32_t number, const PublishedObject& object,
@@ -126,7 +126,7 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   });
 }
 
-std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t> numbers, bool teleported,
+std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags,
                                                    std::int64_t time_ns) {
   poses_.resize(numbers.size() * kPoseNumbers);
   double* pose = poses_.data();
@@ -136,7 +136,9 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
   batch_->sequence_number = sequence_ + 1;
   batch_->definitions_through = definitions_through_;
   batch_->source_time_ns = time_ns;
-  batch_->flags = teleported ? wire_contract::kTeleported : 0;
+  batch_->flags = flags;
+  if (is_streamed_) batch_->flags |= wire_contract::kStreamed;
+  if (time_ns != 0) last_instant_ = Clock::now();
   if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kAllSaid;
   dds::borrow(batch_->object_numbers, numbers);
   dds::borrow(batch_->poses, poses_);
@@ -144,25 +146,28 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
     if (!has_room() || !pose_writer_.write(*batch_)) {
       return not_taken();
     }
-    note_written();
+    note_written(!numbers.empty());
     unacknowledged_.note_written(sequence_, numbers.size_bytes() + poses_.size() * sizeof(double));
     return std::nullopt;
   });
 }
 
-void Publisher::State::note_written() {
+void Publisher::State::note_written(bool is_news) {
   ++sequence_;
   last_word_ = last_sample_ = Clock::now();
-  connection_->note_write({publisher_, sequence_});
+  if (is_news) connection_->note_write({publisher_, sequence_});
 }
 
 std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
   std::size_t plain_left = objects_.sort_waiting();
+  if (objects_.waiting().empty() && objects_.size() > 0) return write_batch({}, 0, time_ns);
   while (!objects_.waiting().empty()) {
     const bool teleported = plain_left == 0;
     const std::size_t of_a_kind = teleported ? objects_.waiting().size() : plain_left;
     const std::size_t count = std::min<std::size_t>(of_a_kind, kMaxPosesPerBatch);
-    if (auto error = write_batch(objects_.waiting().first(count), teleported, time_ns)) {
+    std::uint8_t flags = teleported ? wire_contract::kTeleported : 0;
+    if (count < objects_.waiting().size()) flags |= wire_contract::kMoreFollows;
+    if (auto error = write_batch(objects_.waiting().first(count), flags, time_ns)) {
       return error;
     }
     objects_.mark_sent(count);

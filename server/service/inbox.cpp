@@ -146,6 +146,12 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
 void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
   constexpr std::size_t kMostKept = 64;  // of publishers that may have gone
   for (auto& [publisher, merged] : merged_) {
+    PoseSample* last = nullptr;
+    const auto put = [&](std::unique_ptr<PoseSample> slice) {
+      if (last != nullptr) last->flags |= wire_contract::kMoreFollows;
+      last = slice.get();
+      arrivals.emplace_back(std::move(slice));
+    };
     for (const bool teleported : {false, true}) {
       std::unique_ptr<PoseSample> slice;
       for (std::size_t i = 0; i < merged.numbers.size(); ++i) {
@@ -154,9 +160,9 @@ void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
         slice->object_numbers.push_back(merged.numbers[i]);
         const double* pose = &merged.poses[i * kPoseNumbers];
         slice->poses.insert(slice->poses.end(), pose, pose + kPoseNumbers);
-        if (slice->object_numbers.size() == wire_contract::kMaxPosesPerBatch) arrivals.emplace_back(std::move(slice));
+        if (slice->object_numbers.size() == wire_contract::kMaxPosesPerBatch) put(std::move(slice));
       }
-      if (slice) arrivals.emplace_back(std::move(slice));
+      if (slice) put(std::move(slice));
     }
     merged.clear();
   }

@@ -73,6 +73,7 @@ void Publishers::retire(Publisher& publisher) {
   publisher.objects.clear();
   parked_count_ -= publisher.parked.size();
   publisher.parked.clear();
+  publisher.parts.clear();
   publisher.said_all = false;
   publisher.watermark = {};
   publisher.clock = {};
@@ -262,7 +263,7 @@ Applied Publishers::move(PoseSample& sample, std::int64_t now_ns) {
     park(*publisher, sample);
     return Applied::done;
   }
-  return apply_batch(*publisher, sample, now_ns);
+  return take_batch(*publisher, sample, now_ns);
 }
 
 void Publishers::park(Publisher& publisher, PoseSample& sample) {
@@ -280,7 +281,7 @@ Applied Publishers::release_parked(std::int64_t now_ns) {
   if (parked_count_ == 0) return Applied::done;
   for (auto& [id, publisher] : publishers_) {
     while (!publisher->parked.empty() && publisher->parked.front().definitions_through <= publisher->definitions_seen) {
-      if (apply_batch(*publisher, publisher->parked.front(), now_ns) == Applied::step_first) return Applied::step_first;
+      if (take_batch(*publisher, publisher->parked.front(), now_ns) == Applied::step_first) return Applied::step_first;
       publisher->parked.pop_front();
       --parked_count_;
     }
@@ -301,9 +302,37 @@ bool Publishers::find_all(Publisher& publisher, const PoseSample& sample) {
                       });
 }
 
-/// All of a batch lands in one step: a robot's links are not seen half-moved.
-Applied Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, std::int64_t now_ns) {
-  if (!find_all(publisher, sample)) return Applied::step_first;
+/// Batches of one instant wait for the last of them.
+Applied Publishers::take_batch(Publisher& publisher, PoseSample& sample, std::int64_t now_ns) {
+  const bool more_follows = (sample.flags & wire_contract::kMoreFollows) != 0;
+  if (!more_follows || publisher.parts.size() >= limits_.parked_batches) return apply_instant(publisher, sample, now_ns);
+  publisher.parts.push_back(std::move(sample));
+  return Applied::done;
+}
+
+/// All of an instant lands in one step: a robot's links are not seen half-moved.
+Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, std::int64_t now_ns) {
+  if (!find_all(publisher, last)) return Applied::step_first;
+  for (const PoseSample& part : publisher.parts) {
+    if (!find_all(publisher, part)) return Applied::step_first;
+  }
+  // Who only says that it lives says nothing of a time.
+  const bool is_sign_of_life = last.source_time_ns == 0 && last.object_numbers.empty() && publisher.parts.empty();
+  WorldStamp stamp;
+  if (!is_sign_of_life) stamp = publisher.clock.stamp(last.source_time_ns, last.received_ns);
+  for (const PoseSample& part : publisher.parts) apply_batch(publisher, part, stamp, now_ns);
+  publisher.parts.clear();
+  apply_batch(publisher, last, stamp, now_ns);
+  if (stamp.time_ns > 0 && world_.advance(publisher.id, stamp.time_ns)) ++changes_;
+  counts_.stamps_late += stamp.kind == StampKind::late ? 1 : 0;
+  counts_.stamps_jumped += stamp.kind == StampKind::jumped ? 1 : 0;
+  counts_.stamps_missing += stamp.kind == StampKind::none ? 1 : 0;
+  return Applied::done;
+}
+
+void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, const WorldStamp& stamp,
+                             std::int64_t now_ns) {
+  find_all(publisher, sample);
   if ((sample.flags & wire_contract::kAllSaid) != 0) publisher.said_all = true;
   ++batch_;
   accepted_count_ = 0;
@@ -319,10 +348,11 @@ Applied Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, 
     poses_[accepted_count_] = record->pose;
     ++accepted_count_;
   }
-  const std::int64_t posed_ns = publisher.clock.server_time_ns(sample.source_time_ns, sample.received_ns);
-  const bool teleported = (sample.flags & wire_contract::kTeleported) != 0;
+  const bool teleported = (sample.flags & wire_contract::kTeleported) != 0 || stamp.kind == StampKind::jumped;
+  const bool streamed = (sample.flags & wire_contract::kStreamed) != 0;
   const std::uint64_t before = counts_.poses_applied;
-  world_.move(std::span(ids_).first(accepted_count_), std::span(poses_).first(accepted_count_), posed_ns, teleported, moved_);
+  world_.move(std::span(ids_).first(accepted_count_), std::span(poses_).first(accepted_count_), stamp.time_ns,
+              teleported, moved_, streamed);
   for (std::size_t i = 0; i < accepted_count_; ++i) {
     if (moved_[i]) accepted_[i]->touched_step = step_;
     ++(moved_[i] ? counts_.poses_applied : counts_.poses_unknown);
@@ -330,7 +360,6 @@ Applied Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, 
   publisher.watermark.apply_pose(sample.sequence, now_ns);
   ++counts_.batches_applied;
   if (counts_.poses_applied != before) ++changes_;
-  return Applied::done;
 }
 
 void Publishers::refuse(const Publisher& publisher, const Record* record, const std::string& reason) {
@@ -393,6 +422,9 @@ Applied Publishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_t 
   if (any_touched(*publisher)) return Applied::step_first;
   publisher->lost = true;
   publisher->lost_ns = now_ns;
+  publisher->parts.clear();
+  world_.lose(publisher->id);
+  ++changes_;  // others need wait for it no longer
   bool left_nothing = true;
   for (Record& record : publisher->objects.records()) {
     left_nothing = left_nothing && record.place == Place::gone;

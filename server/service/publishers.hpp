@@ -42,6 +42,9 @@ struct PublisherCounts {
   std::uint64_t poses_late = 0;
   std::uint64_t poses_unknown = 0;  // of an object that is not in the world
   std::uint64_t poses_refused = 0;
+  std::uint64_t stamps_late = 0;    // batches before what their publisher had said: they count as its next instant
+  std::uint64_t stamps_jumped = 0;  // its clock went back or ahead by more than a lease: its objects are placed anew
+  std::uint64_t stamps_missing = 0; // the reception counts
   std::uint64_t publishers_refused = 0;
 };
 
@@ -137,6 +140,7 @@ class Publishers {
     SourceClock clock;
     ObjectNumbers<Record> objects;
     std::deque<PoseSample> parked;
+    std::vector<PoseSample> parts;  // of an instant whose last batch has not come
     std::int64_t heard_ns = 0;
     std::int64_t lost_ns = 0;
     bool object_writer = false;  // lives
@@ -164,7 +168,9 @@ class Publishers {
   void retry_names();
   void forget_lost(std::int64_t now_ns);
   void park(Publisher& publisher, PoseSample& sample);
-  Applied apply_batch(Publisher& publisher, const PoseSample& sample, std::int64_t now_ns);
+  Applied take_batch(Publisher& publisher, PoseSample& sample, std::int64_t now_ns);
+  Applied apply_instant(Publisher& publisher, const PoseSample& last, std::int64_t now_ns);
+  void apply_batch(Publisher& publisher, const PoseSample& sample, const WorldStamp& stamp, std::int64_t now_ns);
   bool find_all(Publisher& publisher, const PoseSample& sample);
   bool accept(const Publisher& publisher, const PoseSample& sample, std::size_t index, Record* record);
   void refuse(const Publisher& publisher, const Record* record, const std::string& reason);

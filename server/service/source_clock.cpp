@@ -4,18 +4,27 @@
 
 namespace collided::service {
 
-std::int64_t SourceClock::server_time_ns(std::int64_t source_ns, std::int64_t received_ns) {
+WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) {
   // Beyond this no difference of two overflows; 1970 plus or minus 146 years.
   constexpr std::int64_t kMostSourceNs = std::int64_t{1} << 62;
-  if (source_ns <= 0 || source_ns > kMostSourceNs) return received_ns;
-  const std::int64_t way_ns = received_ns - source_ns;
-  // Quartz clocks differ by up to 100 ppm: the shortest way of the past must not bind a slower clock for ever.
-  const std::int64_t drift_ns = std::max<std::int64_t>(0, received_ns - received_ns_) / 10'000;
-  const bool jumped = way_ns - shortest_way_ns_ > kMostJitterNs;
-  shortest_way_ns_ = !started_ || jumped ? way_ns : std::min(way_ns, shortest_way_ns_ + drift_ns);
+  if (source_ns <= 0 || source_ns > kMostSourceNs) {
+    newest_ns_ = std::max(newest_ns_, received_ns);
+    return {newest_ns_, StampKind::none};
+  }
+  const std::int64_t ahead_ns = source_ns - source_ns_;
+  const bool jumped = started_ && (ahead_ns < -kMostOffNs || ahead_ns > kMostOffNs + std::max<std::int64_t>(0, received_ns - received_ns_));
+  if (!started_ || jumped) {
+    const std::int64_t off_ns = received_ns - source_ns;
+    offset_ns_ = off_ns >= -kMostOffNs && off_ns <= kMostOffNs ? 0 : off_ns;
+  }
+  const std::int64_t time_ns = source_ns + offset_ns_;
+  if (started_ && !jumped && time_ns < newest_ns_) return {++newest_ns_, StampKind::late};
   started_ = true;
+  source_ns_ = source_ns;
   received_ns_ = received_ns;
-  return source_ns + shortest_way_ns_;
+  // What was said before a jump stays said.
+  newest_ns_ = std::max(newest_ns_ + (jumped ? 1 : 0), time_ns);
+  return {newest_ns_, jumped ? StampKind::jumped : StampKind::good};
 }
 
 }  // namespace collided::service

@@ -2,23 +2,39 @@
 
 #include <cstdint>
 
+#include "idl/topics.hpp"
+
 namespace collided::service {
 
-/// When one publisher's poses were true, on the server's clock. Reception alone carries the jitter of the way, which
-/// would smear the time between two poses and with it the bracket of a contact; the publisher's own clock alone may be
-/// anything. So: source time plus the shortest way seen, held within a bound of the reception. A publisher whose clock
-/// jumps or runs away can shift its poses by kMostJitterNs and no more.
+/// What one publisher's stamp means in world time.
+enum class StampKind : std::uint8_t {
+  good,
+  none,    // it says none: the batch's reception counts
+  jumped,  // its clock went back or ahead by more than a lease: no way leads there
+  late,    // before what it has said already: where things are now is news all the same
+};
+
+struct WorldStamp {
+  std::int64_t time_ns = 0;
+  StampKind kind = StampKind::good;
+};
+
+/// World time is the publishers' own: a stamp is taken as it is, to the nanosecond. A clock that is a lease and more off the
+/// server's (nanoseconds since boot, another epoch) counts from where its first batch came; so does one after a jump.
 class SourceClock {
  public:
-  static constexpr std::int64_t kMostJitterNs = 100'000'000;
+  /// Of clocks that are taken as one.
+  static constexpr std::int64_t kMostOffNs = wire_contract::kPublisherLeaseNs;
 
   /// source_ns  0: the publisher says none
-  std::int64_t server_time_ns(std::int64_t source_ns, std::int64_t received_ns);
+  WorldStamp stamp(std::int64_t source_ns, std::int64_t received_ns);
 
  private:
   bool started_ = false;
-  std::int64_t shortest_way_ns_ = 0;  // reception minus source time: the way and the difference of the clocks
+  std::int64_t offset_ns_ = 0;  // of world time, from the publisher's
+  std::int64_t source_ns_ = 0;  // of the last good stamp
   std::int64_t received_ns_ = 0;
+  std::int64_t newest_ns_ = 0;  // world time
 };
 
 }  // namespace collided::service

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <tuple>
 
 namespace collided {
@@ -12,7 +13,7 @@ OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
           .b = found.b,
           .a_triangle = found.a_triangle,
           .b_triangle = found.b_triangle,
-          .began_ns = world_time_ns - static_cast<std::int64_t>(found.bracket_high_s * 1e9),
+          .began_ns = world_time_ns - std::llround(found.bracket_high_s * 1e9),
           .contact = found.contact};
 }
 
@@ -44,13 +45,25 @@ void ContactLedger::touches(const FoundContact& found) {
                        .relative_velocity = found.relative_velocity});
     return;
   }
-  OpenContact& open = open_[place->second];
-  found_in_step_[place->second] = step_;
+  goes_on(found);
+  if (!persisted_wanted_) return;
+  events_.push_back({.kind = wire_contract::EventKind::persisted,
+                     .of = open_[place->second],
+                     .relative_velocity = found.relative_velocity});
+}
+
+void ContactLedger::goes_on(const FoundContact& found) {
+  const std::size_t index = index_.at({found.a, found.b});
+  OpenContact& open = open_[index];
+  found_in_step_[index] = step_;
   open.contact = found.contact;
   open.a_triangle = found.a_triangle;
   open.b_triangle = found.b_triangle;
-  if (!persisted_wanted_) return;
-  events_.push_back({.kind = wire_contract::EventKind::persisted, .of = open, .relative_velocity = found.relative_velocity});
+}
+
+void ContactLedger::parts(ObjectId a, ObjectId b, wire_contract::EndReason reason, double bracket_low_s,
+                          double bracket_high_s) {
+  end(index_.at({a, b}), {reason, bracket_low_s, bracket_high_s});
 }
 
 void ContactLedger::touched_and_parted(const FoundContact& found) {
@@ -63,27 +76,27 @@ void ContactLedger::touched_and_parted(const FoundContact& found) {
   event.kind = wire_contract::EventKind::ended;
   event.reason = wire_contract::EndReason::separated;
   event.relative_velocity.setZero();
-  // It parted some time between the first contact and the end of the step.
-  event.bracket_low_s = found.bracket_high_s;
-  event.bracket_high_s = 0;
+  event.bracket_low_s = found.parted_low_s;
+  event.bracket_high_s = found.parted_high_s;
   events_.push_back(event);
 }
 
 void ContactLedger::end_object(ObjectId object, wire_contract::EndReason reason) {
   for (std::size_t i = 0; i < open_.size();) {
     if (open_[i].a == object || open_[i].b == object) {
-      end(i, reason, 0);
+      end(i, {.reason = reason});
     } else {
       ++i;
     }
   }
 }
 
-void ContactLedger::end(std::size_t index, wire_contract::EndReason reason, double bracket_low_s) {
+void ContactLedger::end(std::size_t index, const ContactEnd& of) {
   events_.push_back({.kind = wire_contract::EventKind::ended,
-                     .reason = reason,
+                     .reason = of.reason,
                      .of = open_[index],
-                     .bracket_low_s = bracket_low_s});
+                     .bracket_low_s = of.bracket_low_s,
+                     .bracket_high_s = of.bracket_high_s});
   index_.erase({open_[index].a, open_[index].b});
   if (index + 1 != open_.size()) {
     open_[index] = open_.back();
@@ -110,6 +123,8 @@ void ContactLedger::finish_step() {
   std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) {
     return std::tuple(!is_old_end(x), x.of.a, x.of.b) < std::tuple(!is_old_end(y), y.of.a, y.of.b);
   });
+  // A pair may begin several times in a step: what ends takes the last beginning before it, what holds the last of all.
+  const std::uint64_t last_before = last_sequence_;
   std::uint64_t passing_episode = 0;
   for (Event& event : events_) {
     if (event.kind == wire_contract::EventKind::persisted) continue;
@@ -120,7 +135,8 @@ void ContactLedger::finish_step() {
     }
     event.of.episode = passing_episode = event.sequence;
     const auto open = index_.find({event.of.a, event.of.b});
-    if (open != index_.end() && open_[open->second].episode == 0) open_[open->second].episode = event.sequence;
+    const bool opened_now = open != index_.end() && (open_[open->second].episode == 0 || open_[open->second].episode > last_before);
+    if (opened_now) open_[open->second].episode = event.sequence;
   }
 }
 

@@ -17,7 +17,16 @@ struct FoundContact {
   Contact contact;
   double bracket_low_s = 0;  // before the step's world time
   double bracket_high_s = 0;
+  double parted_low_s = 0;  // where it parted again on the way
+  double parted_high_s = 0;
   Vec3 relative_velocity = Vec3::Zero();  // of b against a at the contact's point
+};
+
+/// Why a contact is over and when, in seconds before the step's world time; none: it is not.
+struct ContactEnd {
+  wire_contract::EndReason reason = wire_contract::EndReason::none;
+  double bracket_low_s = 0;
+  double bracket_high_s = 0;
 };
 
 /// The contacts that hold, and the events that change them. Always: per pair began and ended alternate; sequences grow
@@ -28,19 +37,23 @@ class ContactLedger {
   void begin_step(std::int64_t world_time_ns, bool persisted_wanted);
   /// The pair touches at the end of this step.
   void touches(const FoundContact& found);
+  /// A contact that holds is looked at again: where and how deep, without an event.
+  void goes_on(const FoundContact& found);
+  /// A contact that holds is over.
+  void parts(ObjectId a, ObjectId b, wire_contract::EndReason reason, double bracket_low_s, double bracket_high_s);
   /// The pair touched within this step and is apart again.
   void touched_and_parted(const FoundContact& found);
   /// Every contact of the object ends.
   void end_object(ObjectId object, wire_contract::EndReason reason);
-  /// Every contact for which reason_of(contact) is not `none` and that was not found again this step ends.
-  template <class ReasonOf>
-  void end_unfound(ReasonOf&& reason_of, double bracket_low_s) {
+  /// Every contact for which end_of(contact).reason is not `none` and that was not found again this step ends.
+  template <class EndOf>
+  void end_unfound(EndOf&& end_of) {
     for (std::size_t i = 0; i < open_.size();) {
-      const auto reason = found_in_step_[i] == step_ ? wire_contract::EndReason::none : reason_of(open_[i]);
-      if (reason == wire_contract::EndReason::none) {
+      const ContactEnd of = found_in_step_[i] == step_ ? ContactEnd{} : end_of(open_[i]);
+      if (of.reason == wire_contract::EndReason::none) {
         ++i;
       } else {
-        end(i, reason, bracket_low_s);
+        end(i, of);
       }
     }
   }
@@ -67,7 +80,7 @@ class ContactLedger {
     std::size_t operator()(const Pair& pair) const;
   };
 
-  void end(std::size_t index, wire_contract::EndReason reason, double bracket_low_s);
+  void end(std::size_t index, const ContactEnd& of);
 
   std::vector<OpenContact> open_;
   std::vector<std::uint64_t> found_in_step_;  // beside open_

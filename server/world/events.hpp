@@ -25,7 +25,7 @@ struct Event {
   wire_contract::EndReason reason = wire_contract::EndReason::none;
   std::uint64_t sequence = 0;  // without gap within the epoch; 0 for persisted
   OpenContact of;              // for `ended`: the contact as it last was
-  double bracket_low_s = 0;    // the change happened at world_time - low .. world_time - high (low >= high >= 0)
+  double bracket_low_s = 0;    // the change happened at world_time - low .. - high (low >= high; below 0: after it)
   double bracket_high_s = 0;
   /// Of b relative to a at the contact's point, m/s, from the last two accepted poses of each; who has no way between
   /// them (new, teleported) or has been silent for longer than it took counts as resting. Zero for `ended`.

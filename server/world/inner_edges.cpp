@@ -44,7 +44,8 @@ struct Side {
 
 class Correction {
  public:
-  explicit Correction(World::State& state) : s_(state) {}
+  Correction(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes, ContactLedger& ledger)
+      : rows_(rows), scenes_(scenes), ledger_(ledger) {}
 
   void run() {
     collect();
@@ -55,19 +56,19 @@ class Correction {
       if (end - first >= 2 && end - first <= kMostContacts) look_at(first, end);
       first = end;
     }
-    for (const auto& [number, contact] : corrected_) s_.ledger.correct(number, contact);
-    if (!corrected_.empty()) s_.ledger.retell_corrected();
+    for (const auto& [number, contact] : corrected_) ledger_.correct(number, contact);
+    if (!corrected_.empty()) ledger_.retell_corrected();
   }
 
  private:
-  const ObjectInfo& info(ObjectId id) const { return *(*s_.objects)[slot_of(id)]; }
+  const ObjectInfo& info(ObjectId id) const { return *rows_.info(slot_of(id)); }
 
   void collect() {
     sides_.clear();
-    for (std::size_t i = 0; i < s_.ledger.open().size(); ++i) {
-      const OpenContact& open = s_.ledger.open()[i];
+    for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
+      const OpenContact& open = ledger_.open()[i];
       // Most contacts of a large world are of two balls, and that is told from what the step has just read.
-      if (s_.lone_spheres[slot_of(open.a)] && s_.lone_spheres[slot_of(open.b)]) continue;
+      if (rows_[slot_of(open.a)].lone_sphere && rows_[slot_of(open.b)].lone_sphere) continue;
       const ObjectInfo& a = info(open.a);
       const ObjectInfo& b = info(open.b);
       if (a.moving && has_faces(b)) sides_.push_back({open.a, i, open.b, open.b_triangle, open.contact.normal, false});
@@ -86,7 +87,7 @@ class Correction {
       }
     }
     for (std::size_t i = first; i < end; ++i) {
-      if (!sides_[i].is_covered || !s_.ledger.found(sides_[i].number)) continue;
+      if (!sides_[i].is_covered || !ledger_.found(sides_[i].number)) continue;
       if (const Side* face = face_for(sides_[i], first, end)) take_normal(sides_[i], *face);
     }
   }
@@ -110,7 +111,7 @@ class Correction {
   bool covers(const Side& one, const Side& other) const {
     if (one.normal.dot(other.normal) < -kSameNormal) return false;
     const Vec3 towards = -one.normal;
-    const Vec3& origin = s_.ledger.open()[one.number].contact.point;
+    const Vec3& origin = ledger_.open()[one.number].contact.point;
     const Bounded reach = reach_of(one, towards, origin);
     const Bounded others = reach_of(other, towards, origin);
     return std::isfinite(reach.high()) && others.high() <= reach.high() + rounding_m(one.body) + rounding_m(other.body) &&
@@ -120,9 +121,9 @@ class Correction {
   double rounding_m(ObjectId id) const {
     const ObjectInfo& own = info(id);
     if (own.scene_part != kNoPart) return 0;
-    const Aabb& bounds = s_.bounds[slot_of(id)];
+    const Aabb& bounds = rows_[slot_of(id)].bounds;
     const Vec3 size = bounds.high - bounds.low;
-    const double slack_m = placement_slack(s_.frames[slot_of(id)], 0, size.lpNorm<1>());
+    const double slack_m = placement_slack(rows_[slot_of(id)].frame, 0, size.lpNorm<1>());
     return std::isfinite(slack_m) ? slack_m : 0;
   }
 
@@ -133,7 +134,7 @@ class Correction {
     }
     std::optional<Bounded> most;
     for (const Primitive& own : info(side.body).primitives) {
-      const Primitive placed = place(s_.frames[slot_of(side.body)], own);
+      const Primitive placed = place(rows_[slot_of(side.body)].frame, own);
       const Bounded reach = std::visit([&](const auto& shape) { return reach_of(shape, along, origin); }, placed);
       most = most ? max(*most, reach) : reach;
     }
@@ -152,8 +153,8 @@ class Correction {
   std::optional<Triangle> touched_triangle(const Side& side) const {
     if (side.triangle == kNoTriangle) return std::nullopt;
     const ObjectInfo& own = info(side.body);
-    if (own.mesh) return place(s_.frames[slot_of(side.body)], own.mesh->mesh->triangle(side.triangle));
-    for (const auto& scene : s_.scenes) {
+    if (own.mesh) return place(rows_[slot_of(side.body)].frame, own.mesh->mesh->triangle(side.triangle));
+    for (const auto& scene : scenes_) {
       if (own.scene_part >= scene->parts.size() || scene->part_objects[own.scene_part] != side.body) continue;
       return scene->mesh.triangle(scene->parts[own.scene_part].first_triangle + side.triangle);
     }
@@ -161,8 +162,8 @@ class Correction {
   }
 
   void take_normal(const Side& side, const Side& from) {
-    const OpenContact& open = s_.ledger.open()[side.number];
-    const Contact& face = s_.ledger.open()[from.number].contact;
+    const OpenContact& open = ledger_.open()[side.number];
+    const Contact& face = ledger_.open()[from.number].contact;
     const Vec3 towards = -from.normal;
     // The mover reaches as far along the normal in both contacts.
     const Bounded depth = Bounded(face.depth_m, face.depth_error_m) +
@@ -174,7 +175,9 @@ class Correction {
     corrected_.emplace_back(side.number, contact);
   }
 
-  World::State& s_;
+  const ObjectRows& rows_;
+  const std::vector<std::shared_ptr<const StaticScene>>& scenes_;
+  ContactLedger& ledger_;
   // Their memory goes from step to step.
   static thread_local std::vector<Side> sides_;
   static thread_local std::vector<std::pair<std::size_t, Contact>> corrected_;
@@ -185,6 +188,9 @@ thread_local std::vector<std::pair<std::size_t, Contact>> Correction::corrected_
 
 }  // namespace
 
-void correct_inner_edges(World::State& state) { Correction(state).run(); }
+void correct_inner_edges(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes,
+                         ContactLedger& ledger) {
+  Correction(rows, scenes, ledger).run();
+}
 
 }  // namespace collided

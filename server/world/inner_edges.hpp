@@ -1,6 +1,10 @@
 #pragma once
 
-#include "server/world/world_state.hpp"
+#include <memory>
+#include <vector>
+
+#include "server/world/contact_ledger.hpp"
+#include "server/world/object_rows.hpp"
 
 namespace collided {
 
@@ -15,6 +19,7 @@ namespace collided {
 /// What counts as no farther: up to the rounding of placing both. Bodies are those with flat faces, of at most 16
 /// primitives; a mover with more than 64 such contacts is left as it is.
 /// Writer's thread, after all contacts of a step are found.
-void correct_inner_edges(World::State& state);
+void correct_inner_edges(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes,
+                         ContactLedger& ledger);
 
 }  // namespace collided

@@ -48,6 +48,9 @@ struct ObjectInfo {
   std::uint32_t told_triangle(std::uint32_t triangle) const { return cut.told(triangle, part_triangles); }
 };
 
+/// Nothing but triangles.
+inline bool is_bare_mesh(const ObjectInfo& info) { return info.mesh && info.primitives.empty(); }
+
 /// One loaded file's static triangles with their index, in world coordinates, and its objects' meshes with theirs.
 struct StaticScene {
   std::string name;

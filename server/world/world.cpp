@@ -45,21 +45,6 @@ Refusal name_taken(const std::string& name, const ObjectInfo* holder) {
 
 }  // namespace
 
-ObjectTable& World::State::table() {
-  ++table_version;
-  if (objects_shared) {
-    objects = std::make_shared<ObjectTable>(*objects);
-    objects_shared = false;
-  }
-  return *objects;
-}
-
-const ObjectInfo* World::State::info(ObjectId id) const {
-  const std::uint32_t slot = slot_of(id);
-  const ObjectInfo* found = slot < objects->size() ? (*objects)[slot].get() : nullptr;
-  return found != nullptr && found->id == id ? found : nullptr;
-}
-
 /// Objects with equal meshes share one with its index, whoever sent them.
 std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition& definition) {
   const std::hash<std::string_view> hash;
@@ -80,41 +65,8 @@ std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition
   return added;
 }
 
-void World::State::mark(std::uint32_t slot, Motion how) {
-  if (motion[slot] == Motion::none) moved_slots.push_back(slot);
-  motion[slot] = std::max(motion[slot], how);
-}
-
-ObjectId World::State::take_slot() {
-  std::uint32_t slot = static_cast<std::uint32_t>(generations.size());
-  if (!free_slots.empty()) {
-    slot = free_slots.back();
-    free_slots.pop_back();
-    ++generations[slot];
-  } else {
-    generations.push_back(1);
-    table().emplace_back();
-    poses.emplace_back();
-    frames.emplace_back();
-    bounds.emplace_back();
-    posed_ns.push_back(0);
-    stale.push_back(0);
-    changed.push_back(0);
-    movable.push_back(0);
-    lone_spheres.emplace_back();
-    has_way.push_back(0);
-    sizes.emplace_back();
-    fast.push_back(0);
-    motion.push_back(Motion::none);
-    frames_before.emplace_back();
-    posed_before_ns.push_back(0);
-  }
-  return (static_cast<ObjectId>(generations[slot]) << 32) | slot;
-}
-
 World::World(const WorldOptions& options) : state_(std::make_unique<State>()) {
   state_->options = options;
-  state_->objects = std::make_shared<ObjectTable>();
   // Readers may come before the first step: the first state is an empty world.
   step(0, 0, {});
 }
@@ -155,23 +107,19 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BspOptions& 
 std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed) {
   State& s = *state_;
   const std::size_t added = scene.parts.size() + scene.objects.size();
-  if (s.names.size() + added > s.options.max_objects) {
+  if (s.rows.name_count() + added > s.options.max_objects) {
     return Refusal{"scene '" + scene.name + "' has " + std::to_string(added) + " objects; with the " +
-                   std::to_string(s.names.size()) + " loaded that is over the limit of " +
+                   std::to_string(s.rows.name_count()) + " loaded that is over the limit of " +
                    std::to_string(s.options.max_objects) + " (max_objects). Nothing was added"};
   }
   for (const Part& part : scene.parts) {
-    if (const auto taken = s.names.find(part.name); taken != s.names.end()) {
-      return name_taken(part.name, s.info(taken->second));
-    }
+    if (const auto taken = s.rows.find(part.name)) return name_taken(part.name, s.rows.find(*taken));
   }
   for (const SceneObject& object : scene.objects) {
-    if (const auto taken = s.names.find(object.name); taken != s.names.end()) {
-      return name_taken(object.name, s.info(taken->second));
-    }
+    if (const auto taken = s.rows.find(object.name)) return name_taken(object.name, s.rows.find(*taken));
   }
   for (std::uint32_t part = 0; part < scene.parts.size(); ++part) {
-    const ObjectId id = s.take_slot();
+    const ObjectId id = s.rows.take_slot();
     auto info = std::make_shared<ObjectInfo>();
     info->id = id;
     info->name = scene.parts[part].name;
@@ -180,9 +128,7 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
     info->scene_part = part;
     info->part_triangles = scene.parts[part].triangle_count;
     info->cut = scene.parts[part].cut;
-    s.table()[slot_of(id)] = info;
-    s.names.emplace(info->name, id);
-    s.mark(slot_of(id), Motion::placed);
+    s.rows.put(std::move(info));
     indexed->part_objects.push_back(id);
   }
   const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed->object_meshes);
@@ -200,10 +146,7 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const Scene& scene, std::s
                                                   .cut = object.cut});
     assert(std::holds_alternative<ObjectId>(defined) && "names and limits were checked above");
   }
-  // What was there before may touch what came: every mover is looked at again.
-  for (std::uint32_t slot = 0; slot < s.objects->size(); ++slot) {
-    if ((*s.objects)[slot] && (*s.objects)[slot]->moving) s.mark(slot, Motion::placed);
-  }
+  s.rows.place_all_movers_again();
   return static_cast<std::uint32_t>(added);
 }
 
@@ -221,8 +164,8 @@ void World::state_covers(std::string_view scene, std::span<const Aabb> boxes) {
 std::uint32_t World::remove_scene(std::string_view name) {
   State& s = *state_;
   std::uint32_t removed_count = 0;
-  for (std::uint32_t slot = 0; slot < s.objects->size(); ++slot) {
-    const ObjectInfo* info = (*s.objects)[slot].get();
+  for (std::uint32_t slot = 0; slot < s.rows.size(); ++slot) {
+    const ObjectInfo* info = s.rows.info(slot);
     if (info == nullptr || info->scene != name) continue;
     remove(info->id, wire_contract::EndReason::geometry_changed);
     ++removed_count;
@@ -239,10 +182,8 @@ std::uint32_t World::remove_scene(std::string_view name) {
 std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition) {
   const OwnFloatEnvironment own_floats;
   State& s = *state_;
-  if (const auto taken = s.names.find(definition.name); taken != s.names.end()) {
-    return name_taken(definition.name, s.info(taken->second));
-  }
-  if (s.names.size() >= s.options.max_objects) {
+  if (const auto taken = s.rows.find(definition.name)) return name_taken(definition.name, s.rows.find(*taken));
+  if (s.rows.name_count() >= s.options.max_objects) {
     return Refusal{"object '" + definition.name + "' is one more than the limit of " +
                    std::to_string(s.options.max_objects) + " objects (max_objects). Nothing was added"};
   }
@@ -252,8 +193,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   }
   auto info = std::make_shared<ObjectInfo>();
   if (definition.shape.mesh) info->mesh = s.mesh_for(definition);
-  const ObjectId id = s.take_slot();
-  const std::uint32_t slot = slot_of(id);
+  const ObjectId id = s.rows.take_slot();
   info->id = id;
   info->name = definition.name;
   info->scene = definition.scene;
@@ -267,82 +207,41 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
     info->cut = definition.cut;
     info->part_triangles = static_cast<std::uint32_t>(definition.shape.mesh->triangles.size());
   }
-  s.movable[slot] = id;
-  s.lone_spheres[slot] = lone_sphere(*info);
-  s.sizes[slot] = size_of(*info);
-  s.has_way[slot] = 0;
-  s.table()[slot] = info;
-  s.names.emplace(info->name, id);
-  s.poses[slot] = definition.pose;
-  s.frames[slot] = s.frames_before[slot] = frame_of(definition.pose);
-  s.bounds[slot] = bounds_of(*info, s.frames[slot]);
-  // A mover is where it is from the next step's world time on.
-  s.posed_ns[slot] = s.posed_before_ns[slot] = definition.moving ? kPosedAtStep : 0;
-  s.mark(slot, Motion::placed);
+  const Source* known = s.sources.find(definition.publisher);
+  const std::int64_t born_ns = known != nullptr && known->is_timed ? known->known_ns : kPosedAtStep;
+  const std::uint32_t source = definition.moving ? s.sources.add_object(definition.publisher) : Sources::kResting;
+  s.rows.put(std::move(info), definition.pose, source, born_ns);
   return id;
 }
 
 bool World::remove(ObjectId id, wire_contract::EndReason reason) {
   State& s = *state_;
-  const ObjectInfo* info = s.info(id);
-  if (info == nullptr) return false;
-  const std::uint32_t slot = slot_of(id);
-  s.names.erase(info->name);
+  if (s.rows.find(id) == nullptr) return false;
   s.removed.emplace_back(id, reason);
-  s.freed_this_step.push_back(slot);
   s.forget_stale(id);
-  s.bounds[slot] = Aabb{};
-  s.movable[slot] = 0;
-  s.lone_spheres[slot].reset();
-  // A part of a scene may have the slot next, and a part has no pose, age or way.
-  s.poses[slot] = Pose{};
-  s.frames[slot] = s.frames_before[slot] = Frame{};
-  s.posed_ns[slot] = s.posed_before_ns[slot] = 0;
-  s.has_way[slot] = 0;
-  s.table()[slot].reset();
-  s.mark(slot, Motion::placed);
+  const std::uint32_t source = s.rows.source(slot_of(id));
+  if (source != Sources::kResting) s.sources.remove_object(source);
+  s.rows.remove(id);
   return true;
 }
 
-bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, Motion how) {
+bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed) {
   const std::uint32_t slot = slot_of(id);
-  if (slot >= movable.size() || movable[slot] != id || id == 0) return false;
-  if (motion[slot] == Motion::none) {
-    frames_before[slot] = frames[slot];
-    posed_before_ns[slot] = posed_ns[slot];
+  if (slot >= rows.size()) return false;
+  const std::uint32_t source = rows.source(slot);
+  PoseTime at{.time_ns = time_ns};
+  if (source != Sources::kResting) {
+    if (is_streamed) sources.note_streamed(source);
+    sources.note_posed(source);
+    at.time_ns = sources[source].admitted(time_ns);
+    if (sources[source].is_timed) at.since_ns = is_streamed ? time_ns - kStreamGapNs : sources[source].instant_before(at.time_ns);
   }
-  poses[slot] = pose;
-  frames[slot] = frame_of(pose);
-  const std::optional<Sphere>& sphere = lone_spheres[slot];
-  bounds[slot] = sphere ? collided::bounds(place(frames[slot], *sphere)) : bounds_of(*(*objects)[slot], frames[slot]);
-  // An object's time does not go back, whatever its publisher's clock does: brackets are measured in it.
-  posed_ns[slot] = std::max(posed_ns[slot], time_ns);
-  has_way[slot] = how == Motion::moved ? 1 : 0;
-  mark(slot, how);
-  return true;
-}
-
-/// What move() writes of an object, for writing; a hint, so any slot will do.
-void World::State::prefetch(std::uint32_t slot) const {
-  if (slot >= movable.size()) return;
-  const auto fetch = [](const auto& item) {
-    for (std::size_t byte = 0; byte < sizeof item; byte += 64) {
-      __builtin_prefetch(reinterpret_cast<const char*>(&item) + byte, 1);
-    }
-  };
-  fetch(frames[slot]);
-  fetch(frames_before[slot]);
-  fetch(poses[slot]);
-  fetch(bounds[slot]);
-  fetch(lone_spheres[slot]);
-  fetch(movable[slot]);
-  fetch(posed_ns[slot]);
-  fetch(posed_before_ns[slot]);
+  return rows.move(id, pose, at, teleport ? Motion::placed : Motion::moved);
 }
 
 bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport) {
   const OwnFloatEnvironment own_floats;
-  const bool moved = state_->move(id, pose, time_ns, teleport ? Motion::placed : Motion::moved);
+  const bool moved = state_->move(id, pose, time_ns, teleport, false);
   // Somebody else put it there.
   for (StaleObject& stale : state_->stale_objects) {
     if (stale.id == id) stale.position = pose.position, stale.speed_mps = 0;
@@ -351,42 +250,45 @@ bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool telep
 }
 
 void World::move(std::span<const ObjectId> ids, std::span<const Pose> poses, std::int64_t time_ns, bool teleport,
-                 std::span<bool> moved) {
+                 std::span<bool> moved, bool is_streamed) {
   constexpr std::size_t kAhead = 8;
   const OwnFloatEnvironment own_floats;
-  const Motion how = teleport ? Motion::placed : Motion::moved;
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (i + kAhead < ids.size()) state_->prefetch(slot_of(ids[i + kAhead]));
-    moved[i] = state_->move(ids[i], poses[i], time_ns, how);
+    if (i + kAhead < ids.size()) state_->rows.prefetch(slot_of(ids[i + kAhead]));
+    moved[i] = state_->move(ids[i], poses[i], time_ns, teleport, is_streamed);
   }
 }
 
+bool World::advance(std::uint64_t publisher, std::int64_t time_ns) {
+  state_->sources.advance(publisher, time_ns);
+  return state_->sources.are_several();
+}
+
+void World::lose(std::uint64_t publisher) { state_->sources.lose(publisher); }
+
 bool World::has_moved(ObjectId id) const {
-  return slot_of(id) < state_->motion.size() && state_->motion[slot_of(id)] != Motion::none;
+  return slot_of(id) < state_->rows.size() && state_->rows.has_moved(slot_of(id));
 }
 
 void World::State::forget_stale(ObjectId id) {
-  stale[slot_of(id)] = 0;
   std::erase_if(stale_objects, [&](const StaleObject& object) { return object.id == id; });
 }
 
 void World::set_stale(ObjectId id, bool is_stale) {
   State& s = *state_;
-  if (s.info(id) == nullptr) return;
-  const std::uint32_t slot = slot_of(id);
-  const std::uint8_t flag = is_stale ? 1 : 0;
-  if (s.stale[slot] == flag) return;
-  s.changed[slot] = s.step_count + 1;
+  if (s.rows.find(id) == nullptr) return;
+  const ObjectRow& row = s.rows[slot_of(id)];
+  if (row.is_stale == is_stale) return;
+  s.rows.set_stale(slot_of(id), is_stale);
   if (!is_stale) return s.forget_stale(id);
-  s.stale[slot] = flag;
-  const double way_s = 1e-9 * static_cast<double>(s.posed_ns[slot] - s.posed_before_ns[slot]);
-  const double way_m = (s.frames[slot].position - s.frames_before[slot].position).norm();
-  const bool has_speed = s.has_way[slot] != 0 && s.posed_before_ns[slot] != kPosedAtStep && way_s > 0;
+  const double way_s = 1e-9 * static_cast<double>(row.posed_ns - row.posed_before_ns);
+  const double way_m = (row.frame.position - row.frame_before.position).norm();
+  const bool has_speed = row.has_way && row.posed_before_ns != kPosedAtStep && way_s > 0;
   s.stale_objects.push_back({.id = id,
-                             .position = s.frames[slot].position,
-                             .reach_m = s.sizes[slot].reach_m,
+                             .position = row.frame.position,
+                             .reach_m = row.size.reach_m,
                              .speed_mps = has_speed ? way_m / way_s : 0,
-                             .posed_ns = s.posed_ns[slot]});
+                             .posed_ns = row.posed_ns});
 }
 
 const std::vector<Event>& World::events() const { return state_->ledger.events(); }
@@ -394,14 +296,9 @@ const StepCost& World::cost() const { return state_->cost; }
 const std::vector<OpenContact>& World::contacts() const { return state_->ledger.open(); }
 std::uint64_t World::last_event_sequence() const { return state_->ledger.last_sequence(); }
 
-std::optional<ObjectId> World::find(std::string_view name) const {
-  const auto found = state_->names.find(std::string(name));
-  if (found == state_->names.end()) return std::nullopt;
-  return found->second;
-}
-
-const ObjectInfo* World::info(ObjectId id) const { return state_->info(id); }
-const ObjectTable& World::objects() const { return *state_->objects; }
+std::optional<ObjectId> World::find(std::string_view name) const { return state_->rows.find(name); }
+const ObjectInfo* World::info(ObjectId id) const { return state_->rows.find(id); }
+const ObjectTable& World::objects() const { return state_->rows.table(); }
 SnapshotRing::Lease World::newest() const { return state_->ring.newest(); }
 
 }  // namespace collided

@@ -98,9 +98,15 @@ class World {
   /// The pose must be finite with a unit quaternion (the border has checked and normalised). One pose an object and
   /// step: has_moved() tells that a step must come first. False: no such object.
   bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport);
-  /// The same for many objects, whose memory is fetched while the ones before are at work. moved[i]: as move() returns.
+  /// The same for many objects of one publisher, whose memory is fetched while the ones before are at work. moved[i]: as
+  /// move() returns. is_streamed: its objects move between their own poses, whichever others it names.
   void move(std::span<const ObjectId> ids, std::span<const Pose> poses, std::int64_t time_ns, bool teleport,
-            std::span<bool> moved);
+            std::span<bool> moved, bool is_streamed = false);
+  /// All that the publisher has to say of the time up to there is said: whoever it has not named has rested, and pairs with
+  /// other publishers' objects are decided as far as both are known. True: somebody may wait for it.
+  bool advance(std::uint64_t publisher, std::int64_t time_ns);
+  /// The publisher says no more: its objects rest from now on.
+  void lose(std::uint64_t publisher);
   bool has_moved(ObjectId id) const;
   void set_stale(ObjectId id, bool stale);
 

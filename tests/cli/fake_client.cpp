@@ -246,13 +246,15 @@ Result<Done> Publisher::move(Object object, const Pose& pose, bool) {
   }
   return Done{};
 }
-Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds) {
+Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) {
   fake::Published& published = fake::server().publishers[state_->index];
+  published.stamps.push_back(source_time);
   published.batches.push_back(std::move(published.pending));
   published.pending.clear();
   if (fake::server().on_flush) fake::server().on_flush(published);
   return std::uint64_t{published.batches.size()};
 }
+void Publisher::stream() { fake::server().publishers[state_->index].is_streamed = true; }
 Result<Done> Publisher::keep_alive() {
   return Done{};
 }

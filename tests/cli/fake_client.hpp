@@ -22,6 +22,8 @@ struct Published {
   std::map<std::uint32_t, ObjectOptions> objects;   // by handle; removed ones are gone
   std::vector<std::map<std::uint32_t, Pose>> batches;  // one a flush
   std::map<std::uint32_t, Pose> pending;
+  std::vector<std::chrono::nanoseconds> stamps = {};  // one a flush
+  bool is_streamed = false;
 };
 
 struct Server {

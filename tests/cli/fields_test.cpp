@@ -134,16 +134,20 @@ TEST_F(Fields, OfAnEventAreTheServersOwn) {
   std::istringstream lines(ran.out);
   for (std::string line; std::getline(lines, line);) all.push_back(json::parse(line));
   ASSERT_EQ(all.size(), 4U);
-  const json open = json::parse(R"({"time":8.5,"what":"open","a":"x","b":"y","depth":17,"error":18,"point":[11,12,13],"normal":[14,15,16],"a_triangle":3,"b_triangle":4,
+  const json open = json::parse(R"({"time":8.5,"time_ns":8500000000,"what":"open","a":"x","b":"y","depth":17,"error":18,"point":[11,12,13],"normal":[14,15,16],"a_triangle":3,"b_triangle":4,
                                     "resync":true,"sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})");
   EXPECT_EQ(all[0], open);
   json began = open;
   began["what"] = "began";
   began["velocity"] = {19, 20, 21};
+  json persisted = began;
+  persisted["what"] = "persisted";
+  EXPECT_EQ(all[2], persisted);
+  // Only what begins or ends does so between two instants.
+  began["first_ns"] = 17'500'000'000;
+  began["last_ns"] = 18'500'000'000;
   EXPECT_EQ(all[1], began);
-  began["what"] = "persisted";
-  EXPECT_EQ(all[2], began);
-  EXPECT_EQ(all[3], json::parse(R"({"time":8.5,"what":"ended","a":"x","b":"y","after":0.25,"why":"teleported","a_triangle":3,"b_triangle":4,"resync":true,
+  EXPECT_EQ(all[3], json::parse(R"({"time":8.5,"time_ns":8500000000,"first_ns":17500000000,"last_ns":18500000000,"what":"ended","a":"x","b":"y","after":0.25,"why":"teleported","a_triangle":3,"b_triangle":4,"resync":true,
                                     "sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})"));
 }
 

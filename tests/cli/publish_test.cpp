@@ -55,6 +55,23 @@ TEST_F(Publish, AServerThatIsSilentForAWhileEndsNothing) {
   EXPECT_EQ(collide("publish " + file.path() + " --shape box:0.4,0.2,0.1").code, 2);
 }
 
+// However late a busy machine sends a frame, its poses are of the file's time.
+TEST_F(Publish, StampsAreTheFilesOwnTimes) {
+  const ScratchFile file("poses.csv", "t,x,y,z\n5,0,0,0\n5.01,1,0,0\n5.04,2,0,0\n");
+  EXPECT_EQ(collide("publish " + file.path()).code, 0);
+  const std::vector<std::chrono::nanoseconds> stamps = published().stamps;
+  ASSERT_EQ(stamps.size(), 3U);
+  EXPECT_NEAR(static_cast<double>((stamps[1] - stamps[0]).count()), 1e7, 2);
+  EXPECT_NEAR(static_cast<double>((stamps[2] - stamps[0]).count()), 4e7, 2);
+  EXPECT_FALSE(published().is_streamed) << "every frame names every object";
+}
+
+TEST_F(Publish, AFileWhoseObjectsHaveInstantsOfTheirOwnIsStreamed) {
+  const ScratchFile file("poses.csv", "t,name,x,y,z\n0,a,0,0,0\n0.002,b,1,0,0\n0.01,a,2,0,0\n");
+  EXPECT_EQ(collide("publish " + file.path()).code, 0);
+  EXPECT_TRUE(published().is_streamed);
+}
+
 TEST_F(Publish, FramesComeWhenTheyAreDue) {
   const ScratchFile file("poses.csv", "t,x,y,z\n0,0,0,0\n0.1,1,0,0\n0.2,2,0,0\n");
   std::vector<std::chrono::steady_clock::time_point> times;

@@ -169,6 +169,13 @@ void PlainPublishers::apply(std::uint64_t id, Party& party, const service::PoseS
   note(party, sample.sequence, party.newest_pose, now_ns);
   ++counts.batches_applied;
   if (any) ++changes;
+  // A new instant is news for the pairs of other publishers, whatever moved then.
+  const bool is_sign_of_life = sample.source_time_ns == 0 && sample.object_numbers.empty();
+  std::set<std::uint64_t> in_world;
+  for (const auto& [name, key] : owners_) {
+    if (key.first == 0 || parties_.at(key.first).objects.at(key.second).moving) in_world.insert(key.first);
+  }
+  if (!is_sign_of_life && in_world.size() > 1) ++changes;
 }
 
 bool PlainPublishers::accept(Party& party, const service::PoseSample& sample, std::size_t index, std::set<std::uint32_t>& named) {
@@ -203,6 +210,7 @@ void PlainPublishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_
   if (party.object_writer || party.pose_writer) return;
   party.lost = true;
   party.lost_ns = now_ns;
+  ++changes;  // others wait for it no longer
   for (auto& [number, object] : party.objects) {
     if (object.place != Place::in_world) continue;
     if (object.policy == LostPolicy::freeze) object.is_stale = true, ++changes;

@@ -208,7 +208,7 @@ class WorldTwin : public testing::Test {
       if (event.kind == EventKind::began) {
         EXPECT_TRUE(episodes_.emplace(pair, event.sequence).second) << pair.first << " " << pair.second << " began twice";
         EXPECT_EQ(event.of.episode, event.sequence);
-        began_ns_[pair] = now_ns_ - static_cast<std::int64_t>(event.bracket_high_s * 1e9);
+        began_ns_[pair] = now_ns_ - std::llround(event.bracket_high_s * 1e9);
         ++began_count_;
         expect_time(event, pair);
       } else {

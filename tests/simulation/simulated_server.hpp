@@ -36,13 +36,14 @@ class SimulatedServer {
   void tick(std::int64_t now_ns);
   /// Of what is in the world now, by all pairs.
   std::set<NamedPair> touching() const;
+  /// Once all is at rest and every publisher has said so: what is open is what touches.
+  void compare_with_all_pairs();
 
  private:
   template <class Apply>
   void apply(std::int64_t now_ns, Apply&& once);
   void step(std::int64_t now_ns);
   void say_status(std::int64_t now_ns);
-  void compare_with_all_pairs();
 
   std::uint64_t epoch_;
   std::int64_t started_ns_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace collided::service {
@@ -100,6 +101,69 @@ TEST_F(PublishersTest, LateAndRepeatedSamplesChangeNothing) {
   EXPECT_EQ(publishers.counts().poses_late, 2U);
   EXPECT_EQ(publishers.counts().definitions_late, 1U);
   EXPECT_EQ(publishers.counts().poses_applied, 1U);
+}
+
+// A robot of more links than a batch holds is not seen half-moved.
+TEST_F(PublishersTest, BatchesOfOneInstantLandTogether) {
+  define(definition(1, 1, "first"));
+  define(definition(2, 2, "second"));
+  step();
+  PoseSample part = pose(3, {{1, 5}});
+  part.flags = wire_contract::kMoreFollows;
+  move(part);
+  step();
+  EXPECT_EQ(height("first"), 3) << "more of its instant is to come";
+  EXPECT_EQ(publishers.applied_through(kPublisher), 2U);
+  move(pose(4, {{2, 6}}));
+  step();
+  EXPECT_EQ(height("first"), 5);
+  EXPECT_EQ(height("second"), 6);
+  EXPECT_EQ(publishers.applied_through(kPublisher), 4U);
+}
+
+// Two publishers' balls meet at 1.05 s between their poses; the one's stamps come 20 ms late.
+TEST_F(PublishersTest, WhatTwoPublishersSayOfOneInstantMeets) {
+  constexpr std::int64_t kMs = 1'000'000;
+  now_ns = 1'000 * kMs;
+  DefinitionSample other = definition(1, 1, "other", 9);
+  other.publisher = kPublisher + 1;
+  define(definition(1, 1, "ball", 5));
+  define(other);
+  step();
+  const auto say = [&](std::uint64_t publisher, std::uint64_t sequence, std::int64_t time_ns, const Vec3& at) {
+    PoseSample sample = pose(sequence, {{1, at.z()}});
+    sample.publisher = publisher;
+    sample.source_time_ns = time_ns;
+    sample.poses[0] = at.x();
+    now_ns = std::max(now_ns, time_ns + (publisher == kPublisher ? 0 : 20 * kMs));
+    move(sample);
+    step();
+  };
+  // Along x and along z, through (0, 20) at 1.05 s with 100 m/s.
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const std::int64_t time_ns = (1'005 + 10 * static_cast<std::int64_t>(i)) * kMs;
+    const double along_m = 100 * (1e-9 * static_cast<double>(time_ns) - 1.05);
+    say(kPublisher, 2 + i, time_ns, {along_m, 0, 20});
+    say(kPublisher + 1, 2 + i, time_ns + 3 * kMs, {0, 0, 20 + along_m + 0.3});
+  }
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].kind, EventKind::began);
+  EXPECT_EQ(events[1].kind, EventKind::ended);
+  EXPECT_EQ(events[1].reason, EndReason::separated);
+}
+
+// Nothing is lost of a clock that is set back a little: where things are is news.
+TEST_F(PublishersTest, AStampThatGoesBackIsTakenAndCounted) {
+  define(definition(1, 1, "ball"));
+  PoseSample first = pose(2, {{1, 2}});
+  first.source_time_ns = 900;
+  PoseSample late = pose(3, {{1, 4}});
+  late.source_time_ns = 800;
+  move(first);
+  move(late);
+  step();
+  EXPECT_EQ(height("ball"), 4);
+  EXPECT_EQ(publishers.counts().stamps_late, 1U);
 }
 
 // A slot is used again: a pose that was sent for the earlier object must not move the later one.

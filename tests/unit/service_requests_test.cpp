@@ -77,38 +77,40 @@ TEST(SequenceWatermark, AGapIsAsOldAsItsBeginning) {
   EXPECT_EQ(mark.through(), 14U);
 }
 
-// A late datagram moves the pose's reception, not the time at which it was true.
-TEST(SourceClock, TakesTheJitterOffTheWay) {
+// World time is what publishers say; how long a batch was under way does not show.
+TEST(SourceClock, AStampIsTakenAsItIs) {
   SourceClock clock;
-  EXPECT_EQ(clock.server_time_ns(1'000'000, 5'000'000), 5'000'000);
-  EXPECT_EQ(clock.server_time_ns(2'000'000, 6'700'000), 6'000'000 + 170);  // drift allowed for 1.7 ms
-  EXPECT_EQ(clock.server_time_ns(0, 8'000'000), 8'000'000);
+  EXPECT_EQ(clock.stamp(1'000'000, 5'000'000).time_ns, 1'000'000);
+  EXPECT_EQ(clock.stamp(2'000'000, 406'700'000).time_ns, 2'000'000) << "however late it comes";
+  EXPECT_EQ(clock.stamp(2'000'000, 406'700'000).kind, StampKind::good) << "a second batch of one instant";
 }
 
-TEST(SourceClock, AWildClockShiftsPosesByItsBoundOnly) {
+TEST(SourceClock, WhatGoesBackIsLateAndALongWayBackIsAJump) {
   SourceClock clock;
-  std::int64_t received_ns = 1'000'000'000'000;
-  for (const std::int64_t source_ns :
-       {std::int64_t{5}, std::int64_t{1} << 61, std::int64_t{7}, std::int64_t{-9}, std::int64_t{1} << 40}) {
-    received_ns += 10'000'000;
-    const std::int64_t time_ns = clock.server_time_ns(source_ns, received_ns);
-    EXPECT_LE(time_ns, received_ns);
-    EXPECT_GE(time_ns, received_ns - SourceClock::kMostJitterNs);
-  }
+  const std::int64_t start = 1'000'000'000'000;
+  EXPECT_EQ(clock.stamp(start, start).kind, StampKind::good);
+  const WorldStamp late = clock.stamp(start - 1, start + 10);
+  EXPECT_EQ(late.kind, StampKind::late);
+  EXPECT_EQ(late.time_ns, start + 1) << "where things are now is news all the same";
+  const WorldStamp jumped = clock.stamp(start - SourceClock::kMostOffNs - 1, start + 20);
+  EXPECT_EQ(jumped.kind, StampKind::jumped);
+  EXPECT_GT(jumped.time_ns, late.time_ns) << "what was said stays said";
+  EXPECT_EQ(clock.stamp(start + 2'000'000'000, start + 30).kind, StampKind::jumped) << "ahead, faster than time";
 }
 
-// The publisher's clock is set back by twice the bound: from then on it counts anew, at once.
-TEST(SourceClock, AClockThatWasSetBackIsBelievedFromThenOn) {
-  for (const std::int64_t back_ns : {SourceClock::kMostJitterNs * 2, SourceClock::kMostJitterNs / 2}) {
-    SourceClock clock;
-    EXPECT_EQ(clock.server_time_ns(10'000'000'000, 20'000'000'000), 20'000'000'000);
-    const std::int64_t told_ns = clock.server_time_ns(10'001'000'000 - back_ns, 20'001'000'000);
-    if (back_ns > SourceClock::kMostJitterNs) {
-      EXPECT_EQ(told_ns, 20'001'000'000);
-    } else {
-      EXPECT_EQ(told_ns, 20'001'000'000 - back_ns + 100) << "late on its way, less what clocks drift in a millisecond";
-    }
-  }
+// Nanoseconds since boot count from where the first batch came, and go on as the publisher's clock does.
+TEST(SourceClock, AClockOfAnotherEpochKeepsItsOwnSteps) {
+  SourceClock clock;
+  const std::int64_t now = 1'700'000'000'000'000'000;
+  EXPECT_EQ(clock.stamp(77'000'000'000, now).time_ns, now);
+  EXPECT_EQ(clock.stamp(77'010'000'000, now + 13'000'000).time_ns, now + 10'000'000);
+}
+
+TEST(SourceClock, WithoutStampsTheReceptionCounts) {
+  SourceClock clock;
+  EXPECT_EQ(clock.stamp(0, 8'000'000).time_ns, 8'000'000);
+  EXPECT_EQ(clock.stamp(0, 7'000'000).time_ns, 8'000'000) << "time does not go back";
+  EXPECT_EQ(clock.stamp(-5, 9'000'000).kind, StampKind::none);
 }
 
 class LeaseBookTest : public ::testing::Test {

@@ -11,7 +11,7 @@ using wire_contract::EventKind;
 FoundContact pair_of(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
 
 void end_everything_unfound(ContactLedger& ledger) {
-  ledger.end_unfound([](const OpenContact&) { return EndReason::separated; }, 0);
+  ledger.end_unfound([](const OpenContact&) { return ContactEnd{.reason = EndReason::separated}; });
 }
 
 TEST(ContactLedger, BeganAndEndedAlternateAndShareTheEpisode) {
@@ -118,7 +118,9 @@ void expect_told(const Event& event, const FoundContact& found) {
 TEST(ContactLedger, APassingContactEndsAfterItBeganAndNoLaterThanTheStep) {
   ContactLedger ledger;
   ledger.begin_step(10'000'000'000, false);
-  const FoundContact found = told_in_full(1, 2);
+  FoundContact found = told_in_full(1, 2);
+  found.parted_low_s = 0.375;
+  found.parted_high_s = 0.25;
   ledger.touched_and_parted(found);
   ledger.finish_step();
   ASSERT_EQ(ledger.events().size(), 2u);
@@ -131,8 +133,8 @@ TEST(ContactLedger, APassingContactEndsAfterItBeganAndNoLaterThanTheStep) {
   EXPECT_EQ(began.relative_velocity, Vec3(7, 8, 9));
   EXPECT_EQ(began.reason, EndReason::none);
   EXPECT_EQ(began.of.began_ns, 9'500'000'000);
-  EXPECT_EQ(ended.bracket_low_s, 0.5) << "not before it began";
-  EXPECT_EQ(ended.bracket_high_s, 0);
+  EXPECT_EQ(ended.bracket_low_s, 0.375);
+  EXPECT_EQ(ended.bracket_high_s, 0.25);
   EXPECT_EQ(ended.relative_velocity, Vec3(0, 0, 0));
   EXPECT_EQ(ended.reason, EndReason::separated);
   EXPECT_EQ(ended.of.began_ns, 9'500'000'000);
@@ -168,13 +170,13 @@ TEST(ContactLedger, EveryFieldOfAContactIsToldWhenItBeginsAndTheNewestOnceItIsOv
   EXPECT_EQ(ledger.events()[0].of.episode, 1u);
 
   ledger.begin_step(12'000'000'000, true);
-  ledger.end_unfound([](const OpenContact&) { return EndReason::teleported; }, 0.25);
+  ledger.end_unfound([](const OpenContact&) { return ContactEnd{EndReason::teleported, 0.25, 0.125}; });
   ledger.finish_step();
   ASSERT_EQ(ledger.events().size(), 1u);
   expect_told(ledger.events()[0], second);
   EXPECT_EQ(ledger.events()[0].reason, EndReason::teleported);
   EXPECT_EQ(ledger.events()[0].bracket_low_s, 0.25);
-  EXPECT_EQ(ledger.events()[0].bracket_high_s, 0);
+  EXPECT_EQ(ledger.events()[0].bracket_high_s, 0.125);
   EXPECT_EQ(ledger.events()[0].of.began_ns, 9'500'000'000);
   EXPECT_EQ(ledger.events()[0].of.episode, 1u);
 }

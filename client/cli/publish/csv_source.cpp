@@ -43,8 +43,11 @@ class CsvSource : public Source {
       if (found == objects_.end()) found = objects_.emplace(row.name, take(publisher.add(definition(row.name, row.pose)))).first;
       moved(publisher.move(found->second, row.pose));
     }
+    has_own_instants_ = has_own_instants_ || frame_.size() < objects_.size();
     return frame_.size();
   }
+
+  bool has_own_instants() const override { return has_own_instants_; }
 
   bool restart() override {
     if (options_.path == "-") return false;
@@ -114,6 +117,7 @@ class CsvSource : public Source {
   std::unordered_map<std::string, Publisher::Object> objects_;
   std::optional<double> first_time_s_;
   std::uint64_t refused_ = 0;
+  bool has_own_instants_ = false;
 };
 
 }  // namespace

@@ -30,6 +30,7 @@ class Loop {
   Exit run() {
     Progress progress(io_, globals_);
     start_ = round_start_ = last_due_ = Clock::now();
+    begun_ = std::chrono::system_clock::now().time_since_epoch();
     while (!until_.reached(frames_) && io_.out.good()) {
       const std::optional<double> time_s = next_frame_time();
       if (!time_s) break;
@@ -69,10 +70,22 @@ class Loop {
 
   void send() {
     poses_ += source_.move(publisher_);
-    const auto now = std::chrono::system_clock::now().time_since_epoch();
-    const Result<std::uint64_t> sent = publisher_.flush(std::chrono::duration_cast<std::chrono::nanoseconds>(now));
+    if (source_.has_own_instants()) publisher_.stream();
+    const Result<std::uint64_t> sent = publisher_.flush(instant());
     ++frames_;
     if (!sent) lose(sent.error());
+  }
+
+  /// The time that the source gives the frame, however late it is sent; of those without times, when it is sent.
+  std::chrono::nanoseconds instant() {
+    const auto now = since_1970(Clock::now());
+    last_instant_ = last_due_ > last_instant_due_ || frames_ == 0 ? since_1970(last_due_) : std::max(now, last_instant_);
+    last_instant_due_ = last_due_;
+    return last_instant_;
+  }
+
+  std::chrono::nanoseconds since_1970(Clock::time_point time) const {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(begun_ + (time - start_));
   }
 
   void keep_alive() {
@@ -87,7 +100,8 @@ class Loop {
   void stay() {
     print_hint(io_, globals_, "the last frame is out; its objects stay until Ctrl-C");
     while (!stop_requested && Clock::now() < until_.end()) {
-      keep_alive();
+      // All rests; who waits for this publisher's word on it has it.
+      if (const Result<std::uint64_t> sent = publisher_.flush(std::max(since_1970(Clock::now()), last_instant_)); !sent) lose(sent.error());
       sleep_until(std::min(Clock::now() + kKeepAlive, until_.end()));
     }
   }
@@ -119,6 +133,9 @@ class Loop {
   Clock::time_point start_;
   Clock::time_point round_start_;
   Clock::time_point last_due_;
+  std::chrono::nanoseconds begun_{};         // start_, since 1970
+  std::chrono::nanoseconds last_instant_{};  // since 1970
+  Clock::time_point last_instant_due_;
   double last_step_s_ = 0;
   std::uint64_t round_first_frame_ = 0;
   std::uint64_t frames_ = 0;

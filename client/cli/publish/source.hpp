@@ -36,6 +36,8 @@ class Source {
   virtual std::optional<double> next_time() = 0;
   /// Moves what moves in that frame; returns how many poses it gave.
   virtual std::size_t move(Publisher& publisher) = 0;
+  /// Its objects have instants of their own, so that a frame says nothing of those that it leaves out.
+  virtual bool has_own_instants() const { return false; }
   /// Back to the first frame; false where a source cannot.
   virtual bool restart() = 0;
   /// What a run came to: fields for machines, lines for people.

@@ -439,9 +439,15 @@ class Publisher {
   Result<Done> remove(Object object);
   /// Non-finite or non-unit (beyond 1e-6) poses are refused.
   Result<Done> move(Object object, const Pose& pose, bool teleport = false);
-  /// Sends what move() collected; returns the sequence of the last message (for AskOptions.fresh).
-  /// source_time: of the poses, since 1970; 0: now. On a timeout what was not sent stays collected.
+  /// Sends what move() collected; returns the sequence of the last message (for AskOptions.fresh). It says where everything
+  /// is at that time: what was not moved since the flush before has rested, also where nothing was. Pairs with other
+  /// publishers' objects are decided up to there, so who has nothing to move flushes all the same.
+  /// source_time: of the poses, since 1970; 0: now. One before an earlier flush's counts as the nanosecond after it. On a
+  /// timeout what was not sent stays collected.
   Result<std::uint64_t> flush(std::chrono::nanoseconds source_time = {});
+  /// From now on each object moves between its own poses, whichever others a flush names: for sources whose objects have
+  /// instants of their own. Who is not moved for 250 ms has rested until 250 ms before its next pose.
+  void stream();
   /// Says "still there" without moving anything; move/flush say so as well.
   Result<Done> keep_alive();
   /// Waits until the server has applied everything sent so far.

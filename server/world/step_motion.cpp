@@ -1,0 +1,138 @@
+#include "server/world/step_motion.hpp"
+
+#include <algorithm>
+
+#include "server/world/touch.hpp"
+
+namespace collided {
+namespace {
+
+/// An object that goes farther in a step than this share of its least width may leave behind what it passed through:
+/// two that pass through each other go at least their two widths.
+constexpr double kUnsweptShare = 0.5;
+
+BodyWay way_between(const ObjectRow& row, const Frame& before) {
+  if (!row.lone_sphere) return {before, row.frame};
+  BodyWay way{row.frame, row.frame};
+  const Vec3& center = row.lone_sphere->center;
+  way.from.position = place(before, center) - (place(row.frame, center) - row.frame.position);
+  way.travel = way.to.position - way.from.position;
+  return way;
+}
+
+}  // namespace
+
+void StepMotion::begin_step(const Sources& sources, ApartMemory& apart) {
+  bounds_.resize(rows_.size());
+  balls_.resize(rows_.size());
+  fast_.resize(rows_.size());
+  open_.resize(rows_.size());
+  for (const std::uint32_t slot : widened_) {
+    if (!rows_.has_moved(slot)) bounds_[slot] = rows_[slot].bounds;
+  }
+  widened_.assign(rows_.moved().begin(), rows_.moved().end());
+  for (const std::uint32_t slot : rows_.moved()) {
+    const ObjectRow& row = rows_[slot];
+    const std::optional<MovingSphere> way = sphere_way(slot);
+    fast_[slot] = goes_fast(slot) ? 1 : 0;
+    bounds_[slot] = row.bounds;
+    if (way) {
+      bounds_[slot].extend(collided::bounds(*way));
+    } else if (is_fast(slot)) {
+      bounds_[slot].extend(collided::bounds(*rows_.info(slot), body_way(slot), row.size.reach_m));
+    }
+    set_ball(slot, way);
+    count_way(slot, apart);
+    if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
+    if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
+    if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr) remember(slot);
+  }
+  for (const std::uint32_t slot : young_) open_[slot] = 1;
+  for (const std::uint32_t slot : history_.travelling()) {
+    open_[slot] = 1;
+    if (!rows_.has_moved(slot)) widened_.push_back(slot);
+    bounds_[slot].extend(history_.bounds(slot));
+  }
+}
+
+void StepMotion::end_step(std::int64_t oldest_asked_ns) {
+  for (const std::uint32_t slot : rows_.moved()) fast_[slot] = 0;
+  for (const std::uint32_t slot : young_) open_[slot] = 0;
+  for (const std::uint32_t slot : history_.travelling()) open_[slot] = 0;
+  std::erase_if(young_, [&](std::uint32_t slot) {
+    return rows_.info(slot) == nullptr || rows_[slot].born_ns <= oldest_asked_ns;
+  });
+  history_.forget_up_to(oldest_asked_ns);
+}
+
+void StepMotion::remember(std::uint32_t slot) {
+  const ObjectRow& row = rows_[slot];
+  MotionSegment segment{.from_ns = row.posed_ns, .to_ns = row.posed_ns, .from = row.frame_before, .to = row.frame,
+                        .bounds = row.bounds};
+  if (row.has_way && row.posed_before_ns < row.posed_ns) {
+    segment.from_ns = row.posed_before_ns;
+    const BodyWay way = way_between(row, row.frame_before);
+    segment.from = way.from;
+    segment.to = way.to;
+    segment.bounds = collided::bounds(*rows_.info(slot), way, row.size.reach_m);
+  } else {
+    segment.bounds.extend(bounds_of(*rows_.info(slot), row.frame_before));
+  }
+  history_.add(slot, segment);
+}
+
+bool StepMotion::turns_fast(std::uint32_t slot) const {
+  const ObjectRow& row = rows_[slot];
+  return is_fast(slot) && !row.lone_sphere && row.frame_before.rotation != row.frame.rotation;
+}
+
+std::optional<MovingSphere> StepMotion::sphere_way(std::uint32_t slot) const {
+  const ObjectRow& row = rows_[slot];
+  if (!row.lone_sphere || rows_.motion(slot) != Motion::moved) return std::nullopt;
+  return MovingSphere{.start = place(row.frame_before, row.lone_sphere->center),
+                      .end = place(row.frame, row.lone_sphere->center),
+                      .radius_m = row.lone_sphere->radius_m};
+}
+
+bool StepMotion::goes_fast(std::uint32_t slot) const {
+  const ObjectRow& row = rows_[slot];
+  // A lone sphere is swept by itself at any speed.
+  if (rows_.motion(slot) != Motion::moved || row.lone_sphere) return false;
+  return longest_way_m(slot, row.size.reach_m) > kUnsweptShare * row.size.least_width_m;
+}
+
+BodyWay StepMotion::body_way(std::uint32_t slot) const {
+  const ObjectRow& row = rows_[slot];
+  return way_between(row, rows_.motion(slot) == Motion::moved ? row.frame_before : row.frame);
+}
+
+double StepMotion::longest_way_m(std::uint32_t slot, double reach_m) const {
+  if (rows_.motion(slot) != Motion::moved) return 0;
+  return collided::longest_way_m(rows_[slot].frame_before, rows_[slot].frame, reach_m);
+}
+
+void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way) {
+  const ObjectRow& row = rows_[slot];
+  BallWay& ball = balls_[slot];
+  ball.radius_m = row.lone_sphere ? row.lone_sphere->radius_m : -1;
+  if (!row.lone_sphere) return;
+  ball.end = way ? way->end : place(row.frame, row.lone_sphere->center);
+  if (!way) return;
+  ball.start = way->start;
+  ball.displacement = row.frame.position - row.frame_before.position;
+}
+
+/// What is remembered of meshes hangs on how far they go; that of a placed triangle is off by a rounding at either end.
+void StepMotion::count_way(std::uint32_t slot, ApartMemory& apart) const {
+  const ObjectInfo* info = rows_.info(slot);
+  if (info == nullptr || !is_bare_mesh(*info)) return;
+  if (rows_.motion(slot) != Motion::moved) {
+    apart.placed(slot);
+    return;
+  }
+  const double reach_m = info->mesh->radius_m;
+  apart.moved(slot, longest_way_m(slot, reach_m) * (1 + 0x1p-40) + placement_slack(rows_[slot].frame_before, 0, reach_m) +
+                        placement_slack(rows_[slot].frame, 0, reach_m));
+}
+
+}  // namespace collided
