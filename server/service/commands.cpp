@@ -169,6 +169,7 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
       for (const CommandAsk& ask : objects) {
         answer_once_kept(ask, [&] {
           const Arguments arguments(ask.text);
+          if (arguments.command() == names::kProbe) return probe(ask, arguments);
           return arguments.command() == names::kMove ? move(ask, arguments) : add(ask, arguments);
         });
       }

@@ -12,6 +12,7 @@ namespace {
 constexpr std::string_view kScene = "scene/";
 constexpr std::string_view kObject = "object/";
 constexpr std::string_view kMoved = "moved/";
+constexpr std::string_view kProbe = "probe/";
 constexpr std::string_view kPublisher = "publisher/";
 constexpr std::string_view kCovers = "covers";
 
@@ -24,7 +25,7 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
     : journal_(std::move(disk), file), notice_(std::move(notice)), jobs_(kMostJobs) {
   if (!journal_.damage().empty()) notice_(journal_.damage());
   if (crashed) {
-    for (const std::string_view kind : {kScene, kObject, kMoved}) {
+    for (const std::string_view kind : {kScene, kObject, kMoved, kProbe}) {
       for (const Journal::Entry& entry : journal_.entries()) {
         if (entry.key.starts_with(kind)) commands_left_.push_back({0, 0, entry.text, entry.blob});
       }
@@ -92,6 +93,18 @@ void DurableState::object_added(const std::string& object, const CommandAsk& ask
 
 void DurableState::object_moved(const std::string& object, const CommandAsk& ask) {
   if (keys_.contains(key(kObject, object))) put({.key = key(kMoved, object), .text = ask.text, .blob = {}}, Journal::Sync::now);
+}
+
+void DurableState::probe_set(const std::string& probe, const CommandAsk& ask) {
+  put({.key = key(kProbe, probe), .text = ask.text, .blob = {}}, Journal::Sync::now);
+}
+
+void DurableState::probes_removed(const std::vector<std::string>& probes) {
+  std::vector<std::string> gone;
+  for (const std::string& probe : probes) {
+    if (keys_.contains(key(kProbe, probe))) gone.push_back(key(kProbe, probe));
+  }
+  if (!gone.empty()) erase(std::move(gone), Journal::Sync::now);
 }
 
 void DurableState::keep_only(const std::function<bool(std::string_view)>& has_scene,

@@ -177,7 +177,6 @@ class ServerTwin : public testing_support::ServerTest {
   void kill_the_server() {
     servers_.back()->signal(SIGKILL);
     servers_.back()->wait(10s);
-    probes_.clear();  // nobody but the client that wants them keeps them
     const std::uint64_t epoch = client_->status()->epoch;
     begin();
     ASSERT_TRUE(becomes([&] { return client_->status()->epoch > epoch && client_->status()->state == "ready"; }));

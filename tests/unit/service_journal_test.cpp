@@ -389,6 +389,13 @@ TEST(ServiceDurableState, WhatIsLeftOutlivesCrashesInARow) {
     next->keep_only([](std::string_view) { return true; }, [](std::string_view object) { return object != "crate"; });
   }
   EXPECT_EQ(live(true)->commands_left().size(), 1u) << "the hall";
+  {
+    const auto next = live(true);
+    for (const char* name : {"front", "rear"}) next->probe_set(name, {.text = std::string("probe ") + name, .blob = {}});
+    next->probes_removed({"front", "none"});
+  }
+  ASSERT_EQ(live(true)->commands_left().size(), 2u);
+  EXPECT_EQ(live(true)->commands_left()[1].text, "probe rear");
   live(true)->set_publishers({9});
   EXPECT_EQ(live(true)->publishers_left(), std::vector<std::uint64_t>{9}) << "who has not come back is waited for once";
   EXPECT_TRUE(live(false)->commands_left().empty());
