@@ -166,7 +166,13 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
       }
     }
     const bool taken = inbox_.push_job([this, objects] {
-      for (const CommandAsk& ask : objects) answer_once_kept(ask, [&] { return add(ask, Arguments(ask.text)); });
+      for (const CommandAsk& ask : objects) {
+        answer_once_kept(ask, [&] {
+          const Arguments arguments(ask.text);
+          if (arguments.command() == names::kProbe) return probe(ask, arguments);
+          return arguments.command() == names::kMove ? move(ask, arguments) : add(ask, arguments);
+        });
+      }
       replaying_.store(false);
     });
     if (!taken) replaying_.store(false);
@@ -380,7 +386,7 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
   return {{"name", name}, {"id", std::get<ObjectId>(defined)}, {"version", step()}};
 }
 
-json Commands::move(const CommandAsk&, const Arguments& arguments) {
+json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"name", "pose", "teleport"});
   World& world = loop_.world();
   const std::string name = arguments.text("name");
@@ -394,6 +400,12 @@ json Commands::move(const CommandAsk&, const Arguments& arguments) {
   if (!world.move(id, *pose, clock_.now_ns(), teleport)) {
     throw BadCommand(fmt::format("object {} is a part of scene {} and stays where it is", printable(name),
                                  printable(world.info(id)->scene)));
+  }
+  if (durable_ != nullptr) {
+    // Carried out once more it has no way: that was gone before the crash.
+    json again = json::parse(ask.text);
+    again["teleport"] = true;
+    durable_->object_moved(name, {0, 0, again.dump(), {}});
   }
   const std::uint64_t version = step();
   json began = json::array();

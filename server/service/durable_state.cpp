@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::string_view kScene = "scene/";
 constexpr std::string_view kObject = "object/";
+constexpr std::string_view kMoved = "moved/";
+constexpr std::string_view kProbe = "probe/";
 constexpr std::string_view kPublisher = "publisher/";
 constexpr std::string_view kCovers = "covers";
 
@@ -23,7 +25,7 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
     : journal_(std::move(disk), file), notice_(std::move(notice)), jobs_(kMostJobs) {
   if (!journal_.damage().empty()) notice_(journal_.damage());
   if (crashed) {
-    for (const std::string_view kind : {kScene, kObject}) {
+    for (const std::string_view kind : {kScene, kObject, kMoved, kProbe}) {
       for (const Journal::Entry& entry : journal_.entries()) {
         if (entry.key.starts_with(kind)) commands_left_.push_back({0, 0, entry.text, entry.blob});
       }
@@ -84,17 +86,34 @@ void DurableState::covers_stated() {
 }
 
 void DurableState::object_added(const std::string& object, const CommandAsk& ask) {
+  // Where another of its name has been moved to in this life; what is left of an earlier one waits for its turn.
+  if (keys_.contains(key(kMoved, object))) erase({key(kMoved, object)}, Journal::Sync::now);
   put({.key = key(kObject, object), .text = ask.text, .blob = ask.blob}, Journal::Sync::now);
+}
+
+void DurableState::object_moved(const std::string& object, const CommandAsk& ask) {
+  if (keys_.contains(key(kObject, object))) put({.key = key(kMoved, object), .text = ask.text, .blob = {}}, Journal::Sync::now);
+}
+
+void DurableState::probe_set(const std::string& probe, const CommandAsk& ask) {
+  put({.key = key(kProbe, probe), .text = ask.text, .blob = {}}, Journal::Sync::now);
+}
+
+void DurableState::probes_removed(const std::vector<std::string>& probes) {
+  std::vector<std::string> gone;
+  for (const std::string& probe : probes) {
+    if (keys_.contains(key(kProbe, probe))) gone.push_back(key(kProbe, probe));
+  }
+  if (!gone.empty()) erase(std::move(gone), Journal::Sync::now);
 }
 
 void DurableState::keep_only(const std::function<bool(std::string_view)>& has_scene,
                              const std::function<bool(std::string_view)>& has_object) {
   std::vector<std::string> gone;
   for (const std::string_view key : keys_) {
-    const bool is_scene = key.starts_with(kScene);
-    if (!is_scene && !key.starts_with(kObject)) continue;
-    const std::string_view name = key.substr(is_scene ? kScene.size() : kObject.size());
-    if (!(is_scene ? has_scene : has_object)(name)) gone.emplace_back(key);
+    for (const std::string_view kind : {kScene, kObject, kMoved}) {
+      if (key.starts_with(kind) && !(kind == kScene ? has_scene : has_object)(key.substr(kind.size()))) gone.emplace_back(key);
+    }
   }
   if (!gone.empty()) erase(std::move(gone), Journal::Sync::now);
 }

@@ -16,8 +16,8 @@
 
 namespace collided::service {
 
-/// What a server brings back after a crash: the scenes and objects that commands added, and which publishers were there,
-/// so that it knows for whom to wait. Poses and events are not kept: publishers send them anew.
+/// What a server brings back after a crash: the scenes and objects that commands added, where commands have moved these to,
+/// probes, and which publishers were there, so that it knows for whom to wait. Poses and events are not kept: publishers send them anew.
 ///
 /// threads  the world's; writing and syncing is done on a thread of its own, in order, so that a slow disk delays the
 ///          answers of commands and nothing else
@@ -30,7 +30,8 @@ class DurableState {
   DurableState(const DurableState&) = delete;
   DurableState& operator=(const DurableState&) = delete;
 
-  /// The commands that an earlier process had carried out, scenes first; empty where it ended in order.
+  /// The commands that an earlier process had carried out, scenes first, then objects, their last moves and probes; empty
+  /// where it ended in order.
   const std::vector<CommandAsk>& commands_left() const { return commands_left_; }
   /// The publishers that it knew.
   const std::vector<std::uint64_t>& publishers_left() const { return publishers_left_; }
@@ -40,6 +41,10 @@ class DurableState {
   void covers_stated();
   bool had_covers() const { return had_covers_; }
   void object_added(const std::string& object, const CommandAsk& ask);
+  /// The last one counts. Of an object that no command has added nothing is kept.
+  void object_moved(const std::string& object, const CommandAsk& ask);
+  void probe_set(const std::string& probe, const CommandAsk& ask);
+  void probes_removed(const std::vector<std::string>& probes);
   /// Forgets the scenes and objects of which this is false.
   void keep_only(const std::function<bool(std::string_view scene)>& has_scene,
                  const std::function<bool(std::string_view object)>& has_object);

@@ -33,15 +33,18 @@ ProbeDefinition definition_of(const Arguments& arguments) {
 
 }  // namespace
 
-json Commands::probe(const CommandAsk&, const Arguments& arguments) {
+json Commands::probe(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"name", "object", "origin", "direction", "reach_m", "back_m", "remove"});
   Probes& probes = loop_.probes();
   json changed = json::array();
   if (arguments.truth("remove", false)) {
-    changed = probes.remove(arguments.text("name"));
+    const std::vector<std::string> removed = probes.remove(arguments.text("name"));
+    if (durable_ != nullptr) durable_->probes_removed(removed);
+    changed = removed;
   } else {
     const ProbeDefinition definition = definition_of(arguments);
     if (const std::optional<Refusal> refusal = probes.set(definition)) throw BadCommand(refusal->reason);
+    if (durable_ != nullptr) durable_->probe_set(definition.name, ask);
     changed.push_back(definition.name);
   }
   loop_.note_probes();

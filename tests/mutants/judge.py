@@ -66,9 +66,9 @@ def default_tests(build):
 
 
 def limits():
-    # The soft limit alone: converters set limits of their own.
+    # The soft limits alone: converters set limits of their own, which may be higher.
     resource.setrlimit(resource.RLIMIT_AS, (BYTES_OF_A_PROCESS, resource.RLIM_INFINITY))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (BYTES_OF_A_FILE, BYTES_OF_A_FILE))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (BYTES_OF_A_FILE, resource.RLIM_INFINITY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 

@@ -239,6 +239,29 @@ TEST(FlightOpening, APoseMayComeBeforeItsObject) {
   EXPECT_EQ(all.x, (std::map<std::uint32_t, double>{{0, 4}}));
 }
 
+// Whoever replays it must know which definitions the poses are of, and when they were.
+TEST(FlightOpening, ItsPosesSayWhatTheyAreOf) {
+  FlightOpening opening;
+  opening.fold(*definition(7, 0, 1));
+  opening.fold(*definition(7, 1, 3));
+  for (const std::uint64_t sequence : {4, 2}) {  // the older one late
+    dds::Sample<wire::PoseBatch> poses = batch(7, sequence, 1, 0.5);
+    poses->source_time_ns = static_cast<std::int64_t>(100 * sequence);
+    opening.fold(*poses);
+  }
+  dds::Sample<wire::PoseBatch> told;
+  opening.write([&](Recorded topic, std::span<const std::byte> data) {
+    if (topic != Recorded::pose) return;
+    ASSERT_TRUE(wire::read_cdr(data, told));
+  });
+  EXPECT_EQ(told->publisher, 7U);
+  EXPECT_EQ(told->incarnation, 1U);
+  EXPECT_EQ(told->sequence_number, 4U);
+  EXPECT_EQ(told->definitions_through, 3U);
+  EXPECT_EQ(told->source_time_ns, 400);
+  EXPECT_EQ(told->flags, wire_contract::kTeleported);
+}
+
 TEST(FlightOpening, ANewLifeOfAPublisherReplacesTheOld) {
   FlightOpening opening;
   opening.fold(*definition(7, 0, 9));

@@ -39,6 +39,10 @@ TEST_F(ServerCommands, AnObjectIsAddedMovedAndRemoved) {
   EXPECT_EQ(object["kind"], "box");
   EXPECT_EQ(object["contacts"], json({"warehouse/floor"}));
   EXPECT_EQ(object["pose"], pose(6, 0, 0.1));
+  ASSERT_TRUE(object.contains("age_ns"));
+  EXPECT_GT(object["age_ns"], 0);
+  EXPECT_LT(object["age_ns"], 60'000'000'000);
+  EXPECT_FALSE(done(client, "get", {{"name", "warehouse/floor"}}).contains("age_ns"));
   const json removed = done(client, "remove", {{"name", "cra*"}});
   EXPECT_EQ(removed["removed"], json({"crate"}));
   EXPECT_EQ(removed["ended"], 1);
@@ -92,6 +96,38 @@ TEST_F(ServerCommands, ASceneIsLoadedReplacedAndCleared) {
   const auto until = std::chrono::steady_clock::now() + 5s;
   while (client.status()->scenes.size() > 1 && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(10ms);
   EXPECT_EQ(client.status()->scenes, std::vector<std::string>{"warehouse"});
+}
+
+// Their names have 4,095 bytes in a status; what has no room is left out by whole names, and "..." says so.
+TEST_F(ServerCommands, TheStatusNamesAsManyScenesAsHaveRoom) {
+  constexpr std::size_t kRoom = 4'095;
+  start();
+  Client client = connect();
+  const std::string path = folder_.write("roof.obj", "v -9 -9 6\nv 9 -9 6\nv 9 9 6\nf 1 2 3\n");
+  std::vector<std::string> expected{"warehouse"};
+  std::size_t bytes = expected[0].size();
+  const auto load = [&](std::size_t length) {
+    const std::string name = std::string(length - 3, 'n') + std::to_string(100 + expected.size());
+    done(client, "load", {{"path", path}, {"name", name}});
+    expected.push_back(name);
+    bytes += 1 + length;
+  };
+  const auto told = [&](const std::vector<std::string>& names) {
+    return test::eventually([&] { return client.status()->scenes == names; });
+  };
+  while (bytes + 251 <= kRoom) load(250);
+  load(kRoom - bytes - 1);
+  EXPECT_EQ(bytes, kRoom);
+  EXPECT_TRUE(told(expected)) << "all, to the last byte";
+  expected.pop_back();
+  const std::string last = client.status()->scenes.back();
+  done(client, "clear", {{"scene", last}});
+  ASSERT_TRUE(told(expected));
+  const std::string one_more = last + "x";
+  done(client, "load", {{"path", path}, {"name", one_more}});
+  std::vector<std::string> fitting = expected;
+  fitting.push_back("...");
+  EXPECT_TRUE(told(fitting)) << client.status()->scenes.size();
 }
 
 TEST_F(ServerCommands, ListCountsAndPlanExplains) {

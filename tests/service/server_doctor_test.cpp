@@ -7,9 +7,13 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <mutex>
+#include <set>
 #include <sstream>
+#include <thread>
 
 #include "collided/diagnosis.hpp"
+#include "idl/dds.hpp"
 #include "tests/service/server_fixture.hpp"
 
 namespace collided {
@@ -46,6 +50,86 @@ TEST_F(ServerDoctor, AHealthyServerIsAllRight) {
   EXPECT_NE(all.at("server").text.find("(pid " + std::to_string(server.pid()) + ")"), std::string::npos) << all.at("server").text;
   EXPECT_NE(all.at("round_trip").text.find("1000 of 1000 back"), std::string::npos) << all.at("round_trip").text;
   EXPECT_EQ(doctor().code, 0);
+}
+
+/// Datagrams that Linux has dropped in this network namespace for full buffers.
+std::uint64_t dropped_so_far() {
+  std::ifstream file("/proc/net/snmp");
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("Udp: ")) lines.push_back(line);
+  }
+  if (lines.size() != 2) return 0;
+  std::istringstream names(lines[0]), values(lines[1]);
+  for (std::string name, value; names >> name && values >> value;) {
+    if (name == "RcvbufErrors") return std::stoull(value);
+  }
+  return 0;
+}
+
+// Somebody sends to a socket that nobody reads.
+TEST_F(ServerDoctor, DatagramsThatAreDroppedMeanwhileAreCounted) {
+  start();
+  const int deaf = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(::bind(deaf, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(::getsockname(deaf, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  const int least = 1;
+  ASSERT_EQ(::setsockopt(deaf, SOL_SOCKET, SO_RCVBUF, &least, sizeof least), 0);
+  const int sender = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  std::atomic<bool> done{false};
+  const std::uint64_t before = dropped_so_far();
+  std::thread sending([&] {
+    while (!done) {
+      static_cast<void>(::sendto(sender, "too much", 8, 0, reinterpret_cast<const sockaddr*>(&address), sizeof address));
+      std::this_thread::sleep_for(1ms);
+    }
+  });
+  const std::map<std::string, Finding> all = findings();
+  done = true;
+  sending.join();
+  const std::uint64_t after = dropped_so_far();
+  ::close(deaf);
+  ::close(sender);
+  ASSERT_EQ(all.count("losses"), 1U);
+  const std::string& text = all.at("losses").text;
+  EXPECT_EQ(all.at("losses").health, Health::warn) << text;
+  ASSERT_TRUE(text.ends_with(" datagrams dropped on this machine meanwhile, for full buffers")) << text;
+  EXPECT_GE(std::stoull(text), 1U) << text;
+  EXPECT_LE(std::stoull(text), after - before) << text;
+}
+
+// What is asked a thousand times is the empty question of a connection's beginning, whole.
+TEST_F(ServerDoctor, ItsRoundTripsAreGreetings) {
+  start();
+  const dds::Participant listener({.domain = domain_, .role = dds::Role::server, .process_domain = domain_ + 100'000});
+  const dds::Topic<wire::Query> topic(listener, "collided");
+  std::mutex mutex;
+  std::size_t heard = 0;
+  std::set<std::string> unlike;
+  const dds::Reader<wire::Query> reader(topic, {.data = [&](dds::Taker<wire::Query> taker) {
+    dds::Sample<wire::Query> query;
+    while (taker.take(query)) {
+      if (!query.info().valid_data) continue;
+      const std::lock_guard lock(mutex);
+      ++heard;
+      const bool is_greeting = query->kind == static_cast<std::uint8_t>(wire_contract::QueryKind::hello);
+      if (!is_greeting || query->chunk_count != 1 || query->chunk_index != 0 || query->numbers._length != 0) {
+        unlike.insert("kind " + std::to_string(query->kind) + ", chunk " + std::to_string(query->chunk_index) + " of " +
+                      std::to_string(query->chunk_count) + ", numbers " + std::to_string(query->numbers._length));
+      }
+    }
+  }});
+  findings();
+  EXPECT_TRUE(test::eventually([&] {
+    const std::lock_guard lock(mutex);
+    return heard >= 1'000;
+  }));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(unlike, std::set<std::string>{});
 }
 
 TEST_F(ServerDoctor, WithoutAServerItSaysWhichOnesThereAre) {

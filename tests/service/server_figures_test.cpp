@@ -41,6 +41,18 @@ TEST_F(ServerFigures, CountEveryQuestionAndHowLongItTook) {
   EXPECT_EQ(asked(now, "box")["answered"], 0);
 }
 
+TEST_F(ServerFigures, SayHowLongTheServerIsUp) {
+  const auto began = std::chrono::steady_clock::now();
+  start({"--step", "5ms"});
+  Client client = connect();
+  const std::int64_t first = figures(client)["up_ns"];
+  const json later = figures(client);
+  EXPECT_GT(first, 0);
+  EXPECT_GT(later["up_ns"].get<std::int64_t>(), first);
+  EXPECT_LT(std::chrono::nanoseconds(later["up_ns"].get<std::int64_t>()), std::chrono::steady_clock::now() - began);
+  EXPECT_EQ(later["step_period_ns"], 5'000'000);
+}
+
 // Two balls that meet, two that their layers keep apart.
 TEST_F(ServerFigures, CountPairsAndWhatFiltersSave) {
   start();

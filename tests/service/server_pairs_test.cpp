@@ -216,6 +216,19 @@ TEST_F(ServerPairs, ProbesAreReadAfterEveryStep) {
     EXPECT_EQ(told, (std::set<std::string>{"front", "rear"}));
   }
   EXPECT_EQ(watch->lost(), 0u);
+  // Each of both words leaves out, whatever the other says.
+  Result<ProbeWatch> one = client.watch_probes({.only = "[fr]*", .skip = "r*"});
+  Result<ProbeWatch> others = client.watch_probes({.skip = "front"});
+  ASSERT_TRUE(one && others);
+  std::set<std::string> of_one, of_others;
+  ASSERT_TRUE(test::eventually([&] {
+    move(publisher, *car, at(0, 3, 2));
+    while (const std::optional<ProbeReading> reading = one->next(10ms)) of_one.insert(reading->probe);
+    while (const std::optional<ProbeReading> reading = others->next(10ms)) of_others.insert(reading->probe);
+    return !of_one.empty() && of_others.size() >= 2;
+  }));
+  EXPECT_EQ(of_one, std::set<std::string>{"front"});
+  EXPECT_EQ(of_others, (std::set<std::string>{"lost", "rear"}));
   EXPECT_EQ(*client.remove_probes("*"), 3u);
   EXPECT_TRUE(client.probes()->empty());
   EXPECT_FALSE(client.add_probe({.name = "p", .object = "car", .direction = Vec3::Zero()}));

@@ -85,6 +85,7 @@ TEST_F(ServerUploads, WhatDoesNotFitIsRefusedByName) {
   ASSERT_TRUE(begun);
   const json number = json::parse(*begun)["upload"];
   EXPECT_NE(refusal(client, "piece", {{"upload", number}, {"first", 0}}).find("a piece of 0 bytes at 0"), std::string::npos);
+  EXPECT_NE(refusal(client, "piece", {{"upload", number}, {"frist", 0}}).find("unknown argument 'frist'; did you mean 'first'?"), std::string::npos);
   EXPECT_NE(refusal(client, "load", {{"upload", number}}).find("2 pieces of 2 are missing. Nothing was loaded"), std::string::npos);
   Client other = connect();
   EXPECT_NE(refusal(other, "load", {{"upload", number}}).find("none of that number"), std::string::npos) << "of another client";

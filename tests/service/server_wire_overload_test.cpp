@@ -65,10 +65,39 @@ TEST_F(ServerWireOverload, LowQuestionsAreRefusedFirstAndHighOnesNever) {
   list->kind = static_cast<std::uint8_t>(QueryKind::command);
   ASSERT_TRUE(dds::set_text(list->text, R"({"command": "list"})"));
   EXPECT_TRUE(is(quiet.ask(*list, 20s), ReplyStatus::ok));
+  EXPECT_NE(server.errors().find("overloaded: more questions come than can be dealt with; "), std::string::npos) << server.errors();
   EXPECT_NE(server.errors().find("questions of the low class are refused"), std::string::npos) << server.errors();
+  EXPECT_EQ(server.errors().find("more poses come"), std::string::npos) << server.errors();
   const auto until = std::chrono::steady_clock::now() + 60s;
   while (!is(ask(quiet, QuestionClass::low), ReplyStatus::ok) && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(50ms);
   EXPECT_TRUE(is(ask(quiet, QuestionClass::low), ReplyStatus::ok)) << server.errors();
+}
+
+// Each is a file of what was remembered; they are written one after the other, and only so many wait for it.
+TEST_F(ServerWireOverload, MoreRecordingsThanMayWaitAreRefused) {
+  start({"--flight-recorder", "30s"});
+  WireAsker asker(domain_);
+  ASSERT_TRUE(asker.greet());
+  std::vector<std::uint64_t> requests;
+  for (int i = 0; i < 300; ++i) {
+    dds::Sample<wire::Query> recording;
+    recording->kind = static_cast<std::uint8_t>(QueryKind::command);
+    ASSERT_TRUE(dds::set_text(recording->text, R"({"command": "recording"})"));
+    asker.send(*recording);
+    requests.push_back(recording->request);
+  }
+  int written = 0, refused = 0;
+  for (const std::uint64_t request : requests) {
+    const auto heard = asker.reply_to(request, 20s);
+    ASSERT_TRUE(heard) << request;
+    written += is(heard, ReplyStatus::ok) ? 1 : 0;
+    if (!is(heard, ReplyStatus::refused)) continue;
+    ++refused;
+    EXPECT_NE(heard->text.find("recording: too many such commands wait already"), std::string::npos) << heard->text;
+  }
+  EXPECT_GE(written, 64);
+  EXPECT_GE(refused, 1);
+  EXPECT_EQ(written + refused, 300);
 }
 
 TEST_F(ServerWireOverload, AClassThatIsNoneIsRefused) {

@@ -64,6 +64,11 @@ TEST(ClientConnect, BadWordsAreRefusedBeforeAnythingStarts) {
   const Result<Client> client = Client::connect(options);
   ASSERT_FALSE(client);
   EXPECT_NE(client.error().message.find("allowed 0 to 230"), std::string::npos) << client.error().message;
+  options = here();
+  options.peers = {"10.0.0.2", "<evil>"};
+  const Result<Client> peers = Client::connect(options);
+  ASSERT_FALSE(peers);
+  EXPECT_NE(peers.error().message.find("peer"), std::string::npos) << peers.error().message;
 }
 
 TEST_F(ClientAsk, SeveralClientsShareTheProcessesParticipant) {

@@ -123,6 +123,12 @@ TEST_F(ClientPublish, WrongObjectsAndPosesAreRefusedByName) {
   const MeshShape outside{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 3}}};
   EXPECT_EQ(publisher_->add({.name = "mesh", .shape = {outside}}).error().message,
             "object 'mesh': part 0: triangle 0 names vertex 3 of 3");
+  const MeshShape triangle{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}};
+  const HeightFieldShape field{2, 1, 1, {0, 0, 0, 1}};
+  for (const Shape& two : {Shape{triangle, triangle}, Shape{triangle, field}, Shape{field, triangle}, Shape{field, field}}) {
+    EXPECT_EQ(publisher_->add({.name = "two", .shape = two}).error().message,
+              "object 'two': part 1: a second mesh; a shape holds at most one");
+  }
   EXPECT_EQ(publisher_->move(object, {.position = {nan, 0, 0}}).error().message,
             "object 'crate': position nan 0 0 is not finite");
   EXPECT_EQ(publisher_->move(object, {.rotation = Quat(0.87, 0, 0, 0)}).error().message,
@@ -197,6 +203,23 @@ TEST_F(ClientPublish, ServerThatCallsItLostGetsEverythingOnce) {
   }
   ASSERT_TRUE(publisher_->wait_applied(2s));
   EXPECT_EQ(server_.received().definition_count, count);
+}
+
+// The word that it is lost is heard once, and nothing after it: what is said while that word is the newest is no news.
+TEST_F(ClientPublish, OneWordThatItIsLostIsAnsweredOnce) {
+  add("first");
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  server_.beating = false;
+  server_.hold_publisher_lost = true;
+  server_.send_status();
+  ASSERT_TRUE(eventually([&] {
+    EXPECT_TRUE(publisher_->keep_alive());
+    return server_.received().definition_count >= 2;
+  }));
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(publisher_->keep_alive());
+  add("second");
+  ASSERT_TRUE(eventually([&] { return server_.received().names.size() == 2; }));
+  EXPECT_EQ(server_.received().definition_count, 3u) << "the first one, once more, and the second";
 }
 
 // A batch that found no reader: nobody would send it again, and the object would stay where its definition put it.

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "client/library/recorded_run.hpp"
 #include "collided/recording.hpp"
 #include "idl/cdr.hpp"
 #include "idl/mcap/writer.hpp"
@@ -63,6 +64,54 @@ class ClientReplay : public testing::Test {
     ASSERT_TRUE(dds::set_text(definition->name, name));
     file_.write(Recorded::object, log_time, *definition);
   }
+  void remove(std::uint64_t log_time, std::uint32_t number, std::uint64_t sequence) {
+    dds::Sample<wire::Definition> definition;
+    definition->publisher = kPublisher;
+    definition->incarnation = 5;
+    definition->object_number = number;
+    definition->sequence_number = sequence;
+    definition->removed = true;
+    file_.write(Recorded::object, log_time, *definition);
+  }
+  /// The recorded server's word: its state of that version has the publisher's samples so far.
+  void state(std::uint64_t log_time, std::uint64_t version, std::uint64_t applied_through) {
+    const std::vector<std::uint64_t> publishers{kPublisher}, applied{applied_through};
+    const std::vector<std::uint8_t> states{0};
+    dds::Sample<wire::Status> status;
+    status->epoch = 3;
+    status->version = version;
+    dds::borrow(status->publishers, publishers);
+    dds::borrow(status->applied_sequences, applied);
+    dds::borrow(status->publisher_states, states);
+    file_.write(Recorded::step, log_time, *status);
+  }
+  /// A ray and its miss, on the state of that version.
+  void question(std::uint64_t log_time, std::uint64_t request, std::uint64_t version) {
+    const std::vector<double> ray{-1, 0, 0, 0, 0, 1, 5};
+    dds::Sample<wire::Query> query;
+    query->client = 9;
+    query->request = request;
+    query->chunk_count = 1;
+    query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::ray);
+    query->max_hits = 1;
+    dds::borrow(query->numbers, ray);
+    file_.write(Recorded::query, log_time, *query);
+    const std::vector<std::uint8_t> miss{0}, no_reason{0}, level{1};
+    const std::vector<std::uint32_t> none{0};
+    dds::Sample<wire::Reply> reply;
+    reply->client = 9;
+    reply->request = request;
+    reply->chunk_count = 1;
+    reply->epoch = 3;
+    reply->version = version;
+    dds::borrow(reply->answers, miss);
+    dds::borrow(reply->reasons, no_reason);
+    dds::borrow(reply->levels, level);
+    for (auto* column : {&reply->hit_counts, &reply->nodes, &reply->exact_tests}) dds::borrow(*column, none);
+    file_.write(Recorded::reply, log_time + 1, *reply);
+  }
+  static ConnectOptions here() { return {.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s}; }
+
   void pose(std::uint64_t log_time, std::uint64_t sequence, double from, std::uint8_t flags, std::int64_t source_time_ns) {
     dds::Sample<wire::PoseBatch> batch;
     batch->publisher = kPublisher;
@@ -144,8 +193,62 @@ TEST_F(ClientReplay, SamplesAreStampedAsTheyArePublished) {
   EXPECT_LE(received.batches.back().source_time_ns, now_ns());
 }
 
+// Two objects of one publisher in the opening; a state that has only the first of them knows less than the file does.
+TEST_F(ClientReplay, WhatWasAskedBeforeAllOfTheOpeningWasThereIsNotCompared) {
+  define(kBegin_ns - 2, 8, 1, "eight");
+  define(kBegin_ns - 1, 9, 2, "nine");
+  state(kBegin_ns, 10, 1);
+  question(kBegin_ns + 1, 1, 10);
+  state(kBegin_ns + 10, 11, 2);
+  question(kBegin_ns + 11, 2, 11);
+  const std::string path = file_.close(2);
+  const client::RecordedRun run = client::read_run(path);
+  EXPECT_EQ(run.opening_through, (std::map<std::uint64_t, std::uint64_t>{{kPublisher, 2}}));
+  ASSERT_EQ(run.requests.size(), 2u);
+  FakeServer server(test::own_namespace());
+  const Result<ReplayReport> report = replay(here(), {.path = path, .ask = true});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->samples, 2u);
+  EXPECT_EQ(report->questions, 1u);
+  EXPECT_EQ(report->not_compared, 1u);
+  EXPECT_EQ(report->why_not_compared,
+            std::vector<std::string>{"1 asked before all of the opening was in the recorded world"});
+}
+
+TEST_F(ClientReplay, WhoWantsNoMoreIsToldThatItStopped) {
+  define(kBegin_ns - 1, 8, 1, "eight");
+  pose(kBegin_ns + 10'000 * kSecond_ns, 2, 1'000, 0, 111);
+  const std::string path = file_.close(1);
+  FakeServer server(test::own_namespace());
+  int asked = 0;
+  const Result<ReplayReport> report = replay(here(), {.path = path, .rate = 1e6, .go_on = [&] { return ++asked < 1; }});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->stopped);
+  EXPECT_EQ(asked, 1) << "a no is not asked about again";
+  EXPECT_EQ(report->samples, 1u) << "the opening";
+}
+
+// What it published goes at the end; what was removed before then has gone already. Of an object that is defined and removed at
+// once the writer keeps the removal alone.
+TEST_F(ClientReplay, AtItsEndItRemovesWhatIsStillThereOnce) {
+  define(kBegin_ns - 2, 8, 1, "eight");
+  define(kBegin_ns - 1, 9, 2, "nine");
+  remove(kBegin_ns, 8, 3);
+  const std::string path = file_.close(2);
+  FakeServer server(test::own_namespace());
+  const Result<ReplayReport> report = replay(here(), {.path = path});
+  ASSERT_TRUE(report) << report.error().message;
+  FakeServer::Received received;
+  ASSERT_TRUE(test::eventually([&] {
+    received = server.received();
+    return !received.sequences.empty() && received.sequences.back() >= 4;
+  }));
+  EXPECT_EQ(received.sequences.back(), 4u) << "the removal of nine, and none of eight before it";
+  EXPECT_TRUE(received.names.empty());
+}
+
 TEST(ClientReplayRate, MustBeAboveZeroAndNotBeyondSense) {
-  for (const double rate : {0., -1., 2e6, std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double rate : {0., -1., 1.5e6, std::numeric_limits<double>::quiet_NaN()}) {
     const Result<ReplayReport> report = replay({}, {.path = "none.mcap", .rate = rate});
     ASSERT_FALSE(report);
     EXPECT_EQ(report.error().code, ErrorCode::bad_input);

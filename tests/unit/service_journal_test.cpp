@@ -361,6 +361,41 @@ TEST(ServiceDurableState, WhatIsLeftOutlivesCrashesInARow) {
     EXPECT_EQ(next->commands_left()[1].text, "add crate");
     EXPECT_EQ(next->publishers_left(), (std::vector<std::uint64_t>{7, 9}));
   }
+  {
+    const auto next = live(true);
+    next->object_moved("nobody", {.text = "move nobody", .blob = {}});
+    next->object_added("crate", {.text = "add crate", .blob = {std::byte{1}}});
+    next->object_moved("crate", {.text = "move crate", .blob = {}});
+    next->object_moved("crate", {.text = "move crate on", .blob = {}});
+  }
+  {
+    const auto next = live(true);
+    ASSERT_EQ(next->commands_left().size(), 3u);
+    EXPECT_EQ(next->commands_left()[2].text, "move crate on") << "after it was added";
+    next->object_added("crate", {.text = "add crate", .blob = {}});
+  }
+  ASSERT_EQ(live(true)->commands_left().size(), 3u) << "a crash before its turn came";
+  {
+    const auto next = live(true);
+    next->object_added("crate", {.text = "add crate", .blob = {}});
+    next->object_moved("crate", {.text = "move crate", .blob = {}});
+    next->object_added("crate", {.text = "add another crate", .blob = {}});
+  }
+  {
+    const auto next = live(true);
+    ASSERT_EQ(next->commands_left().size(), 2u) << "another one stands where it was added";
+    next->object_added("crate", {.text = "add another crate", .blob = {}});
+    next->object_moved("crate", {.text = "move crate", .blob = {}});
+    next->keep_only([](std::string_view) { return true; }, [](std::string_view object) { return object != "crate"; });
+  }
+  EXPECT_EQ(live(true)->commands_left().size(), 1u) << "the hall";
+  {
+    const auto next = live(true);
+    for (const char* name : {"front", "rear"}) next->probe_set(name, {.text = std::string("probe ") + name, .blob = {}});
+    next->probes_removed({"front", "none"});
+  }
+  ASSERT_EQ(live(true)->commands_left().size(), 2u);
+  EXPECT_EQ(live(true)->commands_left()[1].text, "probe rear");
   live(true)->set_publishers({9});
   EXPECT_EQ(live(true)->publishers_left(), std::vector<std::uint64_t>{9}) << "who has not come back is waited for once";
   EXPECT_TRUE(live(false)->commands_left().empty());

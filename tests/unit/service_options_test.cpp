@@ -10,6 +10,7 @@
 
 #include "server/service/nearest_word.hpp"
 #include "server/service/quantities.hpp"
+#include "tests/oracle/seed.hpp"
 
 namespace collided::service {
 namespace {
@@ -202,6 +203,39 @@ TEST(NearestWord, FindsSwapsAndLeavesStrangersAlone) {
   EXPECT_EQ(nearest_word("colour", words), "");
   const std::vector<std::string_view> names{"pallet_07", "pallet_70", "wall", "pallet_8"};
   EXPECT_EQ(nearest_words("pallet7", names, 2), (std::vector<std::string>{"pallet_07", "pallet_70"}));
+}
+
+/// By definition (Damerau 1964, each letter swapped at most once): the last letters are alike, changed, left out, put in or swapped.
+std::size_t edits_by_definition(std::string_view a, std::string_view b) {
+  if (a.empty() || b.empty()) return a.size() + b.size();
+  const std::string_view a1 = a.substr(0, a.size() - 1), b1 = b.substr(0, b.size() - 1);
+  std::size_t fewest = std::min({edits_by_definition(a1, b) + 1, edits_by_definition(a, b1) + 1,
+                                 edits_by_definition(a1, b1) + (a.back() == b.back() ? 0 : 1)});
+  const bool are_swapped = a.size() > 1 && b.size() > 1 && a.back() == b[b.size() - 2] && b.back() == a[a.size() - 2];
+  if (are_swapped) fewest = std::min(fewest, edits_by_definition(a.substr(0, a.size() - 2), b.substr(0, b.size() - 2)) + 1);
+  return fewest;
+}
+
+TEST(NearestWord, IsTheOneOfFewestEditsByDefinition) {
+  std::mt19937_64 random = oracle::seeded(83);
+  const auto word = [&](std::size_t least) {
+    std::string letters(least + random() % 5, 'a');
+    for (char& letter : letters) letter = static_cast<char>('a' + random() % 3);
+    return letters;
+  };
+  for (int round = 0; round < 2'000; ++round) {
+    const std::string typed = word(1);
+    const std::vector<std::string> words{word(1), word(1), word(1)};
+    std::string nearest;
+    std::size_t fewest = std::max<std::size_t>(1, typed.size() / 3) + 1;
+    for (const std::string& one : words) {
+      const std::size_t edits = edits_by_definition(typed, one);
+      if (edits >= fewest) continue;
+      fewest = edits;
+      nearest = one;
+    }
+    ASSERT_EQ(nearest_word(typed, words), nearest) << typed << " among " << words[0] << ", " << words[1] << ", " << words[2];
+  }
 }
 
 }  // namespace

@@ -408,6 +408,20 @@ TEST_F(PublishersTest, StatesAreShown) {
   EXPECT_EQ(publishers.size(), 0U);
 }
 
+TEST_F(PublishersTest, WhoIsLostWithAnObjectIsShownUntilItIsForgotten) {
+  define(definition(1, 1, "ball"));
+  step();
+  lose();
+  const auto shown = [&] {
+    std::vector<PublisherState> states;
+    publishers.for_each(now_ns, [&](const PublisherView& view) { states.push_back(view.state); });
+    return states;
+  };
+  EXPECT_EQ(shown(), std::vector<PublisherState>{PublisherState::lost});
+  publishers.settle(now_ns + 61'000'000'000);
+  EXPECT_TRUE(shown().empty());
+}
+
 TEST_F(PublishersTest, WhoTookEverythingBackIsNoLoss) {
   define(definition(1, 1, "ball"));
   define(removal(1, 2));

@@ -322,6 +322,25 @@ TEST_F(ReplyFilling, OneReplyWhereItFits) {
   EXPECT_EQ(replies, 1U);
 }
 
+// A name is told once in a reply, so what is met again costs its hit alone: with long names a reply is nearly full here,
+// and a byte more for each of 8,000 hits would cut it.
+TEST_F(ReplyFilling, AQuestionThatMeetsTheSameObjectsAgainHasRoom) {
+  constexpr std::uint32_t kObjects = 320;
+  fill(kObjects, 1, wire_contract::kMaxNameBytes);
+  ASSERT_EQ(answers.hits.size(), kObjects);
+  while (answers.hits.size() < wire_contract::kMaxHitsPerChunk) answers.hits.push_back(answers.hits[answers.hits.size() % kObjects]);
+  answers.hit_counts[0] = static_cast<std::uint32_t>(answers.hits.size());
+  const auto state = world.newest();
+  ReplyFiller filler(*state, answers, named_in, reply_number);
+  ReplyColumns columns;
+  ASSERT_TRUE(filler.fill(columns));
+  EXPECT_EQ(columns.objects.size(), wire_contract::kMaxHitsPerChunk);
+  EXPECT_EQ(columns.named.ids.size(), kObjects);
+  EXPECT_EQ(columns.reasons, std::vector<std::uint8_t>{static_cast<std::uint8_t>(answers.reasons[0])});
+  EXPECT_EQ(filler.undecided(), 0U);
+  EXPECT_FALSE(filler.fill(columns));
+}
+
 TEST_F(ReplyFilling, SplitsBetweenQuestions) {
   fill(1'000, 20, 1);
   EXPECT_EQ(answered, 20U);

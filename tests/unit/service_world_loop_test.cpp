@@ -257,6 +257,48 @@ TEST_F(WorldLoopTest, AFixedStepLooksAtEveryPose) {
   EXPECT_TRUE(books.wait([&] { return books.began_count == 10 && books.ended_count == 10; }));
 }
 
+TEST_F(WorldLoopTest, ItsPeriodIsThatOfItsOptions) {
+  start({.step_ns = 50'000'000, .recovery_ns = 0, .limits = {}});
+  EXPECT_EQ(loop->step_period_ns(), 50'000'000);
+}
+
+// Without a period a step waits as long as the last one took: the smallest of worlds need not wait 5 ms for the next. Two objects,
+// since a second pose of the same one brings a step of its own.
+TEST_F(WorldLoopTest, WithoutAPeriodQuickStepsFollowQuickly) {
+  define(1, {0, 0, 0});
+  define(2, {0, 50, 0});
+  start({.step_ns = 0, .recovery_ns = 0, .limits = {}});
+  EXPECT_TRUE(books.wait([&] { return books.statuses > 0; }));
+  const auto moved = [&](std::uint32_t number, double x) {
+    const std::uint64_t before = world.newest()->version;
+    move(number, {x, 50. * (number - 1), 0});
+    while (world.newest()->version == before) std::this_thread::yield();
+    return std::chrono::steady_clock::now();
+  };
+  std::chrono::nanoseconds quickest = std::chrono::hours(1);
+  for (int i = 0; i < 50; ++i) {
+    const auto first = moved(1, i);
+    quickest = std::min<std::chrono::nanoseconds>(quickest, moved(2, i) - first);
+  }
+  EXPECT_LT(quickest, std::chrono::milliseconds(4));
+}
+
+// What commands had added is waited for however long it takes; the wait for publishers ends.
+TEST_F(WorldLoopTest, AfterACrashItIsNotReadyWhileScenesAreAddedAgain) {
+  std::atomic<bool> adding{true};
+  loop = std::make_unique<WorldLoop>(
+      WorldLoop::Around{world, clock, inbox, books, fences, leases, questions, [](AskPointer) {}, [] {},
+                        [this](const std::string& sentence) { books.note(sentence); }, {}, [&] { return adding.load(); }},
+      LoopOptions{.step_ns = 0, .recovery_ns = 1, .limits = {}});
+  thread = std::thread([this] { loop->run(); });
+  EXPECT_TRUE(books.wait([&] { return books.statuses > 4; }));
+  EXPECT_TRUE(loop->recovering());
+  EXPECT_EQ(books.status.state, ServerState::recovering);
+  EXPECT_EQ(books.notices, "");
+  adding = false;
+  EXPECT_TRUE(books.wait([&] { return books.status.state == ServerState::ready; }));
+}
+
 TEST_F(WorldLoopTest, AfterACrashItSaysThatItRecovers) {
   start({.step_ns = 0, .recovery_ns = 300'000'000, .limits = {}});
   EXPECT_TRUE(books.wait([&] { return books.statuses > 0; }));

@@ -185,6 +185,24 @@ TEST_F(WorldByHand, ThePriceListSaysThatBoxesComeWithoutABound) {
   EXPECT_EQ(boxes, 4);
 }
 
+TEST_F(WorldByHand, ThePriceListSaysTheSameOfTheSameQuestions) {
+  for (int i = 0; i < 8; ++i) define("ball" + std::to_string(i), {i & 1 ? 3.0 : 0, i & 2 ? 3.0 : 0, i & 4 ? 3.0 : 0}, ball(1.4));
+  step();
+  const SnapshotRing::Lease lease = world.newest();
+  const std::vector<MenuRow> first = menu_of(*lease, {.questions = 200, .seed = 7, .cancelled = {}});
+  for (int again = 0; again < 3; ++again) {
+    const std::vector<MenuRow> menu = menu_of(*lease, {.questions = 200, .seed = 7, .cancelled = {}});
+    ASSERT_EQ(menu.size(), first.size());
+    for (std::size_t i = 0; i < menu.size(); ++i) {
+      EXPECT_EQ(menu[i].undecided, first[i].undecided) << menu[i].method;
+      EXPECT_EQ(menu[i].wrong, first[i].wrong) << menu[i].method;
+      EXPECT_EQ(menu[i].worst_error_m, first[i].worst_error_m) << menu[i].method;
+      EXPECT_EQ(menu[i].worst_bound_m, first[i].worst_bound_m) << menu[i].method;
+      EXPECT_LE(menu[i].worst_error_m, menu[i].worst_bound_m) << menu[i].method;
+    }
+  }
+}
+
 TEST_F(WorldByHand, ThePlanSaysWhatATriangleOfTheIndexCosts) {
   load(scenes::terrain(8, 2, 1));
   step();

@@ -212,6 +212,20 @@ TEST_F(Allocation, APlantedOneIsCounted) {
   EXPECT_EQ(count(QueryKind::ray, questions(QueryKind::ray, 1'000, 1), 20).allocations, 20U);
 }
 
+// As many requests in chunks as may be open, each from its first chunk on.
+TEST_F(Allocation, NoneForRequestsThatKeepTheirState) {
+  LeaseBook book(serving_.world);
+  test::start_counting();
+  {
+    const test::CountHere here;
+    for (std::uint64_t request = 1; request <= 2 * LeaseBook::kMostRequests; ++request) {
+      if (!book.take(5, request, 0, 2, 0, 0)) break;
+    }
+  }
+  EXPECT_EQ(test::stop_counting().allocations, 0U);
+  EXPECT_EQ(book.size(), LeaseBook::kMostRequests);
+}
+
 TEST_F(Allocation, NoneForABatchOfAThousandPosesUntilItIsApplied) {
   std::vector<std::uint32_t> numbers;
   std::vector<double> poses(kMovers * wire_contract::kPoseNumbers);
