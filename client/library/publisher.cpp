@@ -226,7 +226,7 @@ void Publisher::State::stream() {
 /// library's own, since a user's next one may lie before now.
 std::optional<Error> Publisher::State::say_at_rest() {
   const bool is_due = has_own_clock_ && objects_.waiting().empty() && Clock::now() - last_instant_ > kAtRest;
-  return is_due ? write_batch({}, 0, since_1970_ns()) : std::nullopt;
+  return is_due ? write_instant(since_1970_ns()) : std::nullopt;
 }
 
 Result<Done> Publisher::State::keep_alive() {

@@ -38,9 +38,11 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::optional<Error> define_all();
   std::optional<Error> write_definition(std::uint32_t number, const client::PublishedObject& object, bool removed);
   std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags, std::int64_t time_ns);
+  void fill_batch(std::uint8_t flags, std::int64_t time_ns);
+  std::optional<Error> write_instant(std::int64_t time_ns);
   std::optional<Error> say_at_rest();
   std::optional<Error> send_waiting(std::int64_t time_ns);
-  void note_written(bool is_news = true);
+  void note_written();
 
   std::shared_ptr<client::Connection> connection_;
   std::uint64_t publisher_;

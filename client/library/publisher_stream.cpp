@@ -126,6 +126,29 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   });
 }
 
+void Publisher::State::fill_batch(std::uint8_t flags, std::int64_t time_ns) {
+  batch_->definitions_through = definitions_through_;
+  batch_->source_time_ns = time_ns;
+  batch_->flags = flags;
+  if (is_streamed_) batch_->flags |= wire_contract::kStreamed;
+  if (time_ns != 0) last_instant_ = Clock::now();
+  if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kAllSaid;
+}
+
+/// That what it does not name has rested up to then. Without a number: who misses it has missed no pose, and what was missed
+/// before must not look as if it had come.
+std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns) {
+  batch_->sequence_number = 0;
+  fill_batch(0, time_ns);
+  dds::borrow(batch_->object_numbers, std::span<const std::uint32_t>());
+  dds::borrow(batch_->poses, std::span<const double>());
+  return guarded([&]() -> std::optional<Error> {
+    if (!has_room() || !pose_writer_.write(*batch_)) return not_taken();
+    last_word_ = Clock::now();
+    return std::nullopt;
+  });
+}
+
 std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags,
                                                    std::int64_t time_ns) {
   poses_.resize(numbers.size() * kPoseNumbers);
@@ -134,33 +157,28 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
     pose = put_pose(objects_.at(number).options.pose, pose);
   }
   batch_->sequence_number = sequence_ + 1;
-  batch_->definitions_through = definitions_through_;
-  batch_->source_time_ns = time_ns;
-  batch_->flags = flags;
-  if (is_streamed_) batch_->flags |= wire_contract::kStreamed;
-  if (time_ns != 0) last_instant_ = Clock::now();
-  if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kAllSaid;
+  fill_batch(flags, time_ns);
   dds::borrow(batch_->object_numbers, numbers);
   dds::borrow(batch_->poses, poses_);
   return guarded([&]() -> std::optional<Error> {
     if (!has_room() || !pose_writer_.write(*batch_)) {
       return not_taken();
     }
-    note_written(!numbers.empty());
+    note_written();
     unacknowledged_.note_written(sequence_, numbers.size_bytes() + poses_.size() * sizeof(double));
     return std::nullopt;
   });
 }
 
-void Publisher::State::note_written(bool is_news) {
+void Publisher::State::note_written() {
   ++sequence_;
   last_word_ = last_sample_ = Clock::now();
-  if (is_news) connection_->note_write({publisher_, sequence_});
+  connection_->note_write({publisher_, sequence_});
 }
 
 std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
   std::size_t plain_left = objects_.sort_waiting();
-  if (objects_.waiting().empty() && objects_.size() > 0) return write_batch({}, 0, time_ns);
+  if (objects_.waiting().empty() && objects_.size() > 0) return write_instant(time_ns);
   while (!objects_.waiting().empty()) {
     const bool teleported = plain_left == 0;
     const std::size_t of_a_kind = teleported ? objects_.waiting().size() : plain_left;

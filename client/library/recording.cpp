@@ -72,7 +72,7 @@ void Recording::State::hear(const wire::Definition& sample) {
   loss_.hear_definition(sample.publisher, sample.incarnation, sample.sequence_number);
 }
 void Recording::State::hear(const wire::PoseBatch& sample) {
-  loss_.hear_poses(sample.publisher, sample.incarnation, sample.sequence_number);
+  if (sample.sequence_number > 0) loss_.hear_poses(sample.publisher, sample.incarnation, sample.sequence_number);
 }
 void Recording::State::hear(const wire::EventFrame& sample) {
   loss_.hear_events(sample.server, sample.epoch, sample.first_sequence, sample.kinds._length);

@@ -214,7 +214,7 @@ class AskedReplay : public Replaying {
       if (item.opening) continue;
       if (item.topic == Recorded::object && wire::read_cdr(item.data, definition_)) {
         samples_[definition_->publisher].emplace(definition_->sequence_number, i);
-      } else if (item.topic == Recorded::pose && wire::read_cdr(item.data, batch_)) {
+      } else if (item.topic == Recorded::pose && wire::read_cdr(item.data, batch_) && batch_->sequence_number > 0) {
         samples_[batch_->publisher].emplace(batch_->sequence_number, i);
       }
     }

@@ -104,13 +104,16 @@ bool ReplayedPublishers::publish(wire::Definition& definition) {
 
 bool ReplayedPublishers::publish(wire::PoseBatch& batch, std::uint64_t log_time, std::int64_t source_time_ns) {
   Publisher* publisher = meet(batch.publisher, batch.incarnation);
-  if (publisher == nullptr || batch.sequence_number < publisher->posed) return false;
-  if (batch.sequence_number == publisher->posed && log_time != publisher->posed_at) return false;
-  publisher->posed = batch.sequence_number;
-  publisher->posed_at = log_time;
+  if (publisher == nullptr) return false;
+  // One that only says how late it is has no number.
+  const bool has_number = batch.sequence_number > 0;
+  if (has_number && batch.sequence_number < publisher->posed) return false;
+  if (has_number && batch.sequence_number == publisher->posed && log_time != publisher->posed_at) return false;
+  if (has_number) publisher->posed = batch.sequence_number;
+  if (has_number) publisher->posed_at = log_time;
   batch.publisher = publisher->number;
   batch.incarnation = publisher->incarnation;
-  batch.sequence_number = ++publisher->sequence;
+  batch.sequence_number = has_number ? ++publisher->sequence : 0;
   batch.definitions_through = publisher->definitions_through;
   batch.source_time_ns = source_time_ns;
   if (publisher->unacknowledged.is_full()) {

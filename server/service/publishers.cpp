@@ -357,7 +357,7 @@ void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, con
     if (moved_[i]) accepted_[i]->touched_step = step_;
     ++(moved_[i] ? counts_.poses_applied : counts_.poses_unknown);
   }
-  publisher.watermark.apply_pose(sample.sequence, now_ns);
+  if (sample.sequence > 0) publisher.watermark.apply_pose(sample.sequence, now_ns);
   ++counts_.batches_applied;
   if (counts_.poses_applied != before) ++changes_;
 }
