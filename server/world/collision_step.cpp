@@ -45,14 +45,14 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   // Ingest: what came since the last step ends contacts and goes to the snapshot.
   s.ledger.begin_step(world_time_ns, wishes.persisted);
   end_removed(s.removed, s.ledger);
-  s.sources.begin_step(world_time_ns);
-  s.rows.stamp_changes(s.step_count, world_time_ns);
+  s.sources.begin_step(world_time_ns, s.motion.is_any_open());
+  s.rows.stamp_changes(s.step_count, world_time_ns, s.sources);
   s.fill(*next, world_time_ns);
   const std::int64_t updated = now_ns();
 
   // Motion, and candidates by its bounds.
   s.motion.begin_step(s.sources, s.apart);
-  const bool has_open = !s.rows.moved().empty() || !s.motion.history().travelling().empty() || !s.motion.young().empty();
+  const bool has_open = !s.rows.moved().empty() || s.motion.is_any_open();
   index_motion(s.motion, s.ring.current(), has_open, next->grid);
   const std::int64_t indexed = now_ns();
 

@@ -109,13 +109,15 @@ void ObjectRows::set_stale(std::uint32_t slot, bool is_stale) {
   changed_[slot] = step_ + 1;
 }
 
-void ObjectRows::stamp_changes(std::uint64_t step, std::int64_t world_time_ns) {
+void ObjectRows::stamp_changes(std::uint64_t step, std::int64_t world_time_ns, const Sources& sources) {
   step_ = step;
   for (const std::uint32_t slot : moved_) {
     changed_[slot] = step;
     ObjectRow& row = rows_[slot];
-    if (row.born_ns == kPosedAtStep) row.born_ns = world_time_ns;
-    if (row.posed_ns == kPosedAtStep) row.posed_ns = world_time_ns;
+    if (row.born_ns != kPosedAtStep && row.posed_ns != kPosedAtStep) continue;
+    const std::int64_t birth_ns = sources.birth_ns(source_[slot], world_time_ns);
+    if (row.born_ns == kPosedAtStep) row.born_ns = birth_ns;
+    if (row.posed_ns == kPosedAtStep) row.posed_ns = birth_ns;
   }
 }
 

@@ -19,7 +19,7 @@ namespace collided {
 /// How an object came to where it is since the last step.
 enum class Motion : std::uint8_t { none, moved, placed };  // placed: new or teleported, so there is no way between
 
-/// In posed_ns: the pose came with the definition and takes the time of the step that shows it first.
+/// In posed_ns: the pose came with the definition and takes its time from the step that shows it first.
 inline constexpr std::int64_t kPosedAtStep = -1;
 
 /// What of an object changes as it moves, and what every step asks of it: its description lies far away.
@@ -72,7 +72,7 @@ class ObjectRows {
   void set_stale(std::uint32_t slot, bool is_stale);
 
   // A step: what changed is stamped and copied, and then as if it had always been there.
-  void stamp_changes(std::uint64_t step, std::int64_t world_time_ns);
+  void stamp_changes(std::uint64_t step, std::int64_t world_time_ns, const Sources& sources);
   /// Only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies.
   void copy_changes(Snapshot& to);
   void end_step();

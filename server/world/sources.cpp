@@ -51,9 +51,16 @@ void Sources::lose(std::uint64_t publisher) {
   if (found != numbers_.end()) sources_[found->second].is_timed = false;
 }
 
-void Sources::begin_step(std::int64_t world_time_ns) {
+std::int64_t Sources::birth_ns(std::uint32_t source, std::int64_t world_time_ns) const {
+  if (source == kResting || !sources_[source].is_timed) return world_time_ns;
+  const Source& of = sources_[source];
+  const auto first = std::find_if(of.instants.begin(), of.instants.end(), [&](std::int64_t instant) { return instant > of.settled_ns; });
+  return first == of.instants.end() ? of.known_ns : *first;
+}
+
+void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
   bool is_any_timed = false;
-  needs_common_time_ = false;
+  needs_common_time_ = is_any_open;
   for (Source& source : sources_) {
     if (source.object_count == 0) continue;
     is_any_timed = is_any_timed || source.is_timed;

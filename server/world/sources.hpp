@@ -55,17 +55,22 @@ class Sources {
   void note_posed(std::uint32_t source) { ++sources_[source].posed_count; }
   void note_streamed(std::uint32_t source) { sources_[source].is_streamed = true; }
 
-  void begin_step(std::int64_t world_time_ns);
+  /// is_any_open: something that an earlier step saw is not decided with everybody yet.
+  void begin_step(std::int64_t world_time_ns, bool is_any_open);
   void end_step();
 
   const Source& operator[](std::uint32_t source) const { return sources_[source]; }
   const Source* find(std::uint64_t publisher) const;
-  /// Objects are not all known up to one instant, or did not all move at one in this step: pairs are decided on common time.
+  /// Objects are not all known up to one instant, or did not all move at one in this step, or somebody still waits for what was
+  /// before: pairs are decided on common time.
   bool need_common_time() const { return needs_common_time_; }
   /// Nobody asks for what was before.
   std::int64_t oldest_asked_ns() const { return oldest_asked_ns_; }
   /// Somebody may wait for this publisher's next instant.
   bool are_several() const { return used_count_ > 1; }
+  /// When an object that came since the last step, and whose publisher had said no instant before, begins to be: at the first
+  /// instant that it has said since, or now.
+  std::int64_t birth_ns(std::uint32_t source, std::int64_t world_time_ns) const;
 
  private:
   std::vector<Source> sources_;  // with holes

@@ -37,6 +37,7 @@ class StepMotion {
   /// Something of its motion or of its beginning is not decided with everybody yet.
   bool is_open(std::uint32_t slot) const { return open_[slot] != 0; }
   const std::vector<std::uint32_t>& young() const { return young_; }
+  bool is_any_open() const { return !young_.empty() || !history_.travelling().empty(); }
   const BallWay& ball(std::uint32_t slot) const { return balls_[slot]; }
   /// In this step it goes farther than its size allows to leave unswept.
   bool is_fast(std::uint32_t slot) const { return fast_[slot] != 0; }
