@@ -55,7 +55,7 @@ std::int64_t Sources::birth_ns(std::uint32_t source, std::int64_t world_time_ns)
   if (source == kResting || !sources_[source].is_timed) return world_time_ns;
   const Source& of = sources_[source];
   const auto first = std::find_if(of.instants.begin(), of.instants.end(), [&](std::int64_t instant) { return instant > of.settled_ns; });
-  return first == of.instants.end() ? of.known_ns : *first;
+  return std::min(world_time_ns, first == of.instants.end() ? of.known_ns : *first);
 }
 
 void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {

@@ -68,8 +68,8 @@ class Sources {
   std::int64_t oldest_asked_ns() const { return oldest_asked_ns_; }
   /// Somebody may wait for this publisher's next instant.
   bool are_several() const { return used_count_ > 1; }
-  /// When an object that came since the last step, and whose publisher had said no instant before, begins to be: at the first
-  /// instant that it has said since, or now.
+  /// When an object that came since the last step, and whose publisher had said no instant before, begins to be: now,
+  /// or at the first instant that it has said since where that is earlier.
   std::int64_t birth_ns(std::uint32_t source, std::int64_t world_time_ns) const;
 
  private:

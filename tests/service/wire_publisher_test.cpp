@@ -239,6 +239,20 @@ TEST_F(ClientPublish, WhatTheServerHasMissedIsSaidAgain) {
   EXPECT_EQ(server_.received().poses.at(0).numbers[0], 1);
 }
 
+// Who flushes on and on without news, as a loop does whose machine stands still.
+TEST_F(ClientPublish, WhatTheServerHasMissedIsSaidAgainAlsoToWhoFlushesOn) {
+  const Publisher::Object object = add("first");
+  ASSERT_TRUE(publisher_->move(object, {.position = {1, 0, 0}}));
+  const Result<std::uint64_t> moved = publisher_->flush();
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  server_.missed_the_last = true;
+  ASSERT_TRUE(eventually([&] {
+    const Result<std::uint64_t> flushed = publisher_->flush();
+    EXPECT_TRUE(flushed && (*flushed == *moved || server_.received().definition_count >= 2)) << "a flush without news has no number of its own";
+    return server_.received().definition_count >= 2;
+  }));
+}
+
 TEST_F(ClientPublish, LeavingRemovesItsObjects) {
   add("first");
   add("second");

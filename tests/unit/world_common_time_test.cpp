@@ -298,6 +298,70 @@ TEST(WorldCommonTime, AnInstantThatComesAgainIsTheNextNanosecond) {
   EXPECT_EQ(stage.step().size(), 2u) << "through the other";
 }
 
+// Its clock is behind the server's: what it defines and stamps within one step is there from its own instant on, and touches.
+TEST(WorldCommonTime, WhatIsNewTouchesThoughItsPublishersInstantLiesBeforeTheStep) {
+  for (const std::uint64_t other : {1, 2}) {
+    Stage stage;
+    stage.world.step(kStart + 100 * kMs, 1, {});
+    stage.ball(1, {0, 0, 0});
+    stage.ball(other, {0.5, 0, 0});
+    stage.advance(1, 50);
+    stage.advance(2, 60);
+    stage.world.step(kStart + 101 * kMs, 1, {});
+    stage.advance(1, 70);
+    stage.world.step(kStart + 111 * kMs, 1, {});
+    EXPECT_EQ(stage.world.contacts().size(), 1u) << "of publishers 1 and " << other;
+  }
+}
+
+// The server shows it at 100 ms; its publisher says 40, then 90, then 140, and nothing moves.
+TEST(WorldCommonTime, WhatNobodyCouldDecideWhenItCameIsDecidedLater) {
+  Stage stage;
+  stage.ball(1, {0, 0, 0});
+  stage.advance(1, 40);
+  stage.world.step(kStart + 50 * kMs, 1, {});
+  stage.ball(2, {0.5, 0, 0});
+  stage.world.step(kStart + 100 * kMs, 1, {});
+  EXPECT_TRUE(stage.world.contacts().empty()) << "where the first is at 100 ms is not known";
+  for (const int ms : {90, 140}) {
+    stage.advance(1, ms);
+    stage.world.step(kStart + (ms + 20) * kMs, 1, {});
+  }
+  EXPECT_EQ(stage.world.contacts().size(), 1u);
+}
+
+// A way that the other's publisher had not said yet where it was: both fall silent, and from then on they are known all the same.
+TEST(WorldCommonTime, AWayThatWasOwedWhenBothWereLostIsDecided) {
+  Stage stage;
+  const std::size_t mover = stage.ball(1, {0, 0, 0});
+  stage.ball(2, {20, 0, 0});
+  stage.advance(1, 10);
+  stage.advance(2, 10);
+  stage.world.step(kStart + 20 * kMs, 1, {});
+  stage.move(mover, 20, {40, 0, 0});
+  stage.advance(1, 20);
+  stage.world.step(kStart + 30 * kMs, 1, {});
+  EXPECT_TRUE(stage.world.events().empty());
+  stage.world.lose(1);
+  stage.world.lose(2);
+  stage.world.step(kStart + 40 * kMs, 1, {});
+  ASSERT_EQ(stage.world.events().size(), 2u) << "through the other";
+}
+
+// Alone it goes on at its own time: a publisher whose partner has gone owes nobody anything, and its own contacts are told.
+TEST(WorldCommonTime, WhatIsNewTouchesWhileItsPublisherIsTheOnlyOne) {
+  Stage stage;
+  stage.world.step(kStart + 100 * kMs, 1, {});
+  stage.ball(1, {0, 0, 0});
+  stage.ball(1, {0.5, 0, 0});
+  stage.world.step(kStart + 101 * kMs, 1, {});
+  EXPECT_EQ(stage.world.contacts().size(), 1u);
+  stage.advance(1, 60);
+  stage.ball(1, {-0.5, 0, 0});
+  stage.world.step(kStart + 102 * kMs, 1, {});
+  EXPECT_EQ(stage.world.contacts().size(), 3u) << "the third touches both";
+}
+
 /// Rates from 1 to 240 Hz, phases, jitter, turns of the way, objects of several sizes; most meet near the middle.
 struct Crossing {
   std::vector<std::pair<std::size_t, MovingBody>> bodies;
