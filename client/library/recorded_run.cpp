@@ -1,10 +1,8 @@
 #include "client/library/recorded_run.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <stdexcept>
 
 #include "idl/commands.hpp"
 
@@ -16,9 +14,6 @@ using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
 namespace names = wire_contract::command;
 
-/// It is taken into memory.
-constexpr std::uint64_t kMostFileBytes = std::uint64_t{4} << 30;
-
 /// A text of JSON from outside, or null.
 nlohmann::json parsed(std::string_view text) { return nlohmann::json::parse(text, nullptr, false); }
 
@@ -27,31 +22,11 @@ std::string word_of(const nlohmann::json& object, const char* key) {
   return object.is_object() && found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-/// How many messages the file begins with; nothing where it does not say so.
-std::optional<std::uint64_t> opening_messages(const mcap::Contents& contents) {
-  const auto entries = contents.metadata.find("recording");
-  std::uint64_t count = 0;
-  if (entries == contents.metadata.end()) return std::nullopt;
-  const auto found = entries->second.find("opening_messages");
-  if (found != entries->second.end()) std::from_chars(found->second.data(), found->second.data() + found->second.size(), count);
-  return count;
-}
-
 class Sorting {
  public:
   explicit Sorting(RecordedRun& run) : run_(run) {}
 
-  void sort(const mcap::Contents& contents) {
-    run_.has_opening = opening_messages(contents).has_value();
-    std::uint64_t left = opening_messages(contents).value_or(0);
-    for (const mcap::Message& message : contents.messages) {
-      const auto topic = recording::recorded_topic(contents.channels.at(message.head.channel), contents);
-      if (topic) run_.items.push_back({*topic, message.head.log_time, message.data, left > 0});
-      left -= left > 0 ? 1 : 0;
-    }
-    std::stable_sort(run_.items.begin(), run_.items.end(), [](const RecordedItem& a, const RecordedItem& b) {
-      return a.opening != b.opening ? a.opening : a.log_time < b.log_time;
-    });
+  void sort() {
     // A reply may have come before its question did: they are on topics of their own.
     for (const bool replies : {false, true}) {
       for (std::size_t i = 0; i < run_.items.size(); ++i) {
@@ -206,22 +181,12 @@ class Sorting {
 
 }  // namespace
 
-RecordedRun read_run(const std::string& path) { return read_run(mcap::read_file(path, kMostFileBytes), path); }
+RecordedRun read_run(const std::string& path) { return read_run(read_recording(path), path); }
 
 RecordedRun read_run(std::vector<std::byte> bytes, const std::string& name) {
   RecordedRun run;
-  run.bytes = std::move(bytes);
-  const mcap::Contents contents = mcap::read(run.bytes);
-  if (!contents.is_mcap) throw std::runtime_error(name + ": is no MCAP file. Nothing was replayed");
-  const auto say = [&](std::uint64_t count, const char* what) {
-    if (count > 0) run.warnings.push_back(name + ": " + std::to_string(count) + what);
-  };
-  if (!contents.damage.empty()) run.warnings.push_back(name + ": " + contents.damage);
-  say(contents.bad_chunks, " chunks are damaged; left out");
-  say(contents.compressed_chunks, " chunks are compressed, which is not read here; left out");
-  say(contents.lost_messages, " messages are of no known channel; left out");
-  Sorting(run).sort(contents);
-  if (run.items.empty()) throw std::runtime_error(name + ": holds nothing of a collision server. Nothing was replayed");
+  static_cast<RecordedItems&>(run) = read_items(std::move(bytes), name, "Nothing was replayed");
+  Sorting(run).sort();
   return run;
 }
 

@@ -8,19 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "client/library/recorded_items.hpp"
 #include "idl/cdr.hpp"
-#include "idl/mcap/reader.hpp"
-#include "idl/recording/recorded_topics.hpp"
 
 namespace collided::client {
-
-/// One recorded sample, in the run's bytes.
-struct RecordedItem {
-  recording::Recorded topic{};
-  std::uint64_t log_time = 0;
-  std::span<const std::byte> data;
-  bool opening = false;  // of the state before the recording
-};
 
 /// A state of the recorded server: which samples of each publisher were in it.
 struct RecordedState {
@@ -35,16 +26,12 @@ struct RecordedRequest {
   std::vector<std::size_t> replies;
 };
 
-/// A recording sorted for who goes through it again. Owns the bytes that its items lie in.
-struct RecordedRun {
-  std::vector<std::byte> bytes;
-  std::vector<RecordedItem> items;   // the opening, then by time
-  std::vector<std::string> warnings;
+/// A recording sorted for who goes through it again.
+struct RecordedRun : RecordedItems {
   std::map<StateNumber, RecordedState> states;
   std::map<StateNumber, std::vector<RecordedRequest>> requests;  // about the world, by the state that was asked
   std::map<StateNumber, std::vector<std::size_t>> commands;      // items that changed the world, by the state they made
   std::map<std::uint64_t, std::uint64_t> opening_through;        // newest sample of each publisher in the opening
-  bool has_opening = false;
   std::uint64_t unanswered = 0;   // requests without all of their replies
   std::uint64_t changing_files = 0;  // load and clear, which are not given again
   std::string scenes;             // one a line, as the newest status had them
