@@ -39,6 +39,7 @@ void FlightOpening::fold(std::span<const std::byte> records) {
       case Recorded::pose: fold_as<wire::PoseBatch>(*this, data); break;
       case Recorded::query: fold_as<wire::Query>(*this, data); break;
       case Recorded::reply: fold_as<wire::Reply>(*this, data); break;
+      case Recorded::contact: fold_as<wire::ContactShard>(*this, data); break;
       case Recorded::status: fold_as<wire::Status>(*this, data); break;
       default: break;
     }
@@ -171,6 +172,24 @@ void FlightOpening::fold(const wire::Status& status) {
   }
 }
 
+void FlightOpening::fold(const wire::ContactShard& shard) {
+  if (shard.shard >= wire_contract::kContactShards) return;
+  const auto known = contacts_.find(shard.shard);
+  if (known != contacts_.end()) {
+    contact_bytes_ -= known->second.size();
+    contacts_.erase(known);
+  }
+  if (shard.a._length == 0) return;
+  std::vector<std::byte> bytes = bytes_of(shard);
+  // Without it fewer contacts are known than the status counts, so that a reader can tell.
+  if (contact_bytes_ + bytes.size() > kMostContactBytes) {
+    ++left_out_;
+    return;
+  }
+  contact_bytes_ += bytes.size();
+  contacts_[shard.shard] = std::move(bytes);
+}
+
 /// An object that goes with its publisher is kept all the same: the publisher may come back with it.
 bool FlightOpening::is_there(const Publisher& publisher, const Defined& defined) {
   return !publisher.lost || defined.lost_policy != static_cast<std::uint8_t>(wire_contract::LostPolicy::remove);
@@ -213,6 +232,7 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
     send();  // an empty one too: it carries the newest sample's number
   }
   commands_.write(put);
+  for (const auto& [shard, bytes] : contacts_) put(Recorded::contact, bytes);
 }
 
 }  // namespace collided::service

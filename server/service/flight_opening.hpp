@@ -15,14 +15,15 @@
 
 namespace collided::service {
 
-/// What a window of records begins with: the newest definition and pose of every object that was sent before it, and the
-/// commands that brought in the others. Folded from the records that leave the window.
+/// What a window of records begins with: the newest definition and pose of every object that was sent before it, the
+/// commands that brought in the others, and the contacts that held. Folded from the records that leave the window.
 ///
-/// limits   kMostBytes of definitions; what does not fit is left out and counted
+/// limits   kMostBytes of definitions, kMostContactBytes of contacts; what does not fit is left out and counted
 /// threads  one
 class FlightOpening {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
+  static constexpr std::size_t kMostContactBytes = std::size_t{16} << 20;
   static constexpr std::size_t kMostObjects = 200'000;
 
   /// records  whole MCAP messages
@@ -32,9 +33,10 @@ class FlightOpening {
   void fold(const wire::Query& query) { commands_.asked(query); }
   void fold(const wire::Reply& reply);
   void fold(const wire::Status& status);
+  void fold(const wire::ContactShard& shard);
 
   /// put(channel, CDR bytes): what makes the same state again. Definitions, then a batch of poses of each publisher with
-  /// the number of its newest sample, then the commands.
+  /// the number of its newest sample, then the commands, then the contacts.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
   /// Samples that had no room; the state that is made again lacks them.
   std::uint64_t left_out() const { return left_out_ + commands_.left_out(); }
@@ -69,6 +71,8 @@ class FlightOpening {
 
   std::map<std::uint64_t, Publisher> publishers_;
   FlightCommands commands_;
+  std::map<std::uint8_t, std::vector<std::byte>> contacts_;  // the newest of each shard that holds any
+  std::size_t contact_bytes_ = 0;
   std::size_t bytes_ = 0;
   std::size_t objects_ = 0;
   std::size_t poses_ = 0;

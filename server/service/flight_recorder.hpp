@@ -26,7 +26,7 @@ struct FlightFile {
 /// Remembers what the server took and wrote in its last seconds, and what its publishers and commands had brought in before.
 ///
 /// memory   8 MiB for what is under way, at most 64 MiB for the window (a busy server's reaches less far back), at most
-///          64 MiB for definitions and commands from before it and 120 bytes for each pose
+///          64 MiB for definitions and commands from before it, 16 MiB for contacts and 120 bytes for each pose
 /// threads  note() from any: no lock, no allocation, no waiting; the rest from any
 class FlightRecorder {
  public:

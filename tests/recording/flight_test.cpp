@@ -397,6 +397,50 @@ TEST(FlightOpening, ACommandWithoutAnAnswerIsWrittenLast) {
 }
 
 // What has left the window comes back as the state that the file begins with.
+/// The contacts of a shard after an event, each of this size at least.
+void hold(FlightOpening& opening, std::uint8_t shard, std::uint64_t as_of, std::size_t count, std::size_t name_bytes = 0) {
+  std::vector<std::uint64_t> ids(count, 7);
+  const std::vector<std::uint8_t> names(name_bytes, 'x');
+  dds::Sample<wire::ContactShard> sample;
+  sample->shard = shard;
+  sample->as_of_sequence = as_of;
+  dds::borrow(sample->a, ids);
+  dds::borrow(sample->names, names);
+  opening.fold(*sample);
+}
+
+/// As of when each shard was written.
+std::map<std::uint8_t, std::uint64_t> held(const FlightOpening& opening) {
+  std::map<std::uint8_t, std::uint64_t> shards;
+  opening.write([&](Recorded topic, std::span<const std::byte> data) {
+    dds::Sample<wire::ContactShard> sample;
+    if (topic == Recorded::contact && wire::read_cdr(data, sample)) shards[sample->shard] = sample->as_of_sequence;
+  });
+  return shards;
+}
+
+TEST(FlightOpening, HasTheContactsThatHeld) {
+  FlightOpening opening;
+  hold(opening, 3, 10, 1);
+  hold(opening, 5, 11, 1);
+  hold(opening, 3, 12, 2);
+  hold(opening, 5, 13, 0);
+  EXPECT_EQ(held(opening), (std::map<std::uint8_t, std::uint64_t>{{3, 12}}));
+}
+
+// An old sample would be a lie: it goes also where the new one has no room.
+TEST(FlightOpening, ContactsThatHaveNoRoomAreLeftOutAndCounted) {
+  FlightOpening opening;
+  for (std::uint8_t shard = 0; shard < 16; ++shard) hold(opening, shard, 1, 1, 1'000'000);
+  EXPECT_EQ(held(opening).size(), 16U);
+  EXPECT_EQ(opening.left_out(), 0U);
+  hold(opening, 4, 2, 1, 2'000'000);
+  EXPECT_EQ(held(opening).count(4), 0U);
+  EXPECT_EQ(opening.left_out(), 1U);
+  hold(opening, 4, 3, 1, 1'000'000);
+  EXPECT_EQ(held(opening).size(), 16U) << "there is room again";
+}
+
 TEST(FlightRecorder, AFileBeginsWithTheStateBeforeItsWindow) {
   const Folder folder;
   FlightRecorder recorder("hall", 60'000'000'000, folder.stem());
