@@ -174,7 +174,9 @@ void WatchState::apply_ended(const Event& event) {
     }
     end_namesake(event);
     emit_missed(event, What::began, Why::none, event.sequence);
-    hold(as_open(event));
+    Event contact = as_open(event);
+    contact.began = event.world_time;  // since when it held was missed
+    hold(contact);
     held = held_.find(pair_of(event));
   }
   Event ended = named_as(held->second, event);
