@@ -65,6 +65,7 @@ std::unique_ptr<Command> make_implicit();
 std::unique_ptr<Command> make_doctor();
 std::unique_ptr<Command> make_record();
 std::unique_ptr<Command> make_replay();
+std::unique_ptr<Command> make_events();
 std::unique_ptr<Command> make_help();
 std::unique_ptr<Command> make_version();
 

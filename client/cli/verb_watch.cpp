@@ -6,88 +6,16 @@
 
 #include "client/cli/clock_text.hpp"
 #include "client/cli/command.hpp"
+#include "client/cli/event_output.hpp"
 #include "client/cli/number.hpp"
 #include "client/cli/pace.hpp"
 #include "client/cli/suggest.hpp"
+#include "client/cli/time_text.hpp"
 
 namespace collided::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-std::string_view name_of(What what) {
-  switch (what) {
-    case What::open: return "open";
-    case What::began: return "began";
-    case What::persisted: return "persisted";
-    case What::ended: break;
-  }
-  return "ended";
-}
-
-std::string_view name_of(Why why) {
-  switch (why) {
-    case Why::none: return "";
-    case Why::separated: return "separated";
-    case Why::removed: return "removed";
-    case Why::publisher_lost: return "publisher_lost";
-    case Why::teleported: return "teleported";
-    case Why::geometry_changed: return "geometry_changed";
-    case Why::server_stopping: return "server_stopping";
-    case Why::server_restarted: break;
-  }
-  return "server_restarted";
-}
-
-Value triangle_value(std::uint32_t triangle) {
-  if (triangle == kNoTriangle) return std::monostate{};
-  return std::uint64_t{triangle};
-}
-
-Record event_record(const Event& event) {
-  const bool touches = event.what != What::ended;
-  const bool is_told = event.what == What::began || event.what == What::persisted;
-  const Value none = std::monostate{};
-  const auto at = [&](double seconds_before) { return event.world_time.count() - std::llround(seconds_before * 1e9); };
-  const bool has_bracket = event.what == What::began || event.what == What::ended;
-  return {{"time", seconds_of(event.world_time)},
-          {"time_ns", std::int64_t{event.world_time.count()}},
-          {"first_ns", has_bracket ? Value(std::int64_t{at(event.bracket_low_s)}) : none},
-          {"last_ns", has_bracket ? Value(std::int64_t{at(event.bracket_high_s)}) : none},
-          {"what", name_of(event.what)},
-          {"a", std::string_view(event.a)},
-          {"b", std::string_view(event.b)},
-          {"depth", touches ? Value(event.depth_m) : none},
-          {"error", touches ? Value(event.depth_error_m) : none},
-          {"point", touches ? MaybeVector(event.point) : MaybeVector()},
-          {"normal", touches ? MaybeVector(event.normal) : MaybeVector()},
-          {"a_triangle", triangle_value(event.a_triangle)},
-          {"b_triangle", triangle_value(event.b_triangle)},
-          {"after", touches ? none : Value(seconds_of(event.world_time - event.began))},
-          {"why", event.why == Why::none ? none : Value(name_of(event.why))},
-          {"resync", event.resync ? Value(true) : none},
-          {"sequence", event.sequence},
-          {"episode", event.episode},
-          {"bracket_low", event.bracket_low_s},
-          {"bracket_high", event.bracket_high_s},
-          {"epoch", event.epoch},
-          {"velocity", is_told ? MaybeVector(event.relative_velocity) : MaybeVector()}};
-}
-
-std::string event_line(const Printer& printer, const Event& event) {
-  const std::string pair = fmt::format("{} x {}", printable(event.a), printable(event.b));
-  if (event.what == What::open) return fmt::format("{:<8} {}  since {}", "open", pair, clock_text(event.began));
-  const Paint paint = event.what == What::began ? Paint::bad : Paint::faint;
-  std::string line = fmt::format("{} {}  {}", clock_text(event.world_time), printer.paint(paint, name_of(event.what)), pair);
-  if (event.what == What::ended) line += fmt::format("  after {}  ({})", format_duration(event.world_time - event.began), name_of(event.why));
-  else line += fmt::format("  depth {} at {}", format_length(event.depth_m), format_vector(event.point));
-  line += fmt::format("  seq {}", event.sequence);
-  if (event.resync) line += "  resync";
-  const auto age = std::chrono::system_clock::now().time_since_epoch() - event.world_time;
-  const bool one_clock = age >= std::chrono::seconds(0) && age < std::chrono::hours(1);
-  if (one_clock && event.what == What::began) line += "  age " + format_duration(age);
-  return line;
-}
 
 /// A text with {names} of fields in it; {t} is the clock's time.
 class Template {
@@ -159,6 +87,7 @@ class WatchCommand : public Command {
     app.add_option("--skip", options_.skip, "No pair of which a name matches this glob");
     app.add_flag("--persisted", options_.persisted, "Contacts that go on, too");
     app.add_flag("--manifold", manifold_, "Where the two bear on each other, asked for as each contact begins");
+    app.add_option("--since", since_, "First what the server remembers since 2026-11-22T12:03:10Z, seconds since 1970, or -10s");
     app.add_option("-n", most_events_, "End after so many events");
     app.add_option("--for", most_time_, "End after this time");
     app.add_option("--format", format_, "One line an event: '{t} {what} {a} {b} {depth}'");
@@ -170,7 +99,9 @@ class WatchCommand : public Command {
     const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
     if (!format_.empty()) line_.emplace(format_);
     if (!command_.empty()) shell_.emplace(command_);
+    if (!since_.empty()) options_.since = since_1970(parse_time(since_));
     Watch watch = take(session.client(globals).watch(options_));
+    if (options_.since && watch.tells_since() > *options_.since) print_hint(session.io, globals, fmt::format("the server remembers what happened from {} on", clock_text(watch.tells_since())));
     Printer printer = make_printer(session.io, globals);
     const Until until(most, most_time);
     const Clock::time_point start = Clock::now();
@@ -193,8 +124,15 @@ class WatchCommand : public Command {
  private:
   void print(Printer& printer, const Event& event, Io& io) const {
     if (line_) printer.line(line_->fill(event, [&](std::string_view, const Value& value) { return io.out_is_terminal ? printable(value_text(value)) : value_text(value); }));
-    else if (printer.human()) printer.line(event_line(printer, event));
+    else if (printer.human()) printer.line(event_line(printer, event, event.world_time) + age_of(event));
     else printer.record(event_record(event));
+  }
+
+  /// How long ago it began, where the world's clock is this machine's.
+  static std::string age_of(const Event& event) {
+    const auto age = std::chrono::system_clock::now().time_since_epoch() - event.world_time;
+    const bool one_clock = age >= std::chrono::seconds(0) && age < std::chrono::hours(1);
+    return one_clock && event.what == What::began ? "  age " + format_duration(age) : std::string();
   }
 
   /// As the two stand when they are asked about: they may have gone on, or parted.
@@ -216,6 +154,12 @@ class WatchCommand : public Command {
     }
   }
 
+  static std::chrono::nanoseconds since_1970(const RunTime& time) {
+    if (time.since == RunTime::Since::begin) throw bad_use("--since: a time after the begin is for recordings", "-10s is ten seconds ago");
+    if (time.since == RunTime::Since::year_1970) return time.offset;
+    return std::chrono::system_clock::now().time_since_epoch() + time.offset;
+  }
+
   void tell_of_silence(Session& session, const Globals& globals, const Watch& watch) {
     const bool connected = watch.connected();
     if (connected == was_connected_) return;
@@ -224,6 +168,7 @@ class WatchCommand : public Command {
   }
 
   WatchOptions options_;
+  std::string since_;
   std::string most_events_;
   std::string most_time_;
   std::string format_;

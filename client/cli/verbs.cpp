@@ -44,7 +44,7 @@ const std::vector<Verb>& verbs() {
        "sweep sphere 0.1 --from 0 0 1 --to 2 0 1\nsweep box 1 0.1 0.1 --from 0 0 0 --to 0 0 0 --to-rpy 0 0 90deg --json", make_sweep},
       {"pair", "Ask", "how two objects stand to each other", "pair A B",
        "pair crate warehouse/floor\npair gear_a gear_b --triangles --csv\npair crate shelf --certificate", make_pair_verb},
-      {"watch", "Follow", "collisions as they begin and end", "watch", "watch --only 'drone_*' -n 1 --for 10s\nwatch --format '{t} {what} {a} {b} {depth}'\nwatch --exec 'notify-send \"{a} hit {b}\"'",
+      {"watch", "Follow", "collisions as they begin and end", "watch", "watch --only 'drone_*' -n 1 --for 10s\nwatch --format '{t} {what} {a} {b} {depth}'\nwatch --since -10s\nwatch --exec 'notify-send \"{a} hit {b}\"'",
        make_watch},
       {"probe", "Follow", "rays fixed to an object, a wheel each: signed clearance",
        "probe\nprobe NAME --on OBJECT  X Y Z  DX DY DZ\nprobe --rm GLOB",
@@ -83,6 +83,8 @@ const std::vector<Verb>& verbs() {
        "record run.mcap --for 60s\nrecord crash.mcap --last 30s", make_record},
       {"replay", "Files", "a recording again: poses in time, or every question with its answer compared", "replay FILE.mcap",
        "replay run.mcap --rate 0.5 --loop\nreplay run.mcap --ask", make_replay},
+      {"events", "Files", "what touched what in a recording, and when; needs no server", "events FILE.mcap",
+       "events run.mcap --only 'drone_*' --from 2026-11-22T12:03:10Z --to 2026-11-22T12:03:12.5Z\nevents crash.mcap --from -2s --json", make_events},
       {"help", "More", "what a verb does", "help [VERB]", "", make_help},
       {"version", "More", "versions", "version", "version --server", make_version},
   };

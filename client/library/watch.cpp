@@ -1,10 +1,11 @@
 #include "client/library/watch.hpp"
 
-#include <fnmatch.h>
-
 #include <algorithm>
 
 #include "client/library/errors.hpp"
+#include "client/library/fetching.hpp"
+#include "client/library/pair_filter.hpp"
+#include "client/library/recorded_events.hpp"
 #include "client/library/watch_decoding.hpp"
 
 namespace collided {
@@ -16,9 +17,10 @@ namespace {
 // What may wait for the watch's thread; beyond it messages are dropped, which the sequence shows as a gap.
 constexpr std::size_t kMostMessages = 8'192;
 
-bool matches(const std::string& pattern, const std::string& name) {
-  return fnmatch(pattern.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
-}
+/// Of a fetched recording, beside the time that it was asked to go back: the server's clock may be behind.
+constexpr std::chrono::seconds kClockMargin{1};
+/// No server keeps more.
+constexpr std::chrono::nanoseconds kLongestRecording = std::chrono::hours(24);
 
 }  // namespace
 
@@ -33,6 +35,7 @@ std::uint64_t Watch::resyncs() const { return state_->resyncs(); }
 bool Watch::connected() const { return state_->connected(); }
 bool Watch::in_step() const { return state_->in_step(); }
 std::size_t Watch::open_contacts() const { return state_->open_contacts(); }
+std::chrono::nanoseconds Watch::tells_since() const { return state_->tells_since(); }
 
 Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback)
     : connection_(std::move(connection)),
@@ -66,6 +69,12 @@ Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client
     // Bookmarks count only from here on: before the event reader was met, events after a bookmark could be missed.
     state->status_observer_ = state->connection_->pulse().observe(
         [watch = state.get()](const wire::Status& status) { watch->queue(client::decode(status)); });
+    // The topics are heard already: what comes meanwhile waits, and what is in both counts once by its sequence.
+    if (options.since) {
+      if (auto error = state->hear_recorded(*options.since)) {
+        return *error;
+      }
+    }
     state->thread_ = std::thread([watch = state.get()] { watch->work(); });
     return state;
   } catch (const dds::DdsError& failed) {
@@ -87,11 +96,34 @@ std::optional<Error> Watch::State::wait_for_server() const {
   return std::nullopt;
 }
 
+std::optional<Error> Watch::State::hear_recorded(std::chrono::nanoseconds since) {
+  const std::chrono::nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
+  const auto last = now - std::clamp<std::chrono::nanoseconds>(since, now - kLongestRecording + kClockMargin, now) + kClockMargin;
+  Result<std::vector<std::byte>> bytes = client::fetch_recorded(*connection_, last);
+  if (!bytes) {
+    return bytes.error();
+  }
+  try {
+    const client::RecordedItems recorded = client::read_items(std::move(*bytes), "the server's flight recorder", "Nothing is told");
+    is_hearing_recorded_ = true;
+    client::hear_recording(recorded, connection_->names(), watch_);
+    is_hearing_recorded_ = false;
+    tells_since_ = std::max(since, client::span_of(recorded).begin);
+  } catch (const std::runtime_error& failed) {
+    return Error{ErrorCode::internal, failed.what(), ""};
+  }
+  recorded_ = client::in_window(std::move(recorded_), since, std::chrono::nanoseconds::max());
+  options_.capacity += recorded_.size();  // nobody could have polled them yet
+  return std::nullopt;
+}
+
 Watch::State::~State() {
+  if (status_observer_) {
+    connection_->pulse().stop_observing(*status_observer_);
+  }
   if (!thread_.joinable()) {
     return;
   }
-  connection_->pulse().stop_observing(status_observer_);
   persisted_reader_.reset();
   event_reader_.reset();
   contact_reader_.reset();
@@ -126,6 +158,9 @@ void Watch::State::queue(Message message) {
 }
 
 void Watch::State::work() {
+  for (const Event& event : std::exchange(recorded_, {})) {
+    emit(event);
+  }
   while (true) {
     std::unique_lock lock(messages_mutex_);
     message_came_.wait(lock, [this] { return ending_ || !messages_.empty(); });
@@ -163,14 +198,12 @@ void Watch::State::hear(Message& message) {
   }
 }
 
-bool Watch::State::wanted(const Event& event) const {
-  const bool asked = options_.only.empty() || matches(options_.only, event.a) || matches(options_.only, event.b);
-  const bool skipped = !options_.skip.empty() && (matches(options_.skip, event.a) || matches(options_.skip, event.b));
-  return asked && !skipped;
-}
-
 void Watch::State::emit(const Event& event) {
-  if (!wanted(event)) {
+  if (!client::is_wanted(event, options_.only, options_.skip)) {
+    return;
+  }
+  if (is_hearing_recorded_) {
+    recorded_.push_back(event);
     return;
   }
   if (event.what == What::ended) {

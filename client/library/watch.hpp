@@ -28,6 +28,7 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   std::size_t open_contacts() const { return open_contacts_; }
   bool connected() const { return !connection_->pulse().silent(); }
   bool in_step() const { return in_step_; }
+  std::chrono::nanoseconds tells_since() const { return tells_since_; }
 
  private:
   using FramePool = client::SamplePool<wire::EventFrame>;
@@ -39,18 +40,21 @@ struct [[gnu::visibility("hidden")]] Watch::State {
 
   State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback);
   std::optional<Error> wait_for_server() const;
+  std::optional<Error> hear_recorded(std::chrono::nanoseconds since);
   template <class As, class T>
   void take(const dds::Taker<T>& taker, client::SamplePool<T>& pool);
   void queue(Message message);
   void work();
   void hear(Message& message);
-  bool wanted(const Event& event) const;
   void emit(const Event& event);
 
   std::shared_ptr<client::Connection> connection_;
   WatchOptions options_;
   Callback callback_;
   client::WatchState watch_;
+  std::vector<Event> recorded_;  // since WatchOptions::since, for the thread to tell first
+  std::chrono::nanoseconds tells_since_{0};
+  bool is_hearing_recorded_ = false;
   std::atomic<std::uint64_t> resyncs_{0};
   std::atomic<bool> in_step_{false};
   std::atomic<std::uint64_t> lost_{0};
@@ -73,7 +77,7 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   std::optional<dds::Reader<wire::EventFrame>> event_reader_;
   std::optional<dds::Reader<wire::EventFrame>> persisted_reader_;
   std::optional<dds::Reader<wire::ContactShard>> contact_reader_;
-  int status_observer_ = 0;
+  std::optional<int> status_observer_;
   std::thread thread_;
 };
 

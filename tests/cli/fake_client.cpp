@@ -188,7 +188,8 @@ Result<ServerStatus> Client::status() {
   return fake::server().status;
 }
 
-Result<Watch> Client::watch(const WatchOptions&) {
+Result<Watch> Client::watch(const WatchOptions& options) {
+  fake::server().watched_with = options;
   return Watch(std::make_unique<Watch::State>());
 }
 Watch::Watch(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -218,6 +219,9 @@ bool Watch::connected() const {
 }
 std::size_t Watch::open_contacts() const {
   return 0;
+}
+std::chrono::nanoseconds Watch::tells_since() const {
+  return fake::server().tells_since;
 }
 
 Result<Publisher> Client::publish(const std::string& publisher_name) {

@@ -60,6 +60,8 @@ struct Server {
   std::uint64_t epoch = 1;
   ServerStatus status;
   std::deque<Event> events;
+  WatchOptions watched_with;
+  std::chrono::nanoseconds tells_since{0};
   std::vector<Published> publishers;
   std::vector<std::size_t> request_sizes;
   AskOptions last_options;

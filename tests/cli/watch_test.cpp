@@ -88,6 +88,28 @@ TEST_F(WatchVerb, AFormatNamesItsFields) {
   EXPECT_EQ(ran.err.substr(0, ran.err.find('\n')), "error: watch: no field '{deth}'; did you mean 'depth'?");
 }
 
+TEST_F(WatchVerb, SinceAsksForWhatTheServerRemembers) {
+  EXPECT_EQ(collide("watch -n 1").code, 0);
+  EXPECT_EQ(fake::server().watched_with.since, std::nullopt);
+  EXPECT_EQ(at_terminal("watch -n 1 --since 1970-01-01T00:00:12.25Z").code, 0);
+  EXPECT_EQ(fake::server().watched_with.since, std::chrono::milliseconds(12'250));
+  const std::chrono::nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
+  EXPECT_EQ(collide("watch -n 1 --since -10s").code, 0);
+  const std::chrono::nanoseconds late = *fake::server().watched_with.since - (now - std::chrono::seconds(10));
+  EXPECT_GE(late.count(), 0);
+  EXPECT_LT(late, std::chrono::seconds(5));
+  const Ran ahead = collide("watch --since +2s");
+  EXPECT_EQ(ahead.code, 2);
+  EXPECT_EQ(ahead.err, "error: watch: --since: a time after the begin is for recordings\n       -10s is ten seconds ago\n");
+}
+
+TEST_F(WatchVerb, AMemoryThatIsTooShortSaysFromWhenOn) {
+  fake::server().tells_since = std::chrono::milliseconds(12'500);
+  EXPECT_EQ(at_terminal("watch -n 1 --since 12.25").err.find("the server remembers what happened from 12.500 on\n1 event in "), 0U);
+  fake::server().tells_since = std::chrono::milliseconds(12'250);
+  EXPECT_EQ(at_terminal("watch -n 1 --since 12.25").err.substr(0, 11), "1 event in ");
+}
+
 TEST_F(WatchVerb, NothingInTimeIsANo) {
   fake::server().events.clear();
   EXPECT_EQ(collide("watch --for 20ms").code, 1);

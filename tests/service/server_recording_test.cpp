@@ -240,6 +240,83 @@ TEST_F(ServerRecording, PosesComeAgainInTime) {
   EXPECT_EQ(next(contacts).what, What::ended);
 }
 
+/// What an event says and when, for comparisons of what two heard.
+std::string words_of(const Event& event) {
+  return std::to_string(event.sequence) + (event.what == What::began ? " began " : " ended ") + event.a + " " + event.b + " " + std::to_string(event.world_time.count());
+}
+
+// One ball lies there before the time asked for, one falls and rises before the watch begins, one while it does and after: who
+// has watched from the start heard the same, each once.
+TEST_F(ServerRecording, AWatchSinceATimeTellsWhatWasAndWhatComesEachOnce) {
+  start();
+  Client client = connect();
+  Watch reference = watch(client);
+  Publisher publisher = publish(client, "moving");
+  const Publisher::Object lying = add_ball(publisher, "lying", at(1, 1, 2));
+  const Publisher::Object before = add_ball(publisher, "before", at(2, 4, 2));
+  const Publisher::Object during = add_ball(publisher, "during", at(6, 4, 2));
+  move(publisher, lying, at(1, 1, 0.05));
+  const Event down = next(reference);
+  const std::chrono::nanoseconds since = std::chrono::system_clock::now().time_since_epoch();
+  for (const double z : {2.0, 0.05, 2.0}) move(publisher, before, at(2, 4, z));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  std::atomic<bool> done{false};
+  std::thread bouncing([&] {
+    for (double z = 0.05; !done; z = 2.05 - z) {
+      move(publisher, during, at(6, 4, z));
+      std::this_thread::sleep_for(2ms);
+    }
+  });
+  Result<Watch> joined = client.watch({.since = since});
+  const bool is_joined = joined && test::eventually([&] { return joined->in_step(); });
+  const std::uint64_t joined_at = client.status()->last_event_sequence;
+  EXPECT_TRUE(test::eventually([&] { return client.status()->last_event_sequence > joined_at + 20; }));
+  done = true;
+  bouncing.join();
+  ASSERT_TRUE(is_joined) << (joined ? "" : joined.error().message);
+  EXPECT_EQ(joined->tells_since(), since);
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  move(publisher, lying, at(1, 1, 2));
+
+  std::vector<std::string> heard, told;
+  for (Event event = down; event.sequence == 1 || event.a != down.a || event.b != down.b; heard.push_back(words_of(event))) event = next(reference);
+  const Event open = next(*joined);
+  EXPECT_EQ(open.what, What::open);
+  EXPECT_EQ(open.episode, down.episode);
+  for (Event event = open; event.what != What::ended || event.episode != down.episode; told.push_back(words_of(event))) {
+    event = next(*joined);
+    EXPECT_FALSE(event.resync);
+  }
+  EXPECT_GT(heard.size(), 22U);
+  EXPECT_EQ(told, heard);
+  EXPECT_EQ(joined->resyncs(), 0U);
+}
+
+// What held is known however long ago it began; what happened only as far as the recorder goes back.
+TEST_F(ServerRecording, AWatchSinceATimeBeforeTheRecorderSaysFromWhenOn) {
+  start({"--flight-recorder", "1s"});
+  Client client = connect();
+  Watch reference = watch(client);
+  Publisher publisher = publish(client, "moving");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(4, 4, 2));
+  move(publisher, ball, at(4, 4, 0.05));
+  const Event down = next(reference);
+  const std::chrono::nanoseconds since = down.world_time - 1h;
+  ASSERT_TRUE(test::eventually([&] {
+    EXPECT_TRUE(publisher.keep_alive());
+    Result<Watch> early = client.watch({.since = since});
+    return early && early->tells_since() > down.world_time;
+  }, 20s));
+  Result<Watch> joined = client.watch({.since = since});
+  ASSERT_TRUE(joined) << joined.error().message;
+  const Event open = next(*joined);
+  EXPECT_EQ(open.what, What::open);
+  EXPECT_EQ(open.episode, down.episode);
+  EXPECT_EQ(open.began, happened(down));
+  EXPECT_GT(joined->tells_since(), down.world_time);
+  EXPECT_LT(joined->tells_since(), std::chrono::system_clock::now().time_since_epoch());
+}
+
 TEST_F(ServerRecording, AKilledRecordingIsReadUpToItsLastChunk) {
   start();
   const std::string file = path("killed.mcap");
@@ -317,6 +394,10 @@ TEST_F(ServerRecording, WithoutAFlightRecorderTheServerSaysSo) {
   ASSERT_FALSE(bytes);
   EXPECT_EQ(bytes.error().code, ErrorCode::refused);
   EXPECT_NE(bytes.error().message.find("keeps no flight recorder"), std::string::npos);
+  Client client = connect();
+  const Result<Watch> since = client.watch({.since = 1s});
+  ASSERT_FALSE(since);
+  EXPECT_EQ(since.error().code, ErrorCode::refused);
 }
 
 TEST_F(ServerRecording, OtherFilesAreRefused) {

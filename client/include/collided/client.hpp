@@ -2,6 +2,7 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <future>
@@ -303,11 +304,20 @@ struct Event {
   Vec3 relative_velocity = Vec3::Zero();
 };
 
+/// World time by which the change of an event had happened: the end of its bracket. Others may be told before it that
+/// happened later, for each pair waits until both of its publishers are known.
+inline std::chrono::nanoseconds happened(const Event& event) {
+  return event.world_time - std::chrono::nanoseconds(std::llround(event.bracket_high_s * 1e9));
+}
+
 struct WatchOptions {
   std::string only = {};       // either name must match; empty: everything
   std::string skip = {};       // neither name may match
   bool persisted = false;
   std::size_t capacity = 65'536;  // of the poll queue; beyond it the oldest are dropped and counted
+  /// Since 1970. What held then comes first as `open`, then what has happened since by the server's flight recorder, then what
+  /// comes. Refused where the server keeps none.
+  std::optional<std::chrono::nanoseconds> since = {};
 };
 
 /// Events of every pair, each once and in order; on a gap or a new server only the differences come, marked `resync`.
@@ -329,6 +339,9 @@ class Watch {
   bool in_step() const;
   /// Contacts that hold now by this watch's own account.
   std::size_t open_contacts() const;
+  /// With WatchOptions::since: from when on this watch tells events, later than asked for where the flight recorder does not
+  /// reach back that far. Else 0.
+  std::chrono::nanoseconds tells_since() const;
 
  private:
   friend class Client;

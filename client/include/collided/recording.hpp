@@ -4,13 +4,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <collided/client.hpp>
 
 /// Recordings of everything that goes over a namespace, as MCAP files (https://mcap.dev) with CDR messages and the IDL as
-/// their schema: written, fetched from the server, published and asked again.
+/// their schema: written, fetched from the server, read, published and asked again.
 #pragma GCC visibility push(default)
 
 namespace collided {
@@ -65,6 +66,34 @@ Result<Recording> record(const ConnectOptions& options, const std::string& path)
 /// last     0: only what its publishers and commands have brought into the world up to now
 /// returns  the bytes of the file
 Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono::nanoseconds last, const std::string& path);
+
+// ---- events of a recording -----------------------------------------------------------------------------------------
+
+/// A world time, or one in a recording: its begin and end are the times of its first and last sample by the recorder's clock.
+struct RunTime {
+  enum class Since { year_1970, begin, end };
+  Since since = Since::year_1970;
+  std::chrono::nanoseconds offset{0};  // before the end: below 0
+};
+
+/// only, skip  as in WatchOptions
+/// from, to    both included; without: the whole recording
+struct RecordedEventsOptions {
+  std::string only = {};
+  std::string skip = {};
+  std::optional<RunTime> from = {};
+  std::optional<RunTime> to = {};
+};
+
+struct RecordedEvents {
+  std::vector<Event> events;
+  std::chrono::nanoseconds begin{0}, end{0};  // of the recording
+  std::uint64_t lost = 0;                     // known to have been told; not in the file
+  std::vector<std::string> warnings;          // damage of the file, events that are lost, contacts of unknown age
+};
+
+/// The events in a recording, without a server: what held before `from` as `open`, then each by when it had happened().
+Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEventsOptions& options = {});
 
 // ---- replay --------------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,276 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "client/cli/failure.hpp"
+#include "client/cli/time_text.hpp"
+#include "tests/cli/event_recording.hpp"
+#include "tests/cli/fake_client.hpp"
+#include "tests/cli/scratch_file.hpp"
+#include "tests/cli/terminal.hpp"
+
+namespace collided {
+namespace {
+
+using test::EventRecording;
+using Kind = EventRecording::Kind;
+using Reason = EventRecording::Reason;
+
+constexpr std::uint64_t kCrate = 1, kShelf = 2, kDrone = 3, kCart = kDrone + (std::uint64_t{1} << 32);  // in the drone's place
+
+class EventsVerb : public testing::Test {
+ protected:
+  void SetUp() override { fake::reset(); }
+
+  static void name_all(EventRecording& run) {
+    run.name(kCrate, "crate");
+    run.name(kShelf, "shelf");
+    run.name(kDrone, "drone");
+    run.name(kCart, "cart");
+  }
+  /// The crate lies on the shelf; a drone bumps into both, the crate first, leaves the shelf and is removed; a cart takes its
+  /// place in the server's table and stays at the shelf; the crate is lifted.
+  void write_run(const std::function<bool(std::uint64_t)>& kept = [](std::uint64_t) { return true; }) const {
+    EventRecording run(path(), 1);
+    name_all(run);
+    run.shard(99, 10, {{kCrate, kShelf, 3, 90}});
+    run.status(100, 10, {{kCrate, kShelf, 3, 90}});
+    run.status(100.05, 10, {{kCrate, kShelf, 3, 90}});
+    if (kept(11)) run.frame(101, 11, {{Kind::began, kShelf, kDrone, 11, 0.003, 0.002}, {Kind::began, kCrate, kDrone, 12, 0.006, 0.005}});
+    if (kept(13)) run.frame(102, 13, {{Kind::ended, kShelf, kDrone, 11, 0.002, 0.001, Reason::separated}});
+    if (kept(14)) run.frame(103, 14, {{Kind::ended, kCrate, kDrone, 12, 0, 0, Reason::removed}});
+    if (kept(15)) run.frame(104, 15, {{Kind::began, kShelf, kCart, 15}});
+    if (kept(16)) run.frame(105, 16, {{Kind::ended, kCrate, kShelf, 3, 0, 0, Reason::separated}});
+    run.status(106, 16, {{kShelf, kCart, 15, 104}});
+  }
+  std::string path() const { return scratch_.path(); }
+  /// What, who and which, in a line each.
+  std::string told(const std::string& options) const {
+    const Ran ran = collide("events " + path() + " " + options + " --json --fields what,a,b,sequence");
+    std::string lines;
+    std::istringstream all(ran.out);
+    for (std::string line; std::getline(all, line);) {
+      const nlohmann::json event = nlohmann::json::parse(line);
+      lines += event["what"].get<std::string>() + " " + event["a"].get<std::string>() + " " + event["b"].get<std::string>() + " " + std::to_string(event["sequence"].get<std::uint64_t>()) + "\n";
+    }
+    return lines;
+  }
+
+  const ScratchFile scratch_{"run.mcap", ""};
+};
+
+// Two that were told in one frame come in the order in which they happened.
+TEST_F(EventsVerb, ALineAnEventInOrderOfTime) {
+  write_run();
+  const Ran ran = at_terminal("events " + path());
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out,
+            "open     crate x shelf  since 90.000\n"
+            "100.995 began  crate x drone  depth 4 mm at 1 2 0.5  seq 12\n"
+            "100.998 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 11\n"
+            "101.999 ended  shelf x drone  after 1 s  (separated)  seq 13\n"
+            "103.000 ended  crate x drone  after 2 s  (removed)  seq 14\n"
+            "104.000 began  shelf x cart  depth 4 mm at 1 2 0.5  seq 15\n"
+            "105.000 ended  crate x shelf  after 15 s  (separated)  seq 16\n");
+  EXPECT_EQ(ran.err, "7 events in " + path() + ", recorded from 100.000 to 106.000; 0 lost\n");
+  EXPECT_EQ(fake::server().connect_count, 0) << "no server is asked";
+}
+
+TEST_F(EventsVerb, MachinesGetTheFieldsOfWatch) {
+  write_run();
+  EXPECT_EQ(collide("events " + path() + " --json --to 100.996").out,
+            "{\"time\":90,\"time_ns\":90000000000,\"what\":\"open\",\"a\":\"crate\",\"b\":\"shelf\",\"depth\":0.004,\"error\":1e-15,"
+            "\"point\":[1,2,0.5],\"normal\":[0,0,1],\"resync\":true,\"sequence\":10,\"episode\":3,\"bracket_low\":0,\"bracket_high\":0,\"epoch\":1}\n"
+            "{\"time\":101,\"time_ns\":101000000000,\"first_ns\":100994000000,\"last_ns\":100995000000,\"what\":\"began\",\"a\":\"crate\","
+            "\"b\":\"drone\",\"depth\":0.004,\"error\":1e-15,\"point\":[1,2,0.5],\"normal\":[0,0,1],\"sequence\":12,\"episode\":12,"
+            "\"bracket_low\":0.006,\"bracket_high\":0.005,\"epoch\":1,\"velocity\":[-1,0,0]}\n");
+}
+
+TEST_F(EventsVerb, WhatHeldAtTheBeginOfTheWindowIsOpen) {
+  write_run();
+  EXPECT_EQ(told("--from 101.5 --to 103.5"), "open crate shelf 12\nopen crate drone 12\nopen shelf drone 12\nended shelf drone 13\nended crate drone 14\n");
+  EXPECT_EQ(told("--from 102.5 --to 102.6"), "open crate shelf 13\nopen crate drone 13\n") << "what ended before does not hold";
+  EXPECT_EQ(told("--from 103.5 --to 104"), "open crate shelf 14\nbegan shelf cart 15\n");
+}
+
+TEST_F(EventsVerb, BothEndsOfTheWindowBelongToIt) {
+  write_run();
+  const std::string both = "open crate shelf 14\nbegan shelf cart 15\nended crate shelf 16\n";
+  EXPECT_EQ(told("--from 104 --to 105"), both);
+  EXPECT_EQ(told("--from +4s --to -1s"), both);
+  EXPECT_EQ(told("--from 1970-01-01T00:01:44Z --to 1970-01-01T00:01:45Z"), both);
+  EXPECT_EQ(told("--from 104.000000001 --to 104.999999999"), "open crate shelf 15\nopen shelf cart 15\n");
+  EXPECT_EQ(told("--from 105 --to 105"), "open crate shelf 15\nopen shelf cart 15\nended crate shelf 16\n") << "it held until then";
+  // By when it happened, not by when it was told.
+  EXPECT_EQ(told("--from 100.998 --to 100.998"), "open crate shelf 12\nopen crate drone 12\nbegan shelf drone 11\n");
+}
+
+TEST_F(EventsVerb, NamesChoosePairs) {
+  write_run();
+  EXPECT_EQ(told("--only 'd*'"), "began crate drone 12\nbegan shelf drone 11\nended shelf drone 13\nended crate drone 14\n");
+  EXPECT_EQ(told("--skip 'd*'"), "open crate shelf 10\nbegan shelf cart 15\nended crate shelf 16\n");
+  EXPECT_EQ(told("--only 'c*' --skip shelf"), "began crate drone 12\nended crate drone 14\n");
+}
+
+TEST_F(EventsVerb, NothingInTheWindowIsANo) {
+  write_run();
+  const Ran ran = at_terminal("events " + path() + " --from 103.2 --to 103.4 --only drone");
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_EQ(ran.out, "");
+  EXPECT_EQ(ran.err, "0 events in " + path() + ", recorded from 100.000 to 106.000; 0 lost\n");
+}
+
+TEST_F(EventsVerb, ACutFileIsReadUpToThereAndSaysSo) {
+  std::uintmax_t whole = 0;
+  write_run([&](std::uint64_t first) {
+    if (first == 14) whole = std::filesystem::file_size(path());
+    return true;
+  });
+  std::filesystem::resize_file(path(), whole + 20);
+  const Ran ran = at_terminal("events " + path());
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out,
+            "open     crate x shelf  since 90.000\n"
+            "100.995 began  crate x drone  depth 4 mm at 1 2 0.5  seq 12\n"
+            "100.998 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 11\n"
+            "101.999 ended  shelf x drone  after 1 s  (separated)  seq 13\n");
+  EXPECT_EQ(ran.err, "warning: " + path() + ": breaks off in the record at byte " + std::to_string(whole) + "; what stands before it was read\n"
+                     "4 events in " + path() + ", recorded from 100.000 to 102.000; 0 lost\n");
+}
+
+// That the drone left the shelf is in no sample, and nothing is made up for it.
+TEST_F(EventsVerb, LostEventsAreCounted) {
+  write_run([](std::uint64_t first) { return first != 13; });
+  const Ran ran = at_terminal("events " + path());
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.err, "warning: " + path() + ": 1 events are not in it; what they changed is marked resync as far as it shows\n"
+                     "6 events in " + path() + ", recorded from 100.000 to 106.000; 1 lost\n");
+  EXPECT_EQ(told("--only drone"), "began crate drone 12\nbegan shelf drone 11\nended crate drone 14\n");
+  write_run([](std::uint64_t first) { return first < 15; });
+  EXPECT_NE(collide("events " + path()).err.find("; 2 lost\n"), std::string::npos) << "the last ones too";
+}
+
+TEST_F(EventsVerb, AnEndWhoseBeginningWasLostBeginsThere) {
+  write_run([](std::uint64_t first) { return first != 11; });
+  const Ran ran = at_terminal("events " + path() + " --only drone");
+  EXPECT_EQ(ran.out,
+            "101.999 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 13  resync\n"
+            "101.999 ended  shelf x drone  after 0 ns  (separated)  seq 13\n"
+            "103.000 began  crate x drone  depth 4 mm at 1 2 0.5  seq 14  resync\n"
+            "103.000 ended  crate x drone  after 0 ns  (removed)  seq 14\n");
+  EXPECT_NE(ran.err.find("; 2 lost\n"), std::string::npos) << ran.err;
+}
+
+TEST_F(EventsVerb, AContactWhoseBeginningIsInNoSampleHoldsFromTheBegin) {
+  {
+    EventRecording run(path());
+    name_all(run);
+    run.status(100, 10, {{kCrate, kShelf, 3, 90}});
+    run.frame(105, 11, {{Kind::ended, kCrate, kShelf, 3, 0, 0, Reason::separated}});
+    run.status(106, 11);
+  }
+  const Ran ran = at_terminal("events " + path());
+  EXPECT_EQ(ran.out, "open     crate x shelf  since 100.000\n105.000 ended  crate x shelf  after 5 s  (separated)  seq 11\n");
+  EXPECT_EQ(ran.err, "warning: " + path() + ": of 1 contacts it tells the end but not since when they held: at least from its begin\n"
+                     "2 events in " + path() + ", recorded from 100.000 to 106.000; 0 lost\n");
+}
+
+TEST_F(EventsVerb, AContactThatNoSampleNamesIsMissedAloud) {
+  {
+    EventRecording run(path());
+    run.status(100, 10, {{kCrate, kShelf, 3, 90}});
+    run.status(101, 10, {{kCrate, kShelf, 3, 90}});
+  }
+  const Ran ran = collide("events " + path());
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_NE(ran.err.find(": it does not tell of every contact that held at its begin\n"), std::string::npos) << ran.err;
+}
+
+// A shard that is too large leaves the names out: the contact's end has them. Who never gets a name is a number.
+TEST_F(EventsVerb, NamesComeFromWhereTheyAre) {
+  {
+    EventRecording run(path(), 2);
+    run.shard(99, 10, {{kCrate, kShelf, 3, 90}});
+    run.shard(99, 10, {{4, 5, 4, 91}});
+    name_all(run);
+    run.status(100, 10, {{kCrate, kShelf, 3, 90}, {4, 5, 4, 91}});
+    run.frame(105, 11, {{Kind::ended, kCrate, kShelf, 3, 0, 0, Reason::separated}});
+    run.status(106, 11, {{4, 5, 4, 91}});
+  }
+  EXPECT_EQ(told(""), "open crate shelf 10\nopen #4 #5 10\nended crate shelf 11\n");
+}
+
+// A later shard knows what held before, and since when.
+TEST_F(EventsVerb, ALaterSampleOfWhatHoldsTellsOfTheBegin) {
+  {
+    EventRecording run(path());
+    name_all(run);
+    run.status(100, 10, {{kCrate, kShelf, 3, 90}});
+    run.frame(101, 11, {{Kind::began, kShelf, kDrone, 11}});
+    run.shard(101, 11, {{kCrate, kShelf, 3, 90}});
+    run.shard(101, 11, {{kShelf, kDrone, 11, 101}});
+    run.status(102, 11, {{kCrate, kShelf, 3, 90}, {kShelf, kDrone, 11, 101}});
+  }
+  const Ran ran = at_terminal("events " + path());
+  EXPECT_EQ(ran.out, "open     crate x shelf  since 90.000\n101.000 began  shelf x drone  depth 4 mm at 1 2 0.5  seq 11\n");
+  EXPECT_EQ(ran.err, "2 events in " + path() + ", recorded from 100.000 to 102.000; 0 lost\n");
+}
+
+TEST_F(EventsVerb, AServerThatStartsAgainEndsWhatIsGone) {
+  {
+    EventRecording run(path());
+    name_all(run);
+    run.status(100, 0);
+    run.frame(101, 1, {{Kind::began, kCrate, kShelf, 1}});
+    run.begin_life(2);
+    run.empty_shards(109);
+    run.status(110, 0);
+    run.frame(111, 1, {{Kind::began, kShelf, kCart, 1}});
+    run.status(112, 1, {{kShelf, kCart, 1, 111}});
+  }
+  const Ran ran = at_terminal("events " + path());
+  EXPECT_EQ(ran.out,
+            "101.000 began  crate x shelf  depth 4 mm at 1 2 0.5  seq 1\n"
+            "110.000 ended  crate x shelf  after 9 s  (server_restarted)  seq 0  resync\n"
+            "111.000 began  shelf x cart  depth 4 mm at 1 2 0.5  seq 1\n");
+}
+
+TEST_F(EventsVerb, WhatMakesNoSenseIsRefused) {
+  write_run();
+  EXPECT_EQ(collide("events").code, 2);
+  const Ran turned = collide("events " + path() + " --from 104 --to 103");
+  EXPECT_EQ(turned.code, 2);
+  EXPECT_EQ(turned.err, "error: events: the end of what is asked for lies before its begin\n       nothing was read\n");
+  const Ran when = collide("events " + path() + " --from noon");
+  EXPECT_EQ(when.code, 2);
+  EXPECT_EQ(when.err, "error: events: 'noon' is no time\n       2026-11-22T12:03:10.5Z, seconds since 1970, +2s after the begin or -2s before the end\n");
+  const ScratchFile other("poses.csv", "t,name,x\n");
+  const Ran csv = collide("events " + other.path());
+  EXPECT_EQ(csv.code, 2);
+  EXPECT_EQ(csv.err, "error: events: " + other.path() + ": is no MCAP file. Nothing was read\n");
+}
+
+TEST(TimeText, IsReadToTheNanosecond) {
+  const auto ns = [](const char* text) {
+    const RunTime time = cli::parse_time(text);
+    EXPECT_EQ(time.since, RunTime::Since::year_1970) << text;
+    return time.offset.count();
+  };
+  EXPECT_EQ(ns("2026-11-22T12:03:10.5Z"), 1'795'348'990'500'000'000);
+  EXPECT_EQ(ns("2026-11-22T13:03:10.5+01:00"), 1'795'348'990'500'000'000);
+  EXPECT_EQ(ns("2026-11-22T06:33:10.5-05:30"), 1'795'348'990'500'000'000);
+  EXPECT_EQ(ns("1795348990.500000001"), 1'795'348'990'500'000'001);
+  EXPECT_EQ(ns("2028-02-29T00:00:00Z"), 1'835'395'200'000'000'000);
+  EXPECT_EQ(ns("0"), 0);
+  EXPECT_EQ(cli::parse_time("+1.5s").since, RunTime::Since::begin);
+  EXPECT_EQ(cli::parse_time("+1.5s").offset, std::chrono::milliseconds(1500));
+  EXPECT_EQ(cli::parse_time("-2min").since, RunTime::Since::end);
+  EXPECT_EQ(cli::parse_time("-2min").offset, -std::chrono::minutes(2));
+  for (const char* bad : {"", ".5", "5.", "1e9", "2026-11-22", "2026-11-22T12:03:10", "2026-02-29T00:00:00Z", "2026-13-01T00:00:00Z", "2026-11-22T24:00:00Z",
+                          "2026-11-22T12:03:10.Z", "2026-11-22T12:03:10.1234567890Z", "2026-11-22T12:03:10Zz", "99999999999", "1969-12-31T23:59:59Z", "+", "-", "+-2s", "-nan"}) {
+    EXPECT_THROW(cli::parse_time(bad), cli::Failure) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace collided
