@@ -291,6 +291,7 @@ TEST(WorldCommonTime, AnInstantThatComesAgainIsTheNextNanosecond) {
   const std::size_t mover = stage.ball(1, {0, 0, 0});
   stage.ball(2, {20, 0, 0});
   stage.advance(1, 10);
+  stage.advance(2, 10);
   stage.advance(2, 30);
   EXPECT_TRUE(stage.step().empty());
   stage.move(mover, 10, {40, 0, 0});
