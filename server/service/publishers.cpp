@@ -316,8 +316,9 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
   for (const PoseSample& part : publisher.parts) {
     if (!find_all(publisher, part)) return Applied::step_first;
   }
-  // Who only says that it lives says nothing of a time.
-  const bool is_sign_of_life = last.source_time_ns == 0 && last.object_numbers.empty() && publisher.parts.empty();
+  // Who only says that it lives says nothing of a time; but who never says one says in this way that all has rested until now.
+  const bool is_sign_of_life = last.source_time_ns == 0 && last.object_numbers.empty() && publisher.parts.empty() &&
+                               !publisher.clock.is_without_stamps();
   WorldStamp stamp;
   if (!is_sign_of_life) stamp = publisher.clock.stamp(last.source_time_ns, last.received_ns);
   for (const PoseSample& part : publisher.parts) apply_batch(publisher, part, stamp, now_ns);

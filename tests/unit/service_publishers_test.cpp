@@ -671,5 +671,33 @@ TEST_F(PublishersTest, APoseOfAnObjectThatIsGoneMovesNobody) {
   EXPECT_EQ(publishers.counts().poses_unknown, 1U);
 }
 
+// A publisher without stamps that rests says so by empty batches: whoever comes to what it has is told, and does not wait for it
+// to move again.
+TEST_F(PublishersTest, EmptyBatchesOfAPublisherWithoutStampsSayThatItRests) {
+  constexpr std::int64_t kMs = 1'000'000;
+  const auto of = [](auto sample, std::uint64_t publisher) {
+    sample.publisher = publisher;
+    return sample;
+  };
+  const auto at = [](PoseSample sample, std::int64_t time_ns) {
+    sample.source_time_ns = time_ns;
+    return sample;
+  };
+  now_ns = 1'000 * kMs;
+  define(definition(0, 1, "resting", 3));
+  define(of(definition(0, 1, "comer", 6), 8));
+  move(pose(2, {{0, 3.1}}));
+  move(of(at(pose(2, {{0, 6}}), now_ns), 8));
+  step();
+  now_ns += 10 * kMs;
+  move(of(at(pose(3, {{0, 4}}), now_ns), 8));
+  step();
+  EXPECT_TRUE(world.contacts().empty()) << "where the other is by now is not known";
+  now_ns += 10 * kMs;
+  move(pose(3, {}));
+  step();
+  EXPECT_EQ(world.contacts().size(), 1u);
+}
+
 }  // namespace
 }  // namespace collided::service
