@@ -208,7 +208,7 @@ TEST(WorldCommonTime, RelativeVelocityIsThatOfTheContact) {
 /// A world in which each object is named by its number, for stories that the generator does not tell.
 class Stage {
  public:
-  Stage() { step(); }
+  explicit Stage(const WorldOptions& options = {}) : world(options) { step(); }
   std::size_t ball(std::uint64_t publisher, const Vec3& at) {
     ObjectDefinition definition;
     definition.name = "ball" + std::to_string(ids_.size());
@@ -230,12 +230,50 @@ class Stage {
   double ms_of(const Event& event) const {
     return 1e-6 * (static_cast<double>(now_ns_ - kStart) - event.bracket_high_s * 1e9);
   }
-  World world{WorldOptions{}};
+  World world;
 
  private:
   std::vector<ObjectId> ids_;
   std::int64_t now_ns_ = kStart;
 };
+
+// A ball of the first publisher goes through one of the second and one of its own, and is put back.
+TEST(WorldCommonTime, AnErrorOfClocksWidensBracketsBetweenPublishersAndNothingElse) {
+  constexpr std::int64_t kErrorNs = 3 * kMs;
+  const auto told = [](std::int64_t error_ns) {
+    Stage stage(WorldOptions{.clock_error_ns = error_ns});
+    const std::size_t mover = stage.ball(1, {0, 0, 0});
+    stage.ball(2, {20, 0, 0});
+    stage.ball(1, {30, 0, 0});
+    std::vector<Event> events;
+    const auto step = [&](std::int64_t ms) {
+      stage.advance(1, ms);
+      stage.advance(2, ms);
+      for (const Event& event : stage.step()) events.push_back(event);
+    };
+    step(10);
+    stage.move(mover, 20, {20.25, 0, 0});
+    step(20);
+    stage.move(mover, 30, {0, 9, 0}, true);
+    step(30);
+    stage.move(mover, 40, {30.25, 0, 0});
+    step(40);
+    return events;
+  };
+  const std::vector<Event> plain = told(0), widened = told(kErrorNs);
+  ASSERT_EQ(plain.size(), 3u) << "began on the way, was parted by a jump, began with its own";
+  ASSERT_EQ(widened.size(), plain.size());
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    const double error_s = i < 2 ? 1e-9 * kErrorNs : 0;
+    EXPECT_EQ(widened[i].kind, plain[i].kind);
+    EXPECT_EQ(widened[i].of.a, plain[i].of.a);
+    EXPECT_EQ(widened[i].of.b, plain[i].of.b);
+    EXPECT_NEAR(widened[i].bracket_low_s, plain[i].bracket_low_s + error_s, 1e-12) << i;
+    EXPECT_NEAR(widened[i].bracket_high_s, plain[i].bracket_high_s - error_s, 1e-12) << i;
+    EXPECT_EQ(widened[i].of.contact.depth_m, plain[i].of.contact.depth_m);
+    EXPECT_EQ(widened[i].relative_velocity, plain[i].relative_velocity);
+  }
+}
 
 // Left out for 90 ms, it went its 100 m in the last ten: it comes to what stands in the middle at 95 ms, not at 50.
 TEST(WorldCommonTime, WhoIsLeftOutOfAnInstantHasRested) {
