@@ -135,8 +135,18 @@ class CrossingWatcher {
       const std::lock_guard lock(mutex_);
       return sequence_ >= status.last_event_sequence;
     };
-    // A status or two more: what is applied is decided in the next step.
-    return wait_until(is_whole, 10s) && (std::this_thread::sleep_for(300ms), wait_until(is_whole, 10s));
+    // What is applied is decided in the next step, which is over two statuses later.
+    int later = 0;
+    auto heard = SteadyClock::now();
+    const auto is_later = [&] {
+      const auto newest = SteadyClock::now() - value_of(client_.status(), "status").age;
+      if (newest > heard + 10ms) {
+        heard = newest;
+        ++later;
+      }
+      return later >= 2;
+    };
+    return wait_until(is_later, 10s) && wait_until(is_whole, 10s);
   }
   std::uint64_t resyncs() const { return watch_.resyncs(); }
 
