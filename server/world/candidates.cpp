@@ -44,7 +44,7 @@ void Candidates::decide_pairs(const Grid& grid) {
 }
 
 Candidates::Lookers Candidates::movers_to_look() const {
-  Lookers lookers{.slots = {}, .all = all_rest_too_};
+  Lookers lookers{.slots = {}, .all = step_.looks_at_all};
   for (const std::uint32_t slot : rows_.moved()) {
     const ObjectInfo* info = rows_.info(slot);
     if (info == nullptr) continue;
@@ -108,7 +108,7 @@ bool Candidates::consider_waiting() {
 
 bool Candidates::consider(std::uint32_t first, std::uint32_t second) {
   const bool on_common_time = step_.sources.need_common_time() && decisions_.are_on_common_time(first, second);
-  if (!on_common_time && !rows_.has_moved(first) && !rows_.has_moved(second) && !all_rest_too_) return true;
+  if (!on_common_time && !rows_.has_moved(first) && !rows_.has_moved(second) && !step_.looks_at_all) return true;
   if (!on_common_time && decisions_.has_room() && decisions_.stay_apart(first, second)) {
     ++cost_.candidate_pairs;
     return true;

@@ -13,9 +13,8 @@ namespace collided {
 /// The candidates of one step: everything that may meet by the bounds of its motion is offered to the decisions, once.
 class Candidates {
  public:
-  /// all_rest_too: pairs that rest are looked at as well.
-  Candidates(const StepView& step, bool all_rest_too, Decisions& decisions, StepCost& cost)
-      : step_(step), rows_(step.rows), all_rest_too_(all_rest_too), decisions_(decisions), cost_(cost) {}
+  Candidates(const StepView& step, Decisions& decisions, StepCost& cost)
+      : step_(step), rows_(step.rows), decisions_(decisions), cost_(cost) {}
 
   /// Movers against the scenes.
   void decide_scenes();
@@ -44,7 +43,6 @@ class Candidates {
 
   const StepView& step_;
   const ObjectRows& rows_;
-  bool all_rest_too_;
   Decisions& decisions_;
   StepCost& cost_;
   WalkCost walk_;

@@ -58,7 +58,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
 
   // Decisions, into the ledger.
   if (has_open) {
-    s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, wishes, world_time_ns}, *next->grid);
+    s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, wishes, world_time_ns, s.looks_at_all}, *next->grid);
     if (wishes.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
     s.looks_at_all = s.cost.truncated;
   } else {
@@ -71,7 +71,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   s.ring.publish();
   s.apart.end_step();
   s.sources.end_step();
-  s.motion.end_step(s.sources.oldest_asked_ns());
+  s.motion.end_step(s.sources.floor_ns());
   s.rows.end_step();
   s.last_step_ns = world_time_ns;
   s.cost.update_ns = updated - started;
@@ -92,7 +92,7 @@ void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
 
 void World::State::decide(const StepView& step, const Grid& grid) {
   Decisions decisions(step, ledger, apart, lists, cost);
-  Candidates candidates(step, looks_at_all, decisions, cost);
+  Candidates candidates(step, decisions, cost);
   candidates.decide_scenes();
   if (!cost.truncated) candidates.decide_pairs(grid);
   if (cost.truncated) decisions.decide_open();

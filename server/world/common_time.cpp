@@ -40,9 +40,14 @@ bool Decisions::are_on_common_time(std::uint32_t first, std::uint32_t second) co
   const std::uint32_t source = rows_.source(first);
   if (!sources.need_common_time() || source == Sources::kResting || rows_.source(second) == Sources::kResting) return false;
   if (source != rows_.source(second) || sources[source].is_streamed) return true;
-  if (!sources[source].is_timed) return false;
+  if (!sources[source].has_spoken) return false;
   // Of one publisher: what it moved at one instant goes together, and nothing else does.
   if (!rows_.is_posed(first) || !rows_.is_posed(second)) return rows_.is_posed(first) || rows_.is_posed(second);
+  const auto has_own_way = [&](std::uint32_t slot) {
+    const ObjectRow& row = rows_[slot];
+    return row.posed_before_ns >= row.posed_ns || (rows_.is_new(slot) && row.born_ns < row.posed_ns);
+  };
+  if (has_own_way(first) || has_own_way(second) || rows_.motion(first) != rows_.motion(second)) return true;
   const ObjectRow& a = rows_[first];
   const ObjectRow& b = rows_[second];
   return a.posed_before_ns != b.posed_before_ns || a.posed_ns != b.posed_ns;
@@ -50,22 +55,24 @@ bool Decisions::are_on_common_time(std::uint32_t first, std::uint32_t second) co
 
 PairWindow Decisions::window_of(std::uint32_t first, std::uint32_t second) const {
   const auto known_ns = [&](std::uint32_t slot) {
-    const Source& source = step_.sources[rows_.source(slot)];
-    return source.is_streamed ? std::max(rows_[slot].posed_ns, source.known_ns - kStreamGapNs) : source.known_ns;
+    return step_.sources[rows_.source(slot)].known_of(rows_[slot].posed_ns);
   };
   const auto settled_ns = [&](std::uint32_t slot) {
-    const Source& source = step_.sources[rows_.source(slot)];
-    if (!source.is_streamed) return source.settled_ns;
     const ObjectRow& row = rows_[slot];
-    return std::max(rows_.is_posed(slot) ? row.said_before_ns : row.posed_ns, source.settled_ns - kStreamGapNs);
+    return step_.sources[rows_.source(slot)].settled_of(rows_.is_posed(slot) ? row.said_before_ns : row.posed_ns);
   };
-  const ObjectRow& a = rows_[first];
-  const ObjectRow& b = rows_[second];
-  const std::int64_t born_ns = std::max(a.born_ns, b.born_ns);
+  // What one publisher moved at its instants since the last step is all there, wherever the others are.
+  const std::uint32_t source = rows_.source(first);
+  const bool needs_memory = source != rows_.source(second) || step_.sources[source].is_streamed;
+  const std::int64_t floor_ns = needs_memory ? step_.sources.floor_ns() : 0;
   const std::int64_t decided_ns = std::min(settled_ns(first), settled_ns(second));
-  return {.from_ns = std::max({decided_ns, born_ns, step_.sources.oldest_asked_ns()}),
+  const std::int64_t from_ns = std::max({decided_ns, rows_[first].born_ns, rows_[second].born_ns, floor_ns});
+  // Where nothing joins what is decided the pair begins, however many steps ago both came to be.
+  const bool begins = from_ns > decided_ns || rows_.is_new(first) || rows_.is_new(second) || step_.looks_at_all;
+  return {.decided_ns = decided_ns,
+          .from_ns = from_ns,
           .to_ns = std::min(known_ns(first), known_ns(second)),
-          .is_closed = rows_.is_new(first) || rows_.is_new(second) || born_ns > decided_ns};
+          .is_closed = begins};
 }
 
 /// Where pieces end: at the poses of both, and at the instants of both publishers, whoever moved then. So they do not hang
@@ -95,7 +102,7 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   const bool is_moved = moves(first) || moves(second);
   if (window.is_empty() || !(window.is_closed || is_moved)) return;
   ++cost_.candidate_pairs;
-  if (window.is_closed) decide_instant(first, second, window.from_ns, false);
+  if (window.is_closed) begin_window(first, second, window);
   if (window.to_ns <= window.from_ns) return;
   cut(first, second, window);
   std::int64_t from_ns = window.from_ns;
@@ -108,7 +115,10 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
                               .a_way = history.way(first, from_ns, to_ns, rows_[first].frame),
                               .b_way = history.way(second, from_ns, to_ns, rows_[second].frame)});
     }
-    if (history.jumps(first, to_ns) || history.jumps(second, to_ns)) is_held = decide_instant(first, second, to_ns, true);
+    if (history.jumps(first, to_ns) || history.jumps(second, to_ns)) {
+      const double at_s = seconds_ago(to_ns);
+      is_held = decide_instant(first, second, to_ns, {EndReason::teleported, at_s, at_s});
+    }
     from_ns = to_ns;
   }
 }
@@ -174,11 +184,26 @@ Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const Time
   const double slack = kPlaceSlack * place_m < closing_m ? kPlaceSlack * place_m / closing_m : 1;
   const double low = std::clamp((bracket.low - slack) * length_ns, 0.0, length_ns);
   const double high = std::clamp((bracket.high + slack) * length_ns, 0.0, length_ns);
-  return {.low_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::floor(low))),
-          .high_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::ceil(high)))};
+  const std::int64_t error_ns = clock_error_ns(piece.a, piece.b);
+  return {.low_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::floor(low)) - error_ns),
+          .high_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::ceil(high)) + error_ns)};
 }
 
-bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, bool is_jump) {
+/// Objects of one publisher have one clock.
+std::int64_t Decisions::clock_error_ns(std::uint32_t a, std::uint32_t b) const {
+  return rows_.source(a) == rows_.source(b) ? 0 : step_.options.clock_error_ns;
+}
+
+/// What held when the memory ended, and does not where it goes on, parted in between.
+void Decisions::begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window) {
+  const ContactEnd parted{.reason = EndReason::separated,
+                          .bracket_low_s = seconds_ago(window.decided_ns),
+                          .bracket_high_s = seconds_ago(window.from_ns)};
+  decide_instant(first, second, window.from_ns, parted);
+}
+
+/// parted: how a contact is over that held until then.
+bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted) {
   const MotionHistory& history = step_.motion.history();
   const PairPiece instant{.a = a, .b = b, .from_ns = time_ns, .to_ns = time_ns,
                           .a_way = BodyWay::resting(history.at(a, time_ns, rows_[a].frame)),
@@ -189,8 +214,9 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
   if (touch.yes && (is_held || may_begin())) {
     ++cost_.contacts;
     ledger_.touches(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1));
-  } else if (is_held && is_jump && !touch.undecided) {
-    ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, EndReason::teleported, seconds_ago(time_ns), seconds_ago(time_ns));
+  } else if (is_held && !touch.undecided) {
+    const double error_s = 1e-9 * static_cast<double>(clock_error_ns(a, b));
+    ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, parted.reason, parted.bracket_low_s + error_s, parted.bracket_high_s - error_s);
   }
   return ledger_.holds(rows_.info(a)->id, rows_.info(b)->id);
 }
@@ -267,8 +293,8 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
                      .a_triangle = a_triangle,
                      .b_triangle = b_triangle,
                      .contact = contact,
-                     .bracket_low_s = seconds_ago(piece.from_ns),
-                     .bracket_high_s = seconds_ago(piece.to_ns)};
+                     .bracket_low_s = seconds_ago(piece.from_ns - clock_error_ns(piece.a, piece.b)),
+                     .bracket_high_s = seconds_ago(piece.to_ns + clock_error_ns(piece.a, piece.b))};
   if (step_.wishes.contacts) {
     found.relative_velocity = velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns) -
                               velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns);

@@ -25,6 +25,7 @@ struct StepView {
   const WorldOptions& options;
   StepWishes wishes;
   std::int64_t world_time_ns;
+  bool looks_at_all;  // pairs that rest are looked at as well: the last search was cut short
 };
 
 /// The first contact of a mover with a part of a static scene on its way.
@@ -42,6 +43,7 @@ struct DecisionLists {
 
 /// The time in which a pair is decided: after from_ns, up to to_ns; the instant from_ns as well where it is closed.
 struct PairWindow {
+  std::int64_t decided_ns = 0;  // what the steps before have decided ends here; before from_ns: the rest never is
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
   bool is_closed = false;
@@ -113,7 +115,8 @@ class Decisions {
   void cut(std::uint32_t first, std::uint32_t second, const PairWindow& window);
   bool decide_piece(const PairPiece& piece);
   bool balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const;
-  bool decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, bool is_jump);
+  void begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window);
+  bool decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted);
   Touch touch_at_end(const PairPiece& piece);
   SweptTouch sweep_piece(const PairPiece& piece);
   std::optional<SweptTouch> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere);
@@ -127,6 +130,7 @@ class Decisions {
     double high_s = 0;
   };
   PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
+  std::int64_t clock_error_ns(std::uint32_t a, std::uint32_t b) const;
   bool may_begin();
 
   // kept_apart.cpp: meshes that need no test for a while

@@ -72,11 +72,20 @@ void ObjectRows::remove(ObjectId id) {
   mark(slot, Motion::placed);
 }
 
+void ObjectRows::begin(std::uint32_t source, std::int64_t time_ns) {
+  for (const std::uint32_t slot : moved_) {
+    ObjectRow& row = rows_[slot];
+    if (source_[slot] != source || row.born_ns != kPosedAtStep) continue;
+    row.born_ns = time_ns;
+    row.posed_ns = std::max(row.posed_ns, time_ns);
+  }
+}
+
 bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how) {
   const std::uint32_t slot = slot_of(id);
   if (slot >= rows_.size() || rows_[slot].movable != id || id == 0) return false;
   ObjectRow& row = rows_[slot];
-  if (motion_[slot] == Motion::none) {
+  if (!is_posed(slot)) {
     row.frame_before = row.frame;
     row.said_before_ns = row.posed_ns;
     row.posed_before_ns = row.posed_ns == kPosedAtStep ? row.posed_ns : std::max(row.posed_ns, at.since_ns);
@@ -114,10 +123,9 @@ void ObjectRows::stamp_changes(std::uint64_t step, std::int64_t world_time_ns, c
   for (const std::uint32_t slot : moved_) {
     changed_[slot] = step;
     ObjectRow& row = rows_[slot];
-    if (row.born_ns != kPosedAtStep && row.posed_ns != kPosedAtStep) continue;
-    const std::int64_t birth_ns = sources.birth_ns(source_[slot], world_time_ns);
-    if (row.born_ns == kPosedAtStep) row.born_ns = birth_ns;
-    if (row.posed_ns == kPosedAtStep) row.posed_ns = birth_ns;
+    if (row.born_ns != kPosedAtStep) continue;
+    row.born_ns = source_[slot] != Sources::kResting ? sources[source_[slot]].known_ns : world_time_ns;
+    row.posed_ns = std::max(row.posed_ns, row.born_ns);
   }
 }
 

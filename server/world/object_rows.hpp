@@ -62,6 +62,9 @@ class ObjectRows {
   /// Its slot is free again after the step that ends its contacts.
   void remove(ObjectId id);
 
+  /// Objects of that source that came since the last step, and whose beginning is not known yet, begin then.
+  void begin(std::uint32_t source, std::int64_t time_ns);
+
   // Moving.
   /// False: no such object, or it does not move.
   bool move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how);

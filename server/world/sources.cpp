@@ -1,6 +1,7 @@
 #include "server/world/sources.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace collided {
 
@@ -15,18 +16,33 @@ std::uint32_t Sources::add_object(std::uint64_t publisher) {
       free_.pop_back();
     }
     sources_[entry->second] = {.publisher = publisher, .instants = {}};
-    ++used_count_;
   }
-  ++sources_[entry->second].object_count;
+  Source& source = sources_[entry->second];
+  if (++source.object_count > 1) return entry->second;
+  ++used_count_;
+  // Nobody asks for what was before, so nothing of it is left to say.
+  source.known_ns = std::max(source.known_ns, floor_ns_);
+  source.settled_ns = std::max(source.settled_ns, floor_ns_);
   return entry->second;
 }
 
+/// Who goes on saying instants may define an object again: what it has said stays said.
 void Sources::remove_object(std::uint32_t source) {
   if (--sources_[source].object_count > 0) return;
+  --used_count_;
+  if (!sources_[source].is_timed) release(source);
+}
+
+void Sources::release(std::uint32_t source) {
   numbers_.erase(sources_[source].publisher);
   sources_[source] = {};
   free_.push_back(source);
-  --used_count_;
+}
+
+void Sources::note_streamed(std::uint32_t source) {
+  Source& of = sources_[source];
+  if (!of.is_streamed) of.streamed_ns = of.settled_ns;
+  of.is_streamed = true;
 }
 
 const Source* Sources::find(std::uint64_t publisher) const {
@@ -34,58 +50,69 @@ const Source* Sources::find(std::uint64_t publisher) const {
   return found == numbers_.end() ? nullptr : &sources_[found->second];
 }
 
-void Sources::advance(std::uint64_t publisher, std::int64_t time_ns) {
+std::optional<std::uint32_t> Sources::advance(std::uint64_t publisher, std::int64_t time_ns) {
   const auto found = numbers_.find(publisher);
-  if (found == numbers_.end()) return;
+  if (found == numbers_.end()) return std::nullopt;
   Source& source = sources_[found->second];
   time_ns = source.admitted(time_ns);
-  if (source.is_timed && time_ns <= source.known_ns) return;
-  source.before_ns = source.is_timed ? source.known_ns : time_ns;
-  source.known_ns = time_ns;
-  source.is_timed = true;
-  source.instants.push_back(time_ns);
+  if (time_ns > source.known_ns) {
+    source.before_ns = source.known_ns;
+    source.known_ns = time_ns;
+    source.instants.push_back(time_ns);
+  }
+  source.has_spoken = true;
+  return std::exchange(source.is_timed, true) ? std::nullopt : std::optional(found->second);
 }
 
 void Sources::lose(std::uint64_t publisher) {
   const auto found = numbers_.find(publisher);
-  if (found != numbers_.end()) sources_[found->second].is_timed = false;
+  if (found == numbers_.end()) return;
+  sources_[found->second].is_timed = false;
+  if (sources_[found->second].object_count == 0) release(found->second);
 }
 
-std::int64_t Sources::birth_ns(std::uint32_t source, std::int64_t world_time_ns) const {
-  if (source == kResting || !sources_[source].is_timed) return world_time_ns;
-  const Source& of = sources_[source];
-  const auto first = std::find_if(of.instants.begin(), of.instants.end(), [&](std::int64_t instant) { return instant > of.settled_ns; });
-  return std::min(world_time_ns, first == of.instants.end() ? of.known_ns : *first);
+bool Sources::is_over_floor_again(const Source& source) const {
+  return source.settled_of(0) < floor_ns_ && source.known_ns >= floor_ns_;
 }
 
 void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
   bool is_any_timed = false;
+  std::int64_t oldest_ns = kForEver;
+  std::int64_t newest_ns = 0;
   needs_common_time_ = is_any_open;
+  is_any_over_floor_again_ = false;
   for (Source& source : sources_) {
     if (source.object_count == 0) continue;
-    is_any_timed = is_any_timed || source.is_timed;
-    if (!source.is_timed) source.known_ns = std::max(source.settled_ns, world_time_ns);
+    is_any_timed = is_any_timed || source.is_timed || source.has_spoken;
+    oldest_ns = std::min(oldest_ns, source.settled_ns);
+    newest_ns = std::max(newest_ns, source.settled_ns);
+    if (!source.is_timed) source.known_ns = std::max(source.known_ns, world_time_ns);
+    is_any_over_floor_again_ = is_any_over_floor_again_ || is_over_floor_again(source);
     const auto is_new = [&](std::int64_t instant) { return instant > source.settled_ns; };
     const bool has_several = std::count_if(source.instants.begin(), source.instants.end(), is_new) > 1;
     const bool leaves_out = source.posed_count > 0 && source.posed_count < source.object_count;
-    needs_common_time_ = needs_common_time_ || source.is_streamed || (source.is_timed && (has_several || leaves_out));
+    const bool is_uneven = has_several || leaves_out || source.has_own_ways;
+    needs_common_time_ = needs_common_time_ || source.is_streamed || (source.has_spoken && is_uneven);
   }
-  needs_common_time_ = needs_common_time_ || (is_any_timed && used_count_ > 1);
+  // Who was behind the others when the last step ended is to catch up, even where nobody says instants any more.
+  needs_common_time_ = needs_common_time_ || (used_count_ > 1 && (is_any_timed || oldest_ns < newest_ns));
 }
 
 void Sources::end_step() {
   std::int64_t newest_ns = 0;
   std::int64_t oldest_ns = kForEver;
   for (Source& source : sources_) {
-    if (source.object_count == 0) continue;
     source.settled_ns = std::max(source.settled_ns, source.known_ns);
     source.posed_count = 0;
+    source.has_own_ways = source.has_spoken = false;
+    if (source.object_count == 0) continue;
     newest_ns = std::max(newest_ns, source.settled_ns);
     oldest_ns = std::min(oldest_ns, source.settled_ns - (source.is_streamed ? kStreamGapNs : 0));
   }
-  oldest_asked_ns_ = used_count_ == 0 ? 0 : std::max(oldest_ns, newest_ns - kLongestMemoryNs);
+  if (used_count_ > 0) floor_ns_ = std::max({floor_ns_, oldest_ns, newest_ns - kLongestMemoryNs});
   for (Source& source : sources_) {
-    std::erase_if(source.instants, [&](std::int64_t instant) { return instant <= oldest_asked_ns_; });
+    const std::int64_t unasked_ns = source.object_count == 0 ? source.known_ns : floor_ns_;
+    std::erase_if(source.instants, [&](std::int64_t instant) { return instant <= unasked_ns; });
   }
 }
 

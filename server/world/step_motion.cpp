@@ -45,8 +45,9 @@ void StepMotion::begin_step(const Sources& sources, ApartMemory& apart) {
     count_way(slot, apart);
     if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
     if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
-    if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr) remember(slot);
+    if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr) remember(slot, sources[rows_.source(slot)]);
   }
+  if (sources.is_any_over_floor_again()) begin_anew(sources);
   for (const std::uint32_t slot : young_) open_[slot] = 1;
   for (const std::uint32_t slot : history_.travelling()) {
     open_[slot] = 1;
@@ -55,22 +56,33 @@ void StepMotion::begin_step(const Sources& sources, ApartMemory& apart) {
   }
 }
 
-void StepMotion::end_step(std::int64_t oldest_asked_ns) {
+/// Who was passed by the floor is looked at with everybody once more.
+void StepMotion::begin_anew(const Sources& sources) {
+  for (std::uint32_t slot = 0; slot < rows_.size(); ++slot) {
+    const std::uint32_t source = rows_.source(slot);
+    if (source != Sources::kResting && sources.is_over_floor_again(sources[source])) young_.push_back(slot);
+  }
+}
+
+void StepMotion::end_step(std::int64_t floor_ns) {
   for (const std::uint32_t slot : rows_.moved()) fast_[slot] = 0;
   for (const std::uint32_t slot : young_) open_[slot] = 0;
   for (const std::uint32_t slot : history_.travelling()) open_[slot] = 0;
   std::erase_if(young_, [&](std::uint32_t slot) {
-    return rows_.info(slot) == nullptr || rows_[slot].born_ns <= oldest_asked_ns;
+    return rows_.info(slot) == nullptr || rows_[slot].born_ns <= floor_ns;
   });
-  history_.forget_up_to(oldest_asked_ns);
+  history_.forget_up_to(floor_ns);
 }
 
-void StepMotion::remember(std::uint32_t slot) {
+/// A way begins where its object's last pose was, at the earliest where it is decided already that it rested.
+void StepMotion::remember(std::uint32_t slot, const Source& source) {
   const ObjectRow& row = rows_[slot];
-  MotionSegment segment{.from_ns = row.posed_ns, .to_ns = row.posed_ns, .from = row.frame_before, .to = row.frame,
-                        .bounds = row.bounds};
-  if (row.has_way && row.posed_before_ns < row.posed_ns) {
-    segment.from_ns = row.posed_before_ns;
+  const std::int64_t settled_ns = source.settled_of(row.said_before_ns);
+  const std::int64_t since_ns = std::max({row.posed_before_ns, row.born_ns, settled_ns});
+  const std::int64_t to_ns = std::max(row.posed_ns, rows_.is_new(slot) ? row.born_ns : settled_ns + 1);
+  MotionSegment segment{.from_ns = to_ns, .to_ns = to_ns, .from = row.frame_before, .to = row.frame, .bounds = row.bounds};
+  if (row.has_way && since_ns < to_ns) {
+    segment.from_ns = since_ns;
     const BodyWay way = way_between(row, row.frame_before);
     segment.from = way.from;
     segment.to = way.to;

@@ -28,8 +28,8 @@ class StepMotion {
 
   /// Of what moved; counts how far meshes went.
   void begin_step(const Sources& sources, ApartMemory& apart);
-  /// What moved rests. oldest_asked_ns: nobody asks for what was up to then.
-  void end_step(std::int64_t oldest_asked_ns);
+  /// What moved rests. floor_ns: nobody asks for what was up to then.
+  void end_step(std::int64_t floor_ns);
 
   std::span<const Aabb> bounds() const { return bounds_; }
   /// On common time; empty where every pair is decided at the step's end.
@@ -52,7 +52,8 @@ class StepMotion {
  private:
   bool goes_fast(std::uint32_t slot) const;
   void set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way);
-  void remember(std::uint32_t slot);
+  void remember(std::uint32_t slot, const Source& source);
+  void begin_anew(const Sources& sources);
   void count_way(std::uint32_t slot, ApartMemory& apart) const;
 
   const ObjectRows& rows_;
@@ -61,7 +62,7 @@ class StepMotion {
   std::vector<std::uint8_t> fast_;
   std::vector<std::uint8_t> open_;
   std::vector<std::uint32_t> widened_;  // whose bounds hold more than where they are
-  std::vector<std::uint32_t> young_;  // began to be after what is decided with everybody
+  std::vector<std::uint32_t> young_;  // began to be after what is decided with everybody; may be twice in it
   MotionHistory history_;
 };
 

@@ -207,9 +207,9 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
     info->cut = definition.cut;
     info->part_triangles = static_cast<std::uint32_t>(definition.shape.mesh->triangles.size());
   }
-  const Source* known = s.sources.find(definition.publisher);
-  const std::int64_t born_ns = known != nullptr && known->is_timed ? known->known_ns : kPosedAtStep;
   const std::uint32_t source = definition.moving ? s.sources.add_object(definition.publisher) : Sources::kResting;
+  const bool says_instants = definition.moving && s.sources[source].is_timed;
+  const std::int64_t born_ns = says_instants ? s.sources[source].known_ns : kPosedAtStep;
   s.rows.put(std::move(info), definition.pose, source, born_ns);
   return id;
 }
@@ -232,9 +232,11 @@ bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, boo
   PoseTime at{.time_ns = time_ns};
   if (source != Sources::kResting) {
     if (is_streamed) sources.note_streamed(source);
-    sources.note_posed(source);
-    at.time_ns = sources[source].admitted(time_ns);
-    if (sources[source].is_timed) at.since_ns = is_streamed ? time_ns - kStreamGapNs : sources[source].instant_before(at.time_ns);
+    const Source& of = sources[source];
+    const std::int64_t settled_ns = of.settled_of(rows[slot].posed_ns);
+    at.time_ns = is_streamed ? std::max(time_ns, settled_ns + 1) : of.admitted(time_ns);
+    if (of.is_timed) at.since_ns = is_streamed ? at.time_ns - kStreamGapNs : of.instant_before(at.time_ns);
+    sources.note_posed(source, teleport || rows.is_new(slot) || at.since_ns >= at.time_ns);
   }
   return rows.move(id, pose, at, teleport ? Motion::placed : Motion::moved);
 }
@@ -260,7 +262,8 @@ void World::move(std::span<const ObjectId> ids, std::span<const Pose> poses, std
 }
 
 bool World::advance(std::uint64_t publisher, std::int64_t time_ns) {
-  state_->sources.advance(publisher, time_ns);
+  const std::optional<std::uint32_t> beginning = state_->sources.advance(publisher, time_ns);
+  if (beginning) state_->rows.begin(*beginning, state_->sources[*beginning].known_ns);
   return state_->sources.are_several();
 }
 

@@ -23,6 +23,7 @@ json figures_of_nothing() {
   return {{"up_ns", 1'000}, {"version", 1}, {"step_period_ns", 10'000'000}, {"steps", 0}, {"stalled_steps", 0}, {"step_durations", json::array()},
           {"stages", json::array()}, {"pairs", {{"moved", 0}, {"candidates", 0}, {"filtered", 0}, {"exact_tests", 0}, {"undecided", 0}, {"swept", 0}, {"kept_apart", 0}}},
           {"poses", {{"applied", 0}, {"late", 0}, {"unknown", 0}, {"refused", 0}, {"superseded", 0}, {"dropped", 0}}},
+          {"stamps", {{"late", 0}, {"jumped", 0}, {"missing", 0}}},
           {"questions", json::array()}, {"refused", 0}, {"undecided", 0}, {"not_built", json::array()}};
 }
 

@@ -48,6 +48,12 @@ void SimulatedRun::run() {
   for (Host& host : hosts_) host.sleeps_until_ns = std::min(host.sleeps_until_ns, now_ns_);
   payload_.send(Kind::calm, now_ns_, to_);
   for (int i = 0; i < kCalmTicks; ++i) tick(true);
+  // Who was taken for lost says once more what it has, and poses nothing from then on.
+  for (Host& host : hosts_) {
+    if (host.is_dead || !chance(0.5)) continue;
+    host.was_away = true;
+    under_way_.push_back({now_ns_, Lost{host.publisher.id()}});
+  }
   // What is still under way arrives.
   is_still_ = true;
   for (int i = 0; i < kStillTicks; ++i) tick(true);
