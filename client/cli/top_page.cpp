@@ -128,6 +128,13 @@ void add_not_built(const Figures& figures, std::vector<std::string>& lines) {
   lines.push_back(line);
 }
 
+/// Only where a publisher's clock does what clocks should not.
+void add_odd_stamps(const Figures& figures, std::vector<std::string>& lines) {
+  if (figures.stamps_late + figures.stamps_jumped + figures.stamps_missing == 0) return;
+  lines.push_back(fmt::format("STAMPS late {}   jumped {}   missing {}", format_count(figures.stamps_late), format_count(figures.stamps_jumped),
+                              format_count(figures.stamps_missing)));
+}
+
 std::string stages_text(const Figures& figures) {
   std::uint64_t busy_ns = 0;
   for (const view::Stage& stage : figures.stages) busy_ns += stage.ns;
@@ -155,6 +162,7 @@ std::vector<std::string> top_lines(const Look& look) {
   add_questions(look, lines);
   lines.push_back(fmt::format("POSES  {} objects, {} moving   {}   late {}   lost {}", format_count(status.objects), format_count(status.moving),
                               rate_text(rate(figures.poses_applied, figures)), format_count(figures.poses_late), format_count(figures.poses_lost)));
+  add_odd_stamps(figures, lines);
   lines.push_back("FROM   " + publishers_text(status));
   lines.push_back("STAGE  " + stages_text(figures));
   const std::string period = figures.step_period_ns > 0 ? " of " + format_duration(std::chrono::nanoseconds(figures.step_period_ns)) : "";
@@ -198,6 +206,9 @@ std::vector<Record> top_records(const Look& look) {
   add("poses.rate", rate(figures.poses_applied, figures), "1/s");
   add("poses.late", rate(figures.poses_late, figures), "1/s");
   add("poses.lost", rate(figures.poses_lost, figures), "1/s");
+  add("stamps.late", rate(figures.stamps_late, figures), "1/s");
+  add("stamps.jumped", rate(figures.stamps_jumped, figures), "1/s");
+  add("stamps.missing", rate(figures.stamps_missing, figures), "1/s");
   add("step.rate", rate(figures.steps, figures), "1/s");
   quantiles("step", figures.step_durations);
   for (const view::Stage& stage : figures.stages) add("stage." + stage.name, static_cast<double>(stage.ns) * 1e-9 / seconds(figures), "of the time");

@@ -145,6 +145,8 @@ std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns) {
   return guarded([&]() -> std::optional<Error> {
     if (!has_room() || !pose_writer_.write(*batch_)) return not_taken();
     last_word_ = Clock::now();
+    // The writer keeps it as it keeps poses, so it could push out some that the server has not got.
+    unacknowledged_.note_written(sequence_, 0);
     return std::nullopt;
   });
 }

@@ -21,7 +21,7 @@ class UnacknowledgedPoses {
 
   /// True: nothing more is to be written until the server is known to have some of it.
   bool is_full() const { return count_ >= kMostBatches || bytes_ >= kMostBytes; }
-  /// sequence  grows from batch to batch
+  /// sequence  grows from batch to batch; a batch without a number has that of the one before
   void note_written(std::uint64_t sequence, std::size_t bytes) {
     batches_[(first_ + count_++) % batches_.size()] = {sequence, bytes};
     bytes_ += bytes;

@@ -126,7 +126,7 @@ double ContactPhase::find_end() const {
 
 double ContactPhase::deepest() const {
   // Where the rate is 0 for the first time: (sine turn + decay rest) cos + (rest turn - decay sine) sin = 0.
-  const double start = sine_ * turn_ + decay_ * rest_;
+  const double start = std::max(0.0, sine_ * turn_ + decay_ * rest_);  // the approach, which rounding must not turn
   if (oscillates_) {
     double angle = std::atan2(start, decay_ * sine_ - rest_ * turn_);
     if (angle <= 0) angle += kPi;
@@ -135,7 +135,8 @@ double ContactPhase::deepest() const {
   const double slow = (turn_ - decay_) * (sine_ - rest_);
   const double fast = (turn_ + decay_) * (sine_ + rest_);
   const double quotient = -fast / slow;
-  if (quotient > 1) return depth(std::min(std::log(quotient) / (2 * turn_), duration_s_));
+  // Without approach the quotient is 1: a rounding above it is the beginning, where the rate is 0 too.
+  if (quotient > 1) return std::max(depth(std::min(std::log(quotient) / (2 * turn_), duration_s_)), rest_);
   return std::max(rest_, 0.0);
 }
 

@@ -39,6 +39,10 @@ Figures figures_of(const json& answer) {
   for (const char* fate : {"unknown", "refused", "superseded", "dropped"}) {
     figures.poses_lost += poses.at(fate).get<std::uint64_t>();
   }
+  const json& stamps = answer.at("stamps");
+  stamps.at("late").get_to(figures.stamps_late);
+  stamps.at("jumped").get_to(figures.stamps_jumped);
+  stamps.at("missing").get_to(figures.stamps_missing);
   for (const json& asked : answer.at("questions")) {
     figures.questions.push_back({.kind = asked.at("kind").get<std::string>(),
                                  .answered = asked.at("answered").get<std::uint64_t>(),
@@ -81,7 +85,8 @@ Figures between(const Figures& older, const Figures& newer) {
   more.up_ns = newer.up_ns - older.up_ns;
   const auto subtract = [&](std::uint64_t Figures::*sum) { more.*sum = grown(older.*sum, newer.*sum); };
   for (const auto sum : {&Figures::steps, &Figures::stalled_steps, &Figures::candidates, &Figures::filtered, &Figures::exact_tests,
-                         &Figures::refused_requests, &Figures::undecided_answers, &Figures::poses_applied, &Figures::poses_late, &Figures::poses_lost}) {
+                         &Figures::refused_requests, &Figures::undecided_answers, &Figures::poses_applied, &Figures::poses_late, &Figures::poses_lost, &Figures::stamps_late,
+                         &Figures::stamps_jumped, &Figures::stamps_missing}) {
     subtract(sum);
   }
   more.step_durations = grown(older.step_durations, newer.step_durations);

@@ -43,6 +43,9 @@ struct Figures {
   std::uint64_t poses_applied = 0;
   std::uint64_t poses_late = 0;
   std::uint64_t poses_lost = 0;  // of unknown objects, refused, superseded, or dropped
+  std::uint64_t stamps_late = 0;  // batches with a time that their publisher had passed
+  std::uint64_t stamps_jumped = 0;
+  std::uint64_t stamps_missing = 0;
   std::vector<Asked> questions{};
   std::vector<std::string> not_built{};
 };

@@ -69,6 +69,8 @@ json Commands::figures(const Arguments& arguments) const {
             {"refused", sums.poses_refused.get()},
             {"superseded", sums.poses_superseded.get()},
             {"dropped", sums.poses_dropped.get()}}},
+          {"stamps",
+           {{"late", sums.stamps_late.get()}, {"jumped", sums.stamps_jumped.get()}, {"missing", sums.stamps_missing.get()}}},
           {"questions", questions(counts_)},
           {"refused", counts_.refused.load()},
           {"undecided", counts_.undecided.load()},

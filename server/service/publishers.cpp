@@ -312,16 +312,23 @@ Applied Publishers::take_batch(Publisher& publisher, PoseSample& sample, std::in
 
 /// All of an instant lands in one step: a robot's links are not seen half-moved.
 Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, std::int64_t now_ns) {
-  if (!find_all(publisher, last)) return Applied::step_first;
   for (const PoseSample& part : publisher.parts) {
     if (!find_all(publisher, part)) return Applied::step_first;
   }
-  // Who only says that it lives says nothing of a time.
-  const bool is_sign_of_life = last.source_time_ns == 0 && last.object_numbers.empty() && publisher.parts.empty();
+  if (!find_all(publisher, last)) return Applied::step_first;
+  // Who only says that it lives says nothing of a time; but who never says one says in this way that all has rested until now.
+  const bool is_sign_of_life = last.source_time_ns == 0 && last.object_numbers.empty() && publisher.parts.empty() &&
+                               !publisher.clock.is_without_stamps();
   WorldStamp stamp;
   if (!is_sign_of_life) stamp = publisher.clock.stamp(last.source_time_ns, last.received_ns);
-  for (const PoseSample& part : publisher.parts) apply_batch(publisher, part, stamp, now_ns);
-  publisher.parts.clear();
+  if (!publisher.parts.empty()) {
+    for (const PoseSample& part : publisher.parts) {
+      find_all(publisher, part);
+      apply_batch(publisher, part, stamp, now_ns);
+    }
+    publisher.parts.clear();
+    find_all(publisher, last);
+  }
   apply_batch(publisher, last, stamp, now_ns);
   if (stamp.time_ns > 0 && world_.advance(publisher.id, stamp.time_ns)) ++changes_;
   counts_.stamps_late += stamp.kind == StampKind::late ? 1 : 0;
@@ -330,9 +337,9 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
   return Applied::done;
 }
 
+/// Of the batch whose records were found last.
 void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, const WorldStamp& stamp,
                              std::int64_t now_ns) {
-  find_all(publisher, sample);
   if ((sample.flags & wire_contract::kAllSaid) != 0) publisher.said_all = true;
   ++batch_;
   accepted_count_ = 0;

@@ -132,7 +132,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       epoch(make_epoch()),
       identity{
           .server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
-      world({.epoch = identity.epoch, .max_objects = options.max_objects, .max_contacts = options.max_contacts}),
+      world({.epoch = identity.epoch, .max_objects = options.max_objects, .max_contacts = options.max_contacts,
+             .clock_error_ns = options.clock_error_ns}),
       leases(world),
       audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),

@@ -105,6 +105,13 @@ Allowed apply_max_contacts(Options& options, Values values) {
   return apply_whole(options.max_contacts, values, 1, 100'000'000);
 }
 
+Allowed apply_clock_error(Options& options, Values values) {
+  const std::optional<std::int64_t> error = parse_duration_ns(values[0]);
+  if (!error || *error < 0 || *error > 500'000'000) return "a time from 0 to 500ms";
+  options.clock_error_ns = *error;
+  return std::nullopt;
+}
+
 Allowed apply_deadline(Options& options, Values values) {
   if (values[0] == "none") {
     options.deadline_ns = 0;
@@ -211,6 +218,8 @@ constexpr Setting kSettings[] = {
      false, apply_max_objects},
     {"world.max_contacts", "--max-contacts", "COLLIDED_MAX_CONTACTS", "10000000", "N",
      "that one step may find; what comes after is truncated", false, apply_max_contacts},
+    {"world.clock_error", "--clock-error", "COLLIDED_CLOCK_ERROR", "0", "TIME",
+     "of publishers' clocks against each other; widens brackets between objects of two", false, apply_clock_error},
     {"answer.error", "--error", "COLLIDED_ERROR", "0", "LENGTH", "good enough where none is asked; 0: exact on doubt",
      false, apply_error},
     {"answer.audit", "--audit", "COLLIDED_AUDIT", "off", "1/N",

@@ -7,7 +7,8 @@ namespace collided::service {
 WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) {
   // Beyond this no difference of two overflows; 1970 plus or minus 146 years.
   constexpr std::int64_t kMostSourceNs = std::int64_t{1} << 62;
-  if (source_ns <= 0 || source_ns > kMostSourceNs) {
+  is_without_stamps_ = source_ns <= 0 || source_ns > kMostSourceNs;
+  if (is_without_stamps_) {
     newest_ns_ = std::max(newest_ns_, received_ns);
     return {newest_ns_, StampKind::none};
   }

@@ -28,9 +28,12 @@ class SourceClock {
 
   /// source_ns  0: the publisher says none
   WorldStamp stamp(std::int64_t source_ns, std::int64_t received_ns);
+  /// Whether the last batch said no time: the next one without may say something all the same.
+  bool is_without_stamps() const { return is_without_stamps_; }
 
  private:
   bool started_ = false;
+  bool is_without_stamps_ = false;
   std::int64_t offset_ns_ = 0;  // of world time, from the publisher's
   std::int64_t source_ns_ = 0;  // of the last good stamp
   std::int64_t received_ns_ = 0;

@@ -44,6 +44,10 @@ struct StepSums {
   Tally poses_refused;
   Tally poses_superseded;
   Tally poses_dropped;
+  // Batches whose stamp was taken for another; as of the last status.
+  Tally stamps_late;
+  Tally stamps_jumped;
+  Tally stamps_missing;
 };
 
 }  // namespace collided::service

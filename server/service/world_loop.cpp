@@ -224,6 +224,9 @@ void WorldLoop::sum_up_poses() {
   sums_.poses_refused.set(counts.poses_refused);
   sums_.poses_superseded.set(inbox.poses_superseded);
   sums_.poses_dropped.set(inbox.poses_dropped);
+  sums_.stamps_late.set(counts.stamps_late);
+  sums_.stamps_jumped.set(counts.stamps_jumped);
+  sums_.stamps_missing.set(counts.stamps_missing);
 }
 
 void WorldLoop::publish() {

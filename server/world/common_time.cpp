@@ -212,8 +212,14 @@ Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const Time
   const double slack = kPlaceSlack * place_m < closing_m ? kPlaceSlack * place_m / closing_m : 1;
   const double low = std::clamp((bracket.low - slack) * length_ns, 0.0, length_ns);
   const double high = std::clamp((bracket.high + slack) * length_ns, 0.0, length_ns);
-  return {.low_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::floor(low))),
-          .high_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::ceil(high)))};
+  const std::int64_t error_ns = clock_error_ns(piece.a, piece.b);
+  return {.low_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::floor(low)) - error_ns),
+          .high_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::ceil(high)) + error_ns)};
+}
+
+/// Objects of one publisher have one clock.
+std::int64_t Decisions::clock_error_ns(std::uint32_t a, std::uint32_t b) const {
+  return rows_.source(a) == rows_.source(b) ? 0 : step_.options.clock_error_ns;
 }
 
 /// What held when the memory ended, and does not where it goes on, parted in between.
@@ -237,7 +243,8 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
     ++cost_.contacts;
     ledger_.touches(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1));
   } else if (is_held && !touch.undecided) {
-    ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, parted.reason, parted.bracket_low_s, parted.bracket_high_s);
+    const double error_s = 1e-9 * static_cast<double>(clock_error_ns(a, b));
+    ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, parted.reason, parted.bracket_low_s + error_s, parted.bracket_high_s - error_s);
   } else if (!touch.yes && touch.undecided) {
     ledger_.doubts(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1), Doubt::numeric);
   } else if (!touch.yes) {
@@ -318,8 +325,8 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
                      .a_triangle = a_triangle,
                      .b_triangle = b_triangle,
                      .contact = contact,
-                     .bracket_low_s = seconds_ago(piece.from_ns),
-                     .bracket_high_s = seconds_ago(piece.to_ns)};
+                     .bracket_low_s = seconds_ago(piece.from_ns - clock_error_ns(piece.a, piece.b)),
+                     .bracket_high_s = seconds_ago(piece.to_ns + clock_error_ns(piece.a, piece.b))};
   if (step_.wishes.contacts) {
     found.relative_velocity = velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns) -
                               velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns);

@@ -131,6 +131,7 @@ class Decisions {
     double high_s = 0;
   };
   PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
+  std::int64_t clock_error_ns(std::uint32_t a, std::uint32_t b) const;
   bool may_begin();
   void doubt_piece(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep);
 

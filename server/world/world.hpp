@@ -22,6 +22,7 @@ struct WorldOptions {
   std::uint32_t max_objects = 100'000;  // static parts and moving objects together
   std::uint32_t max_contacts = 10'000'000;  // that one step may find
   double sweep_width = 1e-9;            // of the bracket of a lone sphere's first contact, as a fraction of the step
+  std::int64_t clock_error_ns = 0;      // of two publishers' clocks against each other: widens brackets and nothing else
   double sweep_width_s = 1e-6;          // of the bracket of any other fast mover's, seconds of world time
 };
 

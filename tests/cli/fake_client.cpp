@@ -161,7 +161,8 @@ Result<Poses> Client::poses(std::chrono::nanoseconds) {
   return fake::server().poses();
 }
 struct ProbeWatch::State {};
-Result<ProbeWatch> Client::watch_probes(const WatchOptions&) {
+Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {
+  fake::server().probes_watched_with = options;
   return ProbeWatch(std::make_unique<ProbeWatch::State>());
 }
 ProbeWatch::ProbeWatch(std::unique_ptr<State> state) : state_(std::move(state)) {}

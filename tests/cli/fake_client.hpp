@@ -42,6 +42,7 @@ struct Server {
   std::function<Result<Poses>()> poses;
   std::vector<Probe> probes;
   std::deque<ProbeReading> readings;  // also what is followed
+  WatchOptions probes_watched_with;
   /// Called on every flush, so that a test can send events back.
   std::function<void(Published&)> on_flush;
   std::function<std::optional<Error>()> on_move;  // what stands in its way

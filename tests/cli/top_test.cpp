@@ -21,6 +21,7 @@ json figures(std::int64_t up_ns, std::uint64_t times) {
           {"stages", {ns("take", 1'000'000), ns("update", 0), ns("index", 9'000'000), ns("test", 30'000'000), ns("publish", 10'000'000)}},
           {"pairs", {{"moved", 0}, {"candidates", 31'200 * times}, {"filtered", 104'400 * times}, {"exact_tests", 0}, {"undecided", 0}, {"swept", 0}, {"kept_apart", 0}}},
           {"poses", {{"applied", 960 * times}, {"late", 0}, {"unknown", 0}, {"refused", 0}, {"superseded", 2 * times}, {"dropped", 0}}},
+          {"stamps", {{"late", 0}, {"jumped", 0}, {"missing", 0}}},
           {"questions",
            {{{"kind", "ray"}, {"answered", 12'400 * times}, {"durations", {{17'407, 80 * times}, {61'439, 20 * times}}}},
             {{"kind", "box"}, {"answered", 0}, {"durations", json::array()}}}},
@@ -71,6 +72,20 @@ TEST_F(Top, ShowsTheTimeBetweenTwoLooks) {
             "STEP   100/s   p50 410 us of 10 ms   p99 410 us\n"
             "PAIRS  candidates 312 a step   contacts 7   saved by filters 1 044\n"
             "NOT BUILT  FCL, octree\n");
+}
+
+// Clocks that do as clocks do take no room on the page.
+TEST_F(Top, StampsThatWereTakenForOthersAreCounted) {
+  readings[0]["stamps"] = {{"late", 2}, {"jumped", 0}, {"missing", 7}};
+  readings[1]["stamps"] = {{"late", 5}, {"jumped", 1}, {"missing", 1'007}};
+  const Ran ran = at_terminal("top --once --every 10ms");
+  EXPECT_NE(ran.out.find("late 0   lost 2\nSTAMPS late 3   jumped 1   missing 1 000\nFROM   "), std::string::npos) << ran.out;
+  looks = 0;
+  const Ran records = collide("top --every 10ms --json");
+  for (const char* line : {R"({"figure":"stamps.late","value":3,"unit":"1/s"})", R"({"figure":"stamps.jumped","value":1,"unit":"1/s"})",
+                           R"({"figure":"stamps.missing","value":1000,"unit":"1/s"})"}) {
+    EXPECT_NE(records.out.find(std::string(line) + "\n"), std::string::npos) << line << "\n" << records.out;
+  }
 }
 
 TEST_F(Top, MachinesGetOneSetOfRecords) {

@@ -45,6 +45,6 @@ std::vector<std::string> fuzz_seeds() {
           "[::1]:8765",
           R"({"up_ns":1,"version":2,"step_period_ns":0,"steps":3,"stalled_steps":0,"step_durations":[[100,2],[200,1]],"stages":[{"stage":"take","ns":5}],)"
           R"("pairs":{"moved":1,"candidates":1,"filtered":1,"exact_tests":1,"undecided":0,"swept":0,"kept_apart":0},)"
-          R"("poses":{"applied":1,"late":0,"unknown":0,"refused":0,"superseded":0,"dropped":0},"questions":[{"kind":"ray","answered":1,"durations":[[7,1]]}],)"
+          R"("poses":{"applied":1,"late":0,"unknown":0,"refused":0,"superseded":0,"dropped":0},"stamps":{"late":0,"jumped":0,"missing":0},"questions":[{"kind":"ray","answered":1,"durations":[[7,1]]}],)"
           R"("refused":0,"undecided":0,"not_built":["FCL"]})"};
 }

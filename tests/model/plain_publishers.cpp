@@ -170,7 +170,8 @@ void PlainPublishers::apply(std::uint64_t id, Party& party, const service::PoseS
   ++counts.batches_applied;
   if (any) ++changes;
   // A new instant is news for the pairs of other publishers, whatever moved then.
-  const bool is_sign_of_life = sample.source_time_ns == 0 && sample.object_numbers.empty();
+  const bool is_sign_of_life = sample.source_time_ns == 0 && sample.object_numbers.empty() && !party.says_no_times;
+  if (!is_sign_of_life) party.says_no_times = sample.source_time_ns <= 0;
   std::set<std::uint64_t> in_world;
   for (const auto& [name, key] : owners_) {
     if (key.first == 0 || parties_.at(key.first).objects.at(key.second).moving) in_world.insert(key.first);

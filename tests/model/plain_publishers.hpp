@@ -39,6 +39,7 @@ class PlainPublishers {
     std::set<std::uint64_t> heard;  // sequences
     std::uint64_t through = 0, newest_definition = 0, newest_pose = 0;
     std::int64_t gap_since_ns = 0;
+    bool says_no_times = false;  // its batches come without stamps: an empty one says that it rests
   };
 
   explicit PlainPublishers(const service::PublisherLimits& limits) : limits_(limits) {}

@@ -243,7 +243,9 @@ def build_tree(root, tree, planted, say):
     environment = dict(os.environ, CCACHE_BASEDIR=os.path.commonpath([root, tree]), CCACHE_NOHASHDIR="1")
     for attempt in range(8):
         write_tree(root, tree, planted)
-        subprocess.run(["cmake", "-G", "Ninja", "-B", build, "-S", tree], check=True, stdout=subprocess.DEVNULL, env=environment)
+        # An index that a bug moves past an array's end is the tests' to notice, not the compiler's.
+        flags = "-DCMAKE_CXX_FLAGS=-Wno-error=array-bounds"
+        subprocess.run(["cmake", "-G", "Ninja", "-B", build, "-S", tree, flags], check=True, stdout=subprocess.DEVNULL, env=environment)
         made = subprocess.run(["ninja", "-C", build, "-k", "0"], env=environment, capture_output=True, text=True)
         if made.returncode == 0:
             return planted

@@ -152,12 +152,18 @@ def option(cursor, parent, source):
                        f"collided_mutants::empty_if({ON}, {text})")
 
 
+def is_view(of_type):
+    return re.search(r"\b(span|basic_string_view)<", of_type.get_canonical().spelling) is not None
+
+
 def field(cursor, source):
     """`.name = value` in braces: as if the field had not been copied."""
     for child in cursor.get_children():
         named = re.match(r"\.(\w+) = ", source.of(child))
         if not named:
             continue
+        if any(is_view(part.referenced.type) for part in child.get_children() if part.kind == CursorKind.MEMBER_REF and part.referenced):
+            continue  # of the copy that empty_if() makes it would be a view, also while the bug is off
         start, end = child.extent.start.offset + named.end(), child.extent.end.offset
         value = source.text(start, end)
         if value and not value.startswith("{"):

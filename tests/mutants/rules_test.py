@@ -19,7 +19,11 @@ except ImportError:
 
 PROGRAM = """#include <algorithm>
 #include <cstdio>
+#include <string>
+#include <string_view>
 struct Answer { int low; int high; };
+struct Word { std::string_view text; };
+Word view_of(const std::string& whole) { return {.text = whole}; }
 constexpr int kLimit = 3;
 Answer ask(int a, int b, bool wanted) {
   int low = std::min(a, b);
@@ -60,8 +64,11 @@ def main():
         planted = [plant.Planted(i, "idl", "idl/small.cpp", 1, function, made.rule, made.start, made.end, made.before, made.after, made.text)
                    for i, (made, function) in enumerate(found)]
         wrong = sum(not shows(folder, planted, kind, shown) for kind, shown in EXPECTED.items())
+    # Of a copy that is gone at once a view would see nothing, also while the bug is off.
+    views = [p.before for p in planted if p.rule == "field not copied" and p.before == "whole"]
+    wrong += len(views)
     places = len(planted)
-    print(f"{places} places, {len(EXPECTED) - wrong} of {len(EXPECTED)} as expected")
+    print(f"{places} places, {len(EXPECTED) - wrong} of {len(EXPECTED)} as expected, {len(views)} views of copies")
     return 0 if wrong == 0 and places >= 15 else 1
 
 

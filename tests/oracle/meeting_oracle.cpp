@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <set>
+#include <utility>
 
 namespace collided::oracle {
 namespace {
@@ -14,14 +14,36 @@ constexpr mp_bitcnt_t kBits = 400;
 
 using Point = std::array<mpq_class, 3>;
 
-Point position_at(const MovingBody& body, const mpq_class& time_ns) {
+std::pair<const Instant&, const Instant&> piece_at(const MovingBody& body, std::int64_t time_ns) {
   const auto& instants = body.instants;
-  std::size_t i = 1;
-  while (i + 1 < instants.size() && mpq_class(static_cast<long>(instants[i].time_ns)) < time_ns) ++i;
-  const Instant& from = instants[i - 1];
-  const Instant& to = instants[i];
-  const mpq_class start(static_cast<long>(from.time_ns));
-  const mpq_class share = (time_ns - start) / mpq_class(static_cast<long>(to.time_ns - from.time_ns));
+  const auto is_before = [](const Instant& instant, std::int64_t time) { return instant.time_ns < time; };
+  const auto to = std::lower_bound(instants.begin() + 1, instants.end() - 1, time_ns, is_before);
+  return {*std::prev(to), *to};
+}
+
+Vec3 roughly_at(const MovingBody& body, std::int64_t time_ns) {
+  const auto [from, to] = piece_at(body, time_ns);
+  const double share = static_cast<double>(time_ns - from.time_ns) / static_cast<double>(to.time_ns - from.time_ns);
+  return from.position + share * (to.position - from.position);
+}
+
+double size_m(const MovingBody& body) {
+  const double* radius = std::get_if<double>(&body.form);
+  return radius != nullptr ? *radius : std::get<Vec3>(body.form).norm();
+}
+
+/// So far from each other for so short a time that no rounding of doubles matters: rationals would find nothing either.
+bool are_far(const MovingBody& a, const MovingBody& b, std::int64_t from_ns, std::int64_t to_ns) {
+  constexpr double kFar_m = 0.01;
+  const Vec3 start = roughly_at(b, from_ns) - roughly_at(a, from_ns);
+  const Vec3 way = roughly_at(b, to_ns) - roughly_at(a, to_ns) - start;
+  return start.norm() - way.norm() > size_m(a) + size_m(b) + kFar_m;
+}
+
+Point position_at(const MovingBody& body, std::int64_t time_ns) {
+  const auto [from, to] = piece_at(body, time_ns);
+  mpq_class share(static_cast<long>(time_ns - from.time_ns), static_cast<long>(to.time_ns - from.time_ns));
+  share.canonicalize();
   Point at;
   for (int k = 0; k < 3; ++k) {
     const std::size_t axis = static_cast<std::size_t>(k);
@@ -64,9 +86,10 @@ Span boxes_touch(const Point& start, const Point& way, const Point& reach, doubl
   mpq_class low = 0, high = 1;
   for (std::size_t k = 0; k < 3; ++k) {
     if (way[k] == 0) {
-      if (abs(start[k]) <= reach[k]) continue;
-      closest_m = std::min(closest_m, mpq_class(abs(start[k]) - reach[k]).get_d());
-      return std::nullopt;
+      const mpq_class gap = abs(start[k]) - reach[k];
+      closest_m = std::min(closest_m, std::abs(gap.get_d()));
+      if (gap > 0) return std::nullopt;
+      continue;
     }
     mpq_class in = (-reach[k] - start[k]) / way[k];
     mpq_class out = (reach[k] - start[k]) / way[k];
@@ -76,7 +99,7 @@ Span boxes_touch(const Point& start, const Point& way, const Point& reach, doubl
   }
   mpq_class longest = 0;
   for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, mpq_class(abs(way[k])));
-  closest_m = std::min(closest_m, std::abs(mpq_class((high - low) * longest).get_d()));
+  if (longest > 0) closest_m = std::min(closest_m, std::abs(mpq_class((high - low) * longest).get_d()));
   if (low > high) return std::nullopt;
   return std::pair(mpf_class(low, kBits), mpf_class(high, kBits));
 }
@@ -105,9 +128,10 @@ std::vector<Meeting> meetings(const MovingBody& a, const MovingBody& b, double& 
   std::vector<Meeting> found;
   for (auto to = std::next(times.begin()); to != times.end(); ++to) {
     const std::int64_t from = *std::prev(to);
+    if (are_far(a, b, from, *to)) continue;
     const mpq_class t0(static_cast<long>(from));
     const mpq_class t1(static_cast<long>(*to));
-    const Point a0 = position_at(a, t0), a1 = position_at(a, t1), b0 = position_at(b, t0), b1 = position_at(b, t1);
+    const Point a0 = position_at(a, from), a1 = position_at(a, *to), b0 = position_at(b, from), b1 = position_at(b, *to);
     Point start, way;
     for (std::size_t k = 0; k < 3; ++k) {
       start[k] = b0[k] - a0[k];
@@ -123,6 +147,31 @@ std::vector<Meeting> meetings(const MovingBody& a, const MovingBody& b, double& 
     else found.push_back({begin, end});
   }
   return found;
+}
+
+void compare(const MovingBody& a, const MovingBody& b, std::span<const ToldMeeting> told, MeetingTally& tally) {
+  double closest_m = 0;
+  const std::vector<Meeting> truth = meetings(a, b, closest_m);
+  if (closest_m < 1e-9) {
+    ++tally.too_near;
+    return;
+  }
+  ++tally.pairs;
+  tally.meetings += static_cast<int>(truth.size());
+  tally.missed += std::max(0, static_cast<int>(truth.size()) - static_cast<int>(told.size()));
+  tally.invented += std::max(0, static_cast<int>(told.size()) - static_cast<int>(truth.size()));
+  if (truth.size() != told.size()) return;
+  const std::int64_t first_ns = std::max(a.instants.front().time_ns, b.instants.front().time_ns);
+  const std::int64_t last_ns = std::min(a.instants.back().time_ns, b.instants.back().time_ns);
+  const auto holds = [](const Bracket& bracket, const mpf_class& time_ns) {
+    return time_ns >= static_cast<double>(bracket.low_ns) && time_ns <= static_cast<double>(bracket.high_ns);
+  };
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const bool from_start = truth[i].begin_ns == static_cast<double>(first_ns) && told[i].began.high_ns <= first_ns;
+    const bool begins = from_start || holds(told[i].began, truth[i].begin_ns);
+    const bool ends = told[i].ended ? holds(*told[i].ended, truth[i].end_ns) : truth[i].end_ns == static_cast<double>(last_ns);
+    tally.wrong_brackets += begins && ends ? 0 : 1;
+  }
 }
 
 }  // namespace collided::oracle

@@ -3,11 +3,12 @@
 #include <gmpxx.h>
 
 #include <cstdint>
-#include <utility>
+#include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
-#include "server/geometry/shapes.hpp"
+#include "server/geometry/vector.hpp"
 
 namespace collided::oracle {
 
@@ -33,5 +34,33 @@ struct Meeting {
 /// rationals, each piece of time between two instants by itself. closest_m: how near they come in all to touching without
 /// doing so, or to parting without: what is below 1e-9 is too near for doubles to be held to.
 std::vector<Meeting> meetings(const MovingBody& a, const MovingBody& b, double& closest_m);
+
+/// Whole nanoseconds that contain a change.
+struct Bracket {
+  std::int64_t low_ns = 0;
+  std::int64_t high_ns = 0;
+};
+
+/// A contact as somebody was told it; without an end: it holds.
+struct ToldMeeting {
+  Bracket began;
+  std::optional<Bracket> ended;
+};
+
+/// How what was told of pairs compares with their poses.
+struct MeetingTally {
+  int pairs = 0;
+  int meetings = 0;
+  int missed = 0;
+  int invented = 0;
+  int wrong_brackets = 0;
+  int too_near = 0;  // pairs that doubles cannot be held to; not compared
+
+  int lies() const { return missed + invented + wrong_brackets; }
+};
+
+/// Compares what was told of a pair up to the end of both bodies' poses. A contact that holds at the first pose of both may
+/// have been told with any beginning before it.
+void compare(const MovingBody& a, const MovingBody& b, std::span<const ToldMeeting> told, MeetingTally& tally);
 
 }  // namespace collided::oracle

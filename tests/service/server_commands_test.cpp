@@ -98,6 +98,22 @@ TEST_F(ServerCommands, ASceneIsLoadedReplacedAndCleared) {
   EXPECT_EQ(client.status()->scenes, std::vector<std::string>{"warehouse"});
 }
 
+// It has been moved through the floor, which was told then; after a crash it is where it was, and went nowhere.
+TEST_F(ServerCommands, WhatComesBackAfterACrashHasNoWayBehindIt) {
+  testing_support::ChildProcess& first = start({}, "first");
+  Client client = connect();
+  done(client, "add", {{"name", "crate"}, {"pose", pose(6, 0, 3)}}, {BoxShape{.half_m = {0.2, 0.2, 0.2}}});
+  done(client, "move", {{"name", "crate"}, {"pose", pose(6, 0, -3)}});
+  ASSERT_TRUE(test::eventually([&] { return client.status()->last_event_sequence == 2; })) << client.status()->last_event_sequence;
+  const std::uint64_t epoch = client.status()->epoch;
+  first.signal(SIGKILL);
+  first.wait(10s);
+  start({}, "second");
+  ASSERT_TRUE(test::eventually([&] { return client.status()->epoch > epoch && client.status()->state == "ready"; }, 20s));
+  EXPECT_EQ(done(client, "get", {{"name", "crate"}})["pose"], pose(6, 0, -3));
+  EXPECT_EQ(client.status()->last_event_sequence, 0U);
+}
+
 // Their names have 4,095 bytes in a status; what has no room is left out by whole names, and "..." says so.
 TEST_F(ServerCommands, TheStatusNamesAsManyScenesAsHaveRoom) {
   constexpr std::size_t kRoom = 4'095;

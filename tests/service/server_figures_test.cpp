@@ -53,6 +53,23 @@ TEST_F(ServerFigures, SayHowLongTheServerIsUp) {
   EXPECT_EQ(later["step_period_ns"], 5'000'000);
 }
 
+TEST_F(ServerFigures, CountStampsThatWereTakenForOthers) {
+  start();
+  Client client = connect();
+  Publisher publisher = publish(client, "cell");
+  const Publisher::Object ball = add_ball(publisher, "ball", at(4, 4, 1));
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  for (const int later_ms : {0, 20, 10, 30, 3'600'000}) {
+    ASSERT_TRUE(publisher.move(ball, at(4, 4, 1 + 1e-4 * (later_ms % 100))));
+    ASSERT_TRUE(publisher.flush(now + std::chrono::milliseconds(later_ms)));
+  }
+  ASSERT_TRUE(publisher.wait_applied(std::chrono::seconds(5)));
+  EXPECT_TRUE(test::eventually([&] {
+    const json stamps = figures(client)["stamps"];
+    return stamps == json{{"late", 1}, {"jumped", 1}, {"missing", 0}};
+  })) << figures(client)["stamps"];
+}
+
 // Two balls that meet, two that their layers keep apart.
 TEST_F(ServerFigures, CountPairsAndWhatFiltersSave) {
   start();

@@ -53,23 +53,23 @@ class ClientReplay : public testing::Test {
   static constexpr std::uint64_t kPublisher = 77;
   static constexpr std::uint64_t kBegin_ns = 1'700'000'000 * kSecond_ns;
 
-  void define(std::uint64_t log_time, std::uint32_t number, std::uint64_t sequence, const char* name) {
+  static void name(wire::Definition& definition, std::uint32_t number, std::uint64_t sequence) {
+    definition.publisher = kPublisher;
+    definition.incarnation = 5;
+    definition.object_number = number;
+    definition.sequence_number = sequence;
+  }
+  void define(std::uint64_t log_time, std::uint32_t number, std::uint64_t sequence, const char* object) {
     dds::Sample<wire::Definition> definition;
-    definition->publisher = kPublisher;
-    definition->incarnation = 5;
-    definition->object_number = number;
-    definition->sequence_number = sequence;
+    name(*definition, number, sequence);
     definition->moving = true;
     definition->pose[3] = 1;
-    ASSERT_TRUE(dds::set_text(definition->name, name));
+    ASSERT_TRUE(dds::set_text(definition->name, object));
     file_.write(Recorded::object, log_time, *definition);
   }
   void remove(std::uint64_t log_time, std::uint32_t number, std::uint64_t sequence) {
     dds::Sample<wire::Definition> definition;
-    definition->publisher = kPublisher;
-    definition->incarnation = 5;
-    definition->object_number = number;
-    definition->sequence_number = sequence;
+    name(*definition, number, sequence);
     definition->removed = true;
     file_.write(Recorded::object, log_time, *definition);
   }

@@ -166,6 +166,30 @@ TEST_F(PublishersTest, AStampThatGoesBackIsTakenAndCounted) {
   EXPECT_EQ(publishers.counts().stamps_late, 1U);
 }
 
+// One that jumps, an hour ahead here, tells nothing of the way; one that says no time is known by when its batches came.
+TEST_F(PublishersTest, StampsThatJumpOrAreMissingAreCounted) {
+  define(definition(1, 1, "ball"));
+  const auto say = [&](std::uint64_t sequence, std::int64_t time_ns, double height) {
+    PoseSample sample = pose(sequence, {{1, height}});
+    sample.source_time_ns = time_ns;
+    sample.received_ns = now_ns;
+    move(sample);
+    step();
+  };
+  constexpr std::int64_t kHourNs = 3'600'000'000'000;
+  say(2, now_ns, 1);
+  EXPECT_EQ(publishers.counts().stamps_jumped + publishers.counts().stamps_missing + publishers.counts().stamps_late, 0U);
+  say(3, now_ns + kHourNs, 2);
+  EXPECT_EQ(publishers.counts().stamps_jumped, 1U);
+  say(4, now_ns + kHourNs, 3);
+  EXPECT_EQ(publishers.counts().stamps_jumped, 1U) << "it goes on from there";
+  say(5, 0, 4);
+  say(6, 0, 5);
+  EXPECT_EQ(publishers.counts().stamps_missing, 2U);
+  EXPECT_EQ(publishers.counts().stamps_late, 0U);
+  EXPECT_EQ(height("ball"), 5);
+}
+
 // A slot is used again: a pose that was sent for the earlier object must not move the later one.
 TEST_F(PublishersTest, APoseOlderThanItsDefinitionIsForAnEarlierObject) {
   define(definition(1, 1, "first"));
@@ -645,6 +669,34 @@ TEST_F(PublishersTest, APoseOfAnObjectThatIsGoneMovesNobody) {
   step();
   EXPECT_EQ(height("other"), 7);
   EXPECT_EQ(publishers.counts().poses_unknown, 1U);
+}
+
+// A publisher without stamps that rests says so by empty batches: whoever comes to what it has is told, and does not wait for it
+// to move again.
+TEST_F(PublishersTest, EmptyBatchesOfAPublisherWithoutStampsSayThatItRests) {
+  constexpr std::int64_t kMs = 1'000'000;
+  const auto of = [](auto sample, std::uint64_t publisher) {
+    sample.publisher = publisher;
+    return sample;
+  };
+  const auto at = [](PoseSample sample, std::int64_t time_ns) {
+    sample.source_time_ns = time_ns;
+    return sample;
+  };
+  now_ns = 1'000 * kMs;
+  define(definition(0, 1, "resting", 3));
+  define(of(definition(0, 1, "comer", 6), 8));
+  move(pose(2, {{0, 3.1}}));
+  move(of(at(pose(2, {{0, 6}}), now_ns), 8));
+  step();
+  now_ns += 10 * kMs;
+  move(of(at(pose(3, {{0, 4}}), now_ns), 8));
+  step();
+  EXPECT_TRUE(world.contacts().empty()) << "where the other is by now is not known";
+  now_ns += 10 * kMs;
+  move(pose(3, {}));
+  step();
+  EXPECT_EQ(world.contacts().size(), 1u);
 }
 
 }  // namespace

@@ -170,6 +170,40 @@ TEST_F(WorldByHand, BoxesAloneAnswerForTheirBoxes) {
   EXPECT_EQ(met, std::set<ObjectId>{one}) << "of another than " << part;
 }
 
+// A ball touches an edge of a box, 3, 4 and 5 times a number whose square no double holds: no filter is sure of that.
+TEST_F(WorldByHand, AnAnswerSaysHowExactlyItHadToBeDecided) {
+  Shape box;
+  box.primitives = {Box{.center = Vec3(-1, -1, 0), .half_m = Vec3(1, 1, 1)}};
+  define("box", {0, 0, 0}, box);
+  step();
+  const double k = 0.5 + 0x1p-31;
+  const auto level_of = [&](double x) { return ask({.kind = QueryKind::sphere, .numbers = {}}, {x, 4 * k, 0, 5 * k}).levels.at(0); };
+  EXPECT_GT(level_of(3 * k), 0) << "exactly";
+  EXPECT_EQ(level_of(0.125), 0) << "far inside";
+  EXPECT_EQ(level_of(2), 0) << "far outside";
+  EXPECT_GT(level_of(3 * k), 0) << "nothing is left of the questions before";
+}
+
+// A mesh and a solid: counted alike whichever was there first.
+TEST_F(WorldByHand, AStepCountsItsExactTests) {
+  std::uint64_t counted[2] = {};
+  for (const bool mesh_first : {false, true}) {
+    World fresh{WorldOptions{}};
+    for (const bool is_mesh : {mesh_first, !mesh_first}) {
+      ObjectDefinition definition;
+      definition.name = is_mesh ? "rock" : "ball";
+      definition.shape = is_mesh ? rock() : ball(0.5);
+      definition.pose.position = {is_mesh ? 0.0 : 0.9, 0, 0};
+      ASSERT_TRUE(std::holds_alternative<ObjectId>(fresh.define(definition)));
+    }
+    ASSERT_TRUE(fresh.step(1, 1, {}));
+    EXPECT_EQ(fresh.contacts().size(), 1U);
+    counted[mesh_first ? 1 : 0] = fresh.cost().exact_tests;
+  }
+  EXPECT_GT(counted[0], 0U);
+  EXPECT_EQ(counted[0], counted[1]);
+}
+
 TEST_F(WorldByHand, ThePriceListSaysThatBoxesComeWithoutABound) {
   for (int i = 0; i < 8; ++i) define("ball" + std::to_string(i), {i & 1 ? 3.0 : 0, i & 2 ? 3.0 : 0, i & 4 ? 3.0 : 0}, ball(1.4));
   step();

@@ -27,6 +27,20 @@ ObjectInfo primitive_object(const Primitive& primitive) {
 
 Frame at(const Vec3& position) { return {Mat3::Identity(), position}; }
 
+TEST(SweptTouch, TheEarliestContactWinsAndOfEqualOnesThatWithTheLowestNumbers) {
+  SweptTouch touch;
+  EXPECT_TRUE(touch.take({0.5, 0.75}, 5, 5));
+  EXPECT_FALSE(touch.take({0.25, 0.75}, 5, 6));
+  EXPECT_FALSE(touch.take({0.25, 0.75}, 6, 0));
+  EXPECT_FALSE(touch.take({0.25, 0.75}, 5, 5)) << "it is that one";
+  EXPECT_EQ(touch.bracket.low, 0.25) << "one with a later end may begin earlier";
+  EXPECT_TRUE(touch.take({0.3, 0.75}, 4, 9));
+  EXPECT_TRUE(touch.take({0.3, 0.7}, 8, 8));
+  EXPECT_EQ(touch.a_triangle, 8U);
+  EXPECT_EQ(touch.bracket.high, 0.7);
+  EXPECT_EQ(touch.bracket.low, 0.25);
+}
+
 struct Scene {
   StaticScene scene;
 
