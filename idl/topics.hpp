@@ -28,7 +28,13 @@ enum class ReplyStatus : std::uint8_t { ok, refused, progress };
 /// leaves what is covered, its distance (of rays) how far the way there is.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUncovered = 4 };
 enum class EventKind : std::uint8_t { began, persisted, ended };
-enum class EndReason : std::uint8_t { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted };
+/// decided: of a doubt; where no contact begins then, the two are apart.
+enum class EndReason : std::uint8_t { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted, decided };
+/// Why it is not known whether two objects touch. Such a pair is told as one that touches, by `began` and `ended`, until it is
+/// decided: who takes it for a contact errs on the safe side. Its depth is 0 and the bound of that infinite; in place of the
+/// normal, which nobody knows, stands (the doubt's number, 0, 0).
+/// numeric: the test came out undecided; cost_limit: the way from pose to pose could not be followed to its end.
+enum class Doubt : std::uint8_t { none, numeric, cost_limit };
 enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
 enum class PublisherState : std::uint8_t { alive, silent, lost };
 /// What becomes of a lost publisher's objects.

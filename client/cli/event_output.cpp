@@ -27,9 +27,19 @@ std::string_view name_of(Why why) {
     case Why::teleported: return "teleported";
     case Why::geometry_changed: return "geometry_changed";
     case Why::server_stopping: return "server_stopping";
+    case Why::decided: return "decided";
     case Why::server_restarted: break;
   }
   return "server_restarted";
+}
+
+std::string_view name_of(Doubt doubt) {
+  switch (doubt) {
+    case Doubt::none: return "";
+    case Doubt::numeric: return "numeric";
+    case Doubt::cost_limit: break;
+  }
+  return "cost_limit";
 }
 
 Value triangle_value(std::uint32_t triangle) {
@@ -40,7 +50,8 @@ Value triangle_value(std::uint32_t triangle) {
 }  // namespace
 
 Record event_record(const Event& event) {
-  const bool touches = event.what != What::ended;
+  const bool is_doubt = event.doubt != Doubt::none;
+  const bool touches = event.what != What::ended && !is_doubt;
   const bool is_told = event.what == What::began || event.what == What::persisted;
   const Value none = std::monostate{};
   const auto at = [&](double seconds_before) { return event.world_time.count() - std::llround(seconds_before * 1e9); };
@@ -58,25 +69,27 @@ Record event_record(const Event& event) {
           {"normal", touches ? MaybeVector(event.normal) : MaybeVector()},
           {"a_triangle", triangle_value(event.a_triangle)},
           {"b_triangle", triangle_value(event.b_triangle)},
-          {"after", touches ? none : Value(seconds_of(event.world_time - event.began))},
+          {"after", event.what == What::ended ? Value(seconds_of(event.world_time - event.began)) : none},
           {"why", event.why == Why::none ? none : Value(name_of(event.why))},
+          {"doubt", is_doubt ? Value(name_of(event.doubt)) : none},
           {"resync", event.resync ? Value(true) : none},
           {"sequence", event.sequence},
           {"episode", event.episode},
           {"bracket_low", event.bracket_low_s},
           {"bracket_high", event.bracket_high_s},
           {"epoch", event.epoch},
-          {"velocity", is_told ? MaybeVector(event.relative_velocity) : MaybeVector()}};
+          {"velocity", is_told && touches ? MaybeVector(event.relative_velocity) : MaybeVector()}};
 }
 
 std::string event_line(const Printer& printer, const Event& event, std::chrono::nanoseconds at) {
   const std::string pair = fmt::format("{} x {}", printable(event.a), printable(event.b));
-  if (event.what == What::open) return fmt::format("{:<8} {}  since {}", "open", pair, clock_text(event.began));
+  const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt));
+  if (event.what == What::open) return fmt::format("{:<8} {}  since {}{}", "open", pair, clock_text(event.began), doubt);
   const Paint paint = event.what == What::began ? Paint::bad : Paint::faint;
   std::string line = fmt::format("{} {}  {}", clock_text(at), printer.paint(paint, name_of(event.what)), pair);
   if (event.what == What::ended) line += fmt::format("  after {}  ({})", format_duration(event.world_time - event.began), name_of(event.why));
-  else line += fmt::format("  depth {} at {}", format_length(event.depth_m), format_vector(event.point));
-  line += fmt::format("  seq {}", event.sequence);
+  else if (event.doubt == Doubt::none) line += fmt::format("  depth {} at {}", format_length(event.depth_m), format_vector(event.point));
+  line += doubt + fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";
   return line;
 }

@@ -171,6 +171,7 @@ std::vector<std::string> top_lines(const Look& look) {
   if (figures.stalled_steps > 0) lines.back() += fmt::format("   waited for readers {} times", format_count(figures.stalled_steps));
   lines.push_back(fmt::format("PAIRS  candidates {} a step   contacts {}   saved by filters {}", mean_text(a_step(figures.candidates, figures)),
                               format_count(status.contacts), mean_text(a_step(figures.filtered, figures))));
+  if (figures.in_doubt > 0) lines.back() += fmt::format("   {} of them in doubt", format_count(figures.in_doubt));
   if (status.contacts_truncated) lines.back() += "   contacts are missing (max_contacts)";
   add_not_built(figures, lines);
   return lines;
@@ -214,6 +215,7 @@ std::vector<Record> top_records(const Look& look) {
   add("pairs.candidates", a_step(figures.candidates, figures), "a step");
   add("pairs.filtered", a_step(figures.filtered, figures), "a step");
   add("contacts", std::uint64_t{status.contacts}, "");
+  add("in_doubt", figures.in_doubt, "");
   for (const PublisherInfo& publisher : status.publishers) add("silent." + publisher.name, seconds_of(publisher.silent), "s");
   for (const std::string& structure : figures.not_built) add("not_built", structure, "");
   return records;

@@ -29,12 +29,17 @@ class StatusCommand : public Command {
     const ConnectOptions options = connect_options(session.io, globals);
     const ServerStatus status = take(session.client(globals).status());
     const nlohmann::json covers = covers_of(session.client(globals));
+    const nlohmann::json in_doubt = in_doubt_of(session.client(globals));
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
       print_text(printer, status, options.domain);
+      if (in_doubt.is_number_unsigned() && in_doubt != 0u) {
+        printer.line(printer.paint(Paint::doubt, format_count(in_doubt.get<std::uint64_t>()) + " pairs in doubt: neither known to touch nor to be apart"));
+      }
       print_covers(printer, covers);
     } else {
       Record all = record(status, options.domain);
+      all.push_back({"in_doubt", in_doubt.is_number_unsigned() ? Value(in_doubt.get<std::uint64_t>()) : Value()});
       all.push_back({"covers", covers.is_null() ? Value() : Value(RawJson{covers.dump()})});
       printer.record(all);
     }
@@ -49,6 +54,13 @@ class StatusCommand : public Command {
     const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
     const bool is_stated = parsed.is_object() && parsed.contains("covers") && parsed["covers"].is_array();
     return is_stated ? parsed["covers"] : nlohmann::json();
+  }
+
+  static nlohmann::json in_doubt_of(Client& client) {
+    const Result<std::string> answer = client.command(wire::kFigures, "{}", {}, std::chrono::milliseconds(500));
+    const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+    const bool is_told = parsed.is_object() && parsed.contains("pairs") && parsed["pairs"].is_object();
+    return is_told ? parsed["pairs"].value("in_doubt", nlohmann::json()) : nlohmann::json();
   }
 
   static void print_covers(Printer& printer, const nlohmann::json& covers) {

@@ -1,6 +1,7 @@
 #include "client/library/watch_decoding.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace collided::client {
 namespace {
@@ -16,6 +17,12 @@ constexpr int kFirstKind = static_cast<int>(What::began);
 
 Vec3 vector_at(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
 
+/// The bound of its depth is infinite, and in the normal's place stands why.
+Doubt doubt_at(const double* numbers) {
+  if (!std::isinf(numbers[7])) return Doubt::none;
+  return numbers[3] == static_cast<double>(Doubt::cost_limit) ? Doubt::cost_limit : Doubt::numeric;
+}
+
 bool fits(const wire::EventFrame& frame) {
   const std::size_t count = frame.kinds._length;
   const auto kinds = dds::view(frame.kinds);
@@ -24,7 +31,7 @@ bool fits(const wire::EventFrame& frame) {
          frame.b._length == count && frame.a_triangles._length == count && frame.b_triangles._length == count &&
          frame.episodes._length == count && frame.numbers._length == count * kEventNumbers &&
          std::all_of(kinds.begin(), kinds.end(), [](auto k) { return k <= static_cast<int>(EventKind::ended); }) &&
-         std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(Why::server_restarted); });
+         std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(Why::decided); });
 }
 
 bool fits(const wire::ContactShard& shard) {
@@ -51,6 +58,8 @@ Event decode_pair(const Message& message, std::size_t index, std::size_t number_
   event.normal = vector_at(numbers + 3);
   event.depth_m = numbers[6];
   event.depth_error_m = numbers[7];
+  event.doubt = doubt_at(numbers);
+  if (event.doubt != Doubt::none) event.normal = Vec3::Zero();
   return event;
 }
 

@@ -28,6 +28,7 @@ Figures figures_of(const json& answer) {
   }
   const json& pairs = answer.at("pairs");
   pairs.at("candidates").get_to(figures.candidates);
+  figures.in_doubt = pairs.value("in_doubt", std::uint64_t{0});
   pairs.at("filtered").get_to(figures.filtered);
   pairs.at("exact_tests").get_to(figures.exact_tests);
   answer.at("refused").get_to(figures.refused_requests);

@@ -34,6 +34,7 @@ struct Figures {
   std::uint64_t stalled_steps = 0;
   std::vector<DurationStep> step_durations{};
   std::vector<Stage> stages{};
+  std::uint64_t in_doubt = 0;  // pairs, now
   std::uint64_t candidates = 0;
   std::uint64_t filtered = 0;
   std::uint64_t exact_tests = 0;

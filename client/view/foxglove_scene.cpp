@@ -181,7 +181,7 @@ std::string frame_transforms(const Poses& poses, const std::map<std::uint64_t, s
 std::string contact_update(std::span<const Event> events) {
   json entities = json::array();
   for (const Event& event : events) {
-    if (event.what != What::began || !event.point.allFinite()) continue;
+    if (event.what != What::began || event.doubt != Doubt::none || !event.point.allFinite()) continue;
     const Quat turn = Quat::FromTwoVectors(Vec3::UnitX(), event.normal);
     const json arrow{{"pose", pose(event.point, turn)}, {"shaft_length", 0.2}, {"shaft_diameter", 0.02}, {"head_length", 0.08}, {"head_diameter", 0.06}, {"color", kAccent}};
     entities.push_back({{"timestamp", time(event.world_time)},

@@ -137,7 +137,7 @@ std::string_view name_of(What what) {
 }
 
 std::string_view name_of(Why why) {
-  constexpr std::string_view kNames[] = {"", "separated", "removed", "publisher_lost", "teleported", "geometry_changed", "server_stopping", "server_restarted"};
+  constexpr std::string_view kNames[] = {"", "separated", "removed", "publisher_lost", "teleported", "geometry_changed", "server_stopping", "server_restarted", "decided"};
   return kNames[static_cast<std::size_t>(why)];
 }
 
@@ -167,12 +167,13 @@ json event_text(const Event& event) {
   if (event.what == What::ended) {
     text["why"] = name_of(event.why);
     text["after"] = seconds(event.world_time - event.began);
-  } else {
+  } else if (event.doubt == Doubt::none) {
     text["point"] = numbers(event.point);
     text["normal"] = numbers(event.normal);
     text["depth"] = number(event.depth_m);
     text["error"] = number(event.depth_error_m);
   }
+  if (event.doubt != Doubt::none) text["doubt"] = event.doubt == Doubt::cost_limit ? "cost_limit" : "numeric";
   if (event.resync) text["resync"] = true;
   return text;
 }

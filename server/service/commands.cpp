@@ -307,12 +307,14 @@ json Commands::get(const CommandAsk&, const Arguments& arguments) {
   describe_fully(*state, info, clock_.now_ns(), object);
   if (const auto velocity = loop_.publishers().velocity(info.id)) object["velocity"] = *velocity;
   json contacts = json::array();
+  json in_doubt = json::array();
   for (const OpenContact& contact : loop_.world().contacts()) {
     if (contact.a != info.id && contact.b != info.id) continue;
     const ObjectInfo* other = loop_.world().info(contact.a == info.id ? contact.b : contact.a);
-    if (other) contacts.push_back(other->name);
+    if (other) (contact.doubt == wire_contract::Doubt::none ? contacts : in_doubt).push_back(other->name);
   }
   object["contacts"] = contacts;
+  if (!in_doubt.empty()) object["in_doubt"] = in_doubt;
   json waiting = json::array();
   for (const std::uint64_t publisher : loop_.publishers().waiting_for(info.name))
     waiting.push_back(loop_.publisher_name(publisher));

@@ -59,6 +59,7 @@ json Commands::figures(const Arguments& arguments) const {
             {"filtered", sums.filtered.get()},
             {"exact_tests", sums.exact_tests.get()},
             {"undecided", sums.undecided.get()},
+            {"in_doubt", sums.in_doubt.get()},
             {"swept", sums.swept.get()},
             {"kept_apart", sums.kept_apart.get()}}},
           {"poses",

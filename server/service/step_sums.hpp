@@ -32,6 +32,7 @@ struct StepSums {
   Tally filtered;    // pairs of movers near each other that their layers, masks or groups keep from meeting
   Tally exact_tests;
   Tally undecided;
+  Tally in_doubt;  // pairs, after the newest step
   Tally swept;
   Tally kept_apart;
   DurationCounts durations;  // of whole steps, what they publish included

@@ -209,6 +209,7 @@ void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   sums_.filtered.add(cost.filtered);
   sums_.exact_tests.add(cost.exact_tests);
   sums_.undecided.add(cost.undecided);
+  sums_.in_doubt.set(around_.world.doubt_count());
   sums_.swept.add(cost.swept);
   sums_.kept_apart.add(cost.kept_apart);
   sums_.durations.add(ended_ns - started_ns);

@@ -7,6 +7,7 @@
 namespace collided {
 namespace {
 
+using wire_contract::Doubt;
 using wire_contract::EndReason;
 
 /// Looks at parts that the sweep of one piece may take.
@@ -107,28 +108,34 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   cut(first, second, window);
   std::int64_t from_ns = window.from_ns;
   const bool are_balls = rows_[first].lone_sphere && rows_[second].lone_sphere;
-  bool is_held = ledger_.holds(rows_.info(first)->id, rows_.info(second)->id);
+  bool is_open = ledger_.is_open(rows_.info(first)->id, rows_.info(second)->id);
   for (const std::int64_t to_ns : lists_.cuts) {
     // Most pieces of most candidates, told from what two centres do.
-    if (is_held || !are_balls || !balls_stay_apart(first, second, from_ns, to_ns)) {
-      is_held = decide_piece({.a = first, .b = second, .from_ns = from_ns, .to_ns = to_ns,
+    if (is_open || !are_balls || !balls_stay_apart(first, second, from_ns, to_ns)) {
+      is_open = decide_piece({.a = first, .b = second, .from_ns = from_ns, .to_ns = to_ns,
                               .a_way = history.way(first, from_ns, to_ns, rows_[first].frame),
                               .b_way = history.way(second, from_ns, to_ns, rows_[second].frame)});
     }
     if (history.jumps(first, to_ns) || history.jumps(second, to_ns)) {
       const double at_s = seconds_ago(to_ns);
-      is_held = decide_instant(first, second, to_ns, {EndReason::teleported, at_s, at_s});
+      is_open = decide_instant(first, second, to_ns, {EndReason::teleported, at_s, at_s});
     }
     from_ns = to_ns;
   }
 }
 
-/// What held goes on, parts or is in doubt, which is no parting; else it begins on the way or does not. True: it holds.
+/// What held goes on, parts or is in doubt, which is no parting; else it begins on the way or does not. True: it holds or is
+/// in doubt.
 bool Decisions::decide_piece(const PairPiece& piece) {
   const ObjectId a = rows_.info(piece.a)->id;
   const ObjectId b = rows_.info(piece.b)->id;
   const bool is_held = ledger_.holds(a, b);
-  if ((rests(piece.a_way) && rests(piece.b_way)) || (!is_held && surely_stay_apart(piece))) return is_held;
+  const bool is_in_doubt = ledger_.is_in_doubt(a, b);
+  if (rests(piece.a_way) && rests(piece.b_way)) return is_held || is_in_doubt;
+  if (!is_held && surely_stay_apart(piece)) {
+    ledger_.decided_apart(a, b, seconds_ago(piece.from_ns), seconds_ago(piece.to_ns));
+    return false;
+  }
   const Touch touch = touch_at_end(piece);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   if (is_held && touch.yes) {
@@ -141,16 +148,37 @@ bool Decisions::decide_piece(const PairPiece& piece) {
     const SweptTouch sweep = sweep_piece(piece);
     ++cost_.swept;
     if (sweep.undecided && !sweep.yes && !touch.yes) ++cost_.sweeps_skipped;
-    if ((touch.yes || sweep.yes) && may_begin()) begin_on_way(piece, touch, sweep);
+    if (!touch.yes && !sweep.yes) doubt_piece(piece, touch, sweep);
+    else if (may_begin()) begin_on_way(piece, touch, sweep);
   }
-  return ledger_.holds(a, b);
+  return ledger_.is_open(a, b);
+}
+
+/// Neither found to touch nor to be apart: at the piece's end, or on the way there; or a doubt is over.
+void Decisions::doubt_piece(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep) {
+  FoundContact found{.a = rows_.info(piece.a)->id,
+                     .b = rows_.info(piece.b)->id,
+                     .contact = {},
+                     .bracket_low_s = seconds_ago(piece.from_ns),
+                     .bracket_high_s = seconds_ago(piece.to_ns),
+                     .parted_low_s = seconds_ago(piece.from_ns),
+                     .parted_high_s = seconds_ago(piece.to_ns)};
+  if (touch.undecided) {
+    ledger_.doubts(found, Doubt::numeric);
+  } else if (ledger_.is_in_doubt(found.a, found.b)) {
+    ledger_.decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
+  } else if (sweep.undecided && may_begin()) {
+    ledger_.doubted_and_parted(found, sweep.is_cut_short ? Doubt::cost_limit : Doubt::numeric);
+  }
 }
 
 void Decisions::begin_on_way(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep) {
   ++cost_.contacts;
   const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact.normal);
-  if (touch.yes) {
-    FoundContact found = found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1);
+  if (touch.yes || touch.undecided) {
+    // What has touched holds until it is known to be apart.
+    FoundContact found = touch.yes ? found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1)
+                                   : found_at(piece, sweep.a_triangle, sweep.b_triangle, sweep.contact, sweep.bracket.high);
     found.bracket_low_s = first.low_s;
     found.bracket_high_s = first.high_s;
     ledger_.touches(found);
@@ -217,8 +245,12 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
   } else if (is_held && !touch.undecided) {
     const double error_s = 1e-9 * static_cast<double>(clock_error_ns(a, b));
     ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, parted.reason, parted.bracket_low_s + error_s, parted.bracket_high_s - error_s);
+  } else if (!touch.yes && touch.undecided) {
+    ledger_.doubts(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1), Doubt::numeric);
+  } else if (!touch.yes) {
+    ledger_.decided_apart(rows_.info(a)->id, rows_.info(b)->id, parted.bracket_low_s, parted.bracket_high_s);
   }
-  return ledger_.holds(rows_.info(a)->id, rows_.info(b)->id);
+  return ledger_.is_open(rows_.info(a)->id, rows_.info(b)->id);
 }
 
 Touch Decisions::touch_at_end(const PairPiece& piece) {

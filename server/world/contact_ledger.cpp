@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace collided {
@@ -15,6 +16,19 @@ OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
           .b_triangle = found.b_triangle,
           .began_ns = world_time_ns - std::llround(found.bracket_high_s * 1e9),
           .contact = found.contact};
+}
+
+OpenContact doubted(const FoundContact& found, wire_contract::Doubt why, std::int64_t world_time_ns) {
+  OpenContact of = opened(found, world_time_ns);
+  // It may touch from the first instant on that is not decided.
+  of.began_ns = world_time_ns - std::llround(found.bracket_low_s * 1e9);
+  of.doubt = why;
+  of.a_triangle = of.b_triangle = wire_contract::kNoTriangle;
+  of.contact = Contact{};
+  of.contact.normal = Vec3(static_cast<double>(why), 0, 0);
+  of.contact.depth_m = 0;
+  of.contact.depth_error_m = std::numeric_limits<double>::infinity();
+  return of;
 }
 
 }  // namespace
@@ -34,22 +48,52 @@ void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted
 
 void ContactLedger::touches(const FoundContact& found) {
   assert(found.a < found.b && "a pair is named by its lower id first");
-  const auto [place, is_new] = index_.try_emplace(Pair{found.a, found.b}, open_.size());
-  if (is_new) {
-    open_.push_back(opened(found, world_time_ns_));
-    found_in_step_.push_back(step_);
-    events_.push_back({.kind = wire_contract::EventKind::began,
-                       .of = open_.back(),
-                       .bracket_low_s = found.bracket_low_s,
-                       .bracket_high_s = found.bracket_high_s,
-                       .relative_velocity = found.relative_velocity});
-    return;
-  }
+  end_doubt(found);
+  if (!is_open(found.a, found.b)) return open(opened(found, world_time_ns_), found);
   goes_on(found);
   if (!persisted_wanted_) return;
   events_.push_back({.kind = wire_contract::EventKind::persisted,
-                     .of = open_[place->second],
+                     .of = open_[index_.at({found.a, found.b})],
                      .relative_velocity = found.relative_velocity});
+}
+
+void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
+  index_.emplace(Pair{opened.a, opened.b}, open_.size());
+  open_.push_back(opened);
+  found_in_step_.push_back(step_);
+  doubt_count_ += opened.doubt != wire_contract::Doubt::none ? 1 : 0;
+  events_.push_back({.kind = wire_contract::EventKind::began,
+                     .of = opened,
+                     .bracket_low_s = found.bracket_low_s,
+                     .bracket_high_s = found.bracket_high_s,
+                     .relative_velocity = found.relative_velocity});
+}
+
+bool ContactLedger::holds(ObjectId a, ObjectId b) const {
+  const auto found = index_.find({a, b});
+  return found != index_.end() && open_[found->second].doubt == wire_contract::Doubt::none;
+}
+
+bool ContactLedger::is_in_doubt(ObjectId a, ObjectId b) const { return is_open(a, b) && !holds(a, b); }
+
+void ContactLedger::doubts(const FoundContact& found, wire_contract::Doubt why) {
+  const auto place = index_.find({found.a, found.b});
+  if (place == index_.end()) return open(doubted(found, why, world_time_ns_), found);
+  found_in_step_[place->second] = step_;
+}
+
+void ContactLedger::doubted_and_parted(const FoundContact& found, wire_contract::Doubt why) {
+  if (is_open(found.a, found.b)) return;
+  passed(doubted(found, why, world_time_ns_), found, wire_contract::EndReason::decided);
+}
+
+void ContactLedger::decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s) {
+  if (is_in_doubt(a, b)) end(index_.at({a, b}), {wire_contract::EndReason::decided, bracket_low_s, bracket_high_s});
+}
+
+/// A contact is found where there was a doubt.
+void ContactLedger::end_doubt(const FoundContact& found) {
+  decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
 }
 
 void ContactLedger::goes_on(const FoundContact& found) {
@@ -67,14 +111,19 @@ void ContactLedger::parts(ObjectId a, ObjectId b, wire_contract::EndReason reaso
 }
 
 void ContactLedger::touched_and_parted(const FoundContact& found) {
+  end_doubt(found);
+  passed(opened(found, world_time_ns_), found, wire_contract::EndReason::separated);
+}
+
+void ContactLedger::passed(const OpenContact& opened, const FoundContact& found, wire_contract::EndReason reason) {
   Event event{.kind = wire_contract::EventKind::began,
-              .of = opened(found, world_time_ns_),
+              .of = opened,
               .bracket_low_s = found.bracket_low_s,
               .bracket_high_s = found.bracket_high_s,
               .relative_velocity = found.relative_velocity};
   events_.push_back(event);
   event.kind = wire_contract::EventKind::ended;
-  event.reason = wire_contract::EndReason::separated;
+  event.reason = reason;
   event.relative_velocity.setZero();
   event.bracket_low_s = found.parted_low_s;
   event.bracket_high_s = found.parted_high_s;
@@ -92,8 +141,12 @@ void ContactLedger::end_object(ObjectId object, wire_contract::EndReason reason)
 }
 
 void ContactLedger::end(std::size_t index, const ContactEnd& of) {
+  using wire_contract::EndReason;
+  const bool is_doubt = open_[index].doubt != wire_contract::Doubt::none;
+  const bool is_parted = of.reason == EndReason::separated || of.reason == EndReason::teleported;
+  doubt_count_ -= is_doubt ? 1 : 0;
   events_.push_back({.kind = wire_contract::EventKind::ended,
-                     .reason = of.reason,
+                     .reason = is_doubt && is_parted ? EndReason::decided : of.reason,
                      .of = open_[index],
                      .bracket_low_s = of.bracket_low_s,
                      .bracket_high_s = of.bracket_high_s});

@@ -29,7 +29,7 @@ struct ContactEnd {
   double bracket_high_s = 0;
 };
 
-/// The contacts that hold, and the events that change them. Always: per pair began and ended alternate; sequences grow
+/// The contacts that hold and the pairs in doubt, and the events that change them. Always: per pair began and ended alternate; sequences grow
 /// one by one; events of one step are ordered by pair, so they do not hang on the order of finding.
 /// Writer's thread only.
 class ContactLedger {
@@ -41,6 +41,12 @@ class ContactLedger {
   void goes_on(const FoundContact& found);
   /// A contact that holds is over.
   void parts(ObjectId a, ObjectId b, wire_contract::EndReason reason, double bracket_low_s, double bracket_high_s);
+  /// It is not known whether the pair touches; what is told of it already goes on. found.contact is none.
+  void doubts(const FoundContact& found, wire_contract::Doubt why);
+  /// It was not known within this step, and is apart at its end.
+  void doubted_and_parted(const FoundContact& found, wire_contract::Doubt why);
+  /// A doubt is over: the two are apart.
+  void decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s);
   /// The pair touched within this step and is apart again.
   void touched_and_parted(const FoundContact& found);
   /// Every contact of the object ends.
@@ -63,7 +69,11 @@ class ContactLedger {
   /// Orders and numbers this step's events.
   void finish_step();
 
-  bool holds(ObjectId a, ObjectId b) const { return index_.contains({a, b}); }
+  bool holds(ObjectId a, ObjectId b) const;
+  bool is_in_doubt(ObjectId a, ObjectId b) const;
+  /// Held or in doubt.
+  bool is_open(ObjectId a, ObjectId b) const { return index_.contains({a, b}); }
+  std::size_t doubt_count() const { return doubt_count_; }
   /// Whether open()[index] was found in this step.
   bool found(std::size_t index) const { return found_in_step_[index] == step_; }
   const std::vector<Event>& events() const { return events_; }
@@ -81,6 +91,9 @@ class ContactLedger {
   };
 
   void end(std::size_t index, const ContactEnd& of);
+  void open(const OpenContact& opened, const FoundContact& found);
+  void end_doubt(const FoundContact& found);
+  void passed(const OpenContact& opened, const FoundContact& found, wire_contract::EndReason reason);
 
   std::vector<OpenContact> open_;
   std::vector<std::uint64_t> found_in_step_;  // beside open_
@@ -88,6 +101,7 @@ class ContactLedger {
   std::vector<Event> events_;
   std::uint64_t step_ = 0;
   std::uint64_t last_sequence_ = 0;
+  std::size_t doubt_count_ = 0;
   std::int64_t world_time_ns_ = 0;
   bool persisted_wanted_ = false;
 };

@@ -8,6 +8,7 @@
 namespace collided {
 namespace {
 
+using wire_contract::Doubt;
 using wire_contract::EndReason;
 
 /// A step tests so many candidates for each contact that it may find: shapes that are apart cost time, never memory.
@@ -89,16 +90,18 @@ void Decisions::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTo
     if (sweep->undecided && !sweep->yes && !touch.yes) ++cost_.sweeps_skipped;
   }
   if (touch.undecided && !touch.yes) ++cost_.undecided;
-  const bool passed = sweep != nullptr && sweep->yes && !touch.yes;
-  if (!touch.yes && !passed) return;
   const bool is_held = ledger_.holds(std::min(a, b), std::max(a, b));
+  // What has touched holds until it is known to be apart.
+  const bool passed = sweep != nullptr && sweep->yes && !touch.yes && !(touch.undecided && !is_held);
+  const bool holds_on = sweep != nullptr && sweep->yes && !touch.yes && !passed;
+  if (!touch.yes && !passed && !holds_on) return report_doubt(a, b, touch, sweep, mover);
   // Those that hold take their room, whether this search has come to them yet or not.
   if (!is_held && !passed && ledger_.open().size() >= step_.options.max_contacts) cost_.truncated = true;
   if (cost_.truncated && !is_held) return;
   ++cost_.contacts;
   FoundContact found{.a = a, .b = b, .a_triangle = touch.a_triangle, .b_triangle = touch.b_triangle,
-                     .contact = passed ? sweep->contact : touch.contact};
-  if (passed) {
+                     .contact = passed || holds_on ? sweep->contact : touch.contact};
+  if (passed || holds_on) {
     found.a_triangle = sweep->a_triangle;
     found.b_triangle = sweep->b_triangle;
   }
@@ -110,7 +113,7 @@ void Decisions::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTo
   set_bracket(found, sweep, mover);
   const bool is_told = step_.wishes.persisted || !is_held;
   if (step_.wishes.contacts && is_told) {
-    const double time = passed ? sweep->bracket.high : 1;
+    const double time = passed || holds_on ? sweep->bracket.high : 1;
     const Vec3& point = found.contact.point;
     found.relative_velocity = velocity_at(point, slot_of(found.b), time) - velocity_at(point, slot_of(found.a), time);
   }
@@ -119,6 +122,18 @@ void Decisions::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTo
   } else {
     ledger_.touches(found);
   }
+}
+
+/// Neither found to touch nor to be apart: at the step's end, or on the way there.
+void Decisions::report_doubt(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover) {
+  FoundContact found{.a = std::min(a, b), .b = std::max(a, b), .contact = {}};
+  const bool is_on_way = sweep != nullptr && sweep->undecided && !ledger_.is_open(found.a, found.b);
+  if (!touch.undecided && !is_on_way) return;
+  set_bracket(found, nullptr, mover);
+  found.parted_low_s = found.bracket_low_s;
+  found.parted_high_s = found.bracket_high_s;
+  if (touch.undecided) ledger_.doubts(found, Doubt::numeric);
+  else if (may_begin()) ledger_.doubted_and_parted(found, sweep->is_cut_short ? Doubt::cost_limit : Doubt::numeric);
 }
 
 /// In nanoseconds where the publisher's instants are known: the same whatever step they come in. From the way of the swept mover

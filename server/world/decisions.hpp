@@ -88,6 +88,7 @@ class Decisions {
  private:
   // decisions.cpp: from what is found to the ledger
   void report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
+  void report_doubt(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
   void set_bracket_of_moves(FoundContact& found) const;
   Vec3 velocity_at(const Vec3& point, std::uint32_t slot, double time) const;
@@ -132,6 +133,7 @@ class Decisions {
   PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
   std::int64_t clock_error_ns(std::uint32_t a, std::uint32_t b) const;
   bool may_begin();
+  void doubt_piece(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep);
 
   // kept_apart.cpp: meshes that need no test for a while
   double gap_wanted_m(std::uint32_t slot) const;

@@ -18,6 +18,7 @@ struct OpenContact {
   std::uint64_t episode = 0;  // sequence of its `began`
   std::int64_t began_ns = 0;  // world time
   Contact contact;            // as last computed; normal from a to b
+  wire_contract::Doubt doubt = wire_contract::Doubt::none;  // else it is not known whether they touch, and no contact is
 };
 
 struct Event {

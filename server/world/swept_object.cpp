@@ -271,7 +271,8 @@ void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, 
   Search search(a, b, options, cost, one, &touch);
   search.is_one = true;
   search.run();
-  touch.undecided = touch.undecided || search.is_exhausted();
+  touch.is_cut_short = search.is_exhausted();
+  touch.undecided = touch.undecided || touch.is_cut_short;
 }
 
 bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of,

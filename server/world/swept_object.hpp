@@ -29,6 +29,7 @@ struct SweptTouch {
   /// Some pair of parts, or all that the search had no room for, is open: another contact may be earlier than this one,
   /// or there may be one where none was found.
   bool undecided = false;
+  bool is_cut_short = false;  // the search had no room for all of it
   std::uint32_t exact_tests = 0;
   /// No contact in [0, low]; contact at high, by the exact test.
   TimeBracket bracket;

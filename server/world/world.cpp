@@ -297,6 +297,7 @@ void World::set_stale(ObjectId id, bool is_stale) {
 const std::vector<Event>& World::events() const { return state_->ledger.events(); }
 const StepCost& World::cost() const { return state_->cost; }
 const std::vector<OpenContact>& World::contacts() const { return state_->ledger.open(); }
+std::size_t World::doubt_count() const { return state_->ledger.doubt_count(); }
 std::uint64_t World::last_event_sequence() const { return state_->ledger.last_sequence(); }
 
 std::optional<ObjectId> World::find(std::string_view name) const { return state_->rows.find(name); }

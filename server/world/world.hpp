@@ -117,7 +117,8 @@ class World {
   bool step(std::int64_t world_time_ns, std::uint64_t batches, const StepWishes& wishes);
   const std::vector<Event>& events() const;
   const StepCost& cost() const;
-  const std::vector<OpenContact>& contacts() const;  // those that hold, in no order
+  const std::vector<OpenContact>& contacts() const;  // those that hold and pairs in doubt, in no order
+  std::size_t doubt_count() const;
   std::uint64_t last_event_sequence() const;
 
   std::optional<ObjectId> find(std::string_view name) const;

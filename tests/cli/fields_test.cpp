@@ -151,10 +151,43 @@ TEST_F(Fields, OfAnEventAreTheServersOwn) {
                                     "sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})"));
 }
 
+// Neither a depth nor a place is made up where it is not known whether the two touch.
+TEST_F(Fields, ADoubtIsToldWithItsReasonAndNothingThatNobodyKnows) {
+  Event began = event(What::began);
+  began.doubt = Doubt::cost_limit;
+  Event ended = event(What::ended);
+  ended.why = Why::decided;
+  ended.doubt = Doubt::numeric;
+  fake::server().events = {began, ended};
+  const Ran ran = collide("watch -n 2 --json");
+  std::istringstream lines(ran.out);
+  std::string first, second;
+  std::getline(lines, first);
+  std::getline(lines, second);
+  EXPECT_EQ(json::parse(first), json::parse(R"({"time":8.5,"time_ns":8500000000,"first_ns":17500000000,"last_ns":18500000000,"what":"began","a":"x","b":"y","doubt":"cost_limit","a_triangle":3,
+                                               "b_triangle":4,"resync":true,"sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})"));
+  EXPECT_EQ(json::parse(second)["doubt"], "numeric");
+  EXPECT_EQ(json::parse(second)["why"], "decided");
+  EXPECT_EQ(json::parse(second)["after"], 0.25);
+  fake::server().events = {began};
+  const std::string text = at_terminal("watch -n 1").out;
+  EXPECT_NE(text.find("began  x x y  in doubt (cost_limit)  seq 6"), std::string::npos) << text;
+  EXPECT_EQ(text.find("depth"), std::string::npos) << text;
+}
+
+TEST_F(Fields, PairsInDoubtAreCountedInTheStatus) {
+  fake::server().command = [](const std::string& name, const json&, const Shape&) -> Result<std::string> {
+    return std::string(name == "figures" ? R"({"pairs":{"in_doubt":3}})" : "{}");
+  };
+  EXPECT_EQ(collide("status --fields in_doubt").out, "3\n");
+  EXPECT_NE(at_terminal("status").out.find("\n3 pairs in doubt"), std::string::npos) << at_terminal("status").out;
+}
+
 TEST_F(Fields, EveryReasonOfAnEndHasItsOwnWord) {
   const std::vector<std::pair<Why, const char*>> words{{Why::separated, "separated"}, {Why::removed, "removed"}, {Why::publisher_lost, "publisher_lost"},
                                                        {Why::teleported, "teleported"}, {Why::geometry_changed, "geometry_changed"},
-                                                       {Why::server_stopping, "server_stopping"}, {Why::server_restarted, "server_restarted"}};
+                                                       {Why::server_stopping, "server_stopping"}, {Why::server_restarted, "server_restarted"},
+                                                       {Why::decided, "decided"}};
   for (const auto& [why, word] : words) {
     Event ended = event(What::ended);
     ended.why = why;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <numeric>
 
 #include "client/library/answer_decoding.hpp"
@@ -301,6 +302,20 @@ struct FrameMessage {
   }
 };
 
+TEST(WatchDecoding, AnInfiniteBoundOfTheDepthIsADoubtWithItsReason) {
+  Names names;
+  for (const Doubt why : {Doubt::numeric, Doubt::cost_limit}) {
+    FrameMessage frame;
+    frame.numbers[3] = static_cast<double>(why);
+    frame.numbers[7] = std::numeric_limits<double>::infinity();
+    const auto heard = client::decode(frame.message(), names);
+    ASSERT_TRUE(heard);
+    EXPECT_EQ(heard->entries[0].event.doubt, why);
+    EXPECT_EQ(heard->entries[0].event.normal, Vec3(Vec3::Zero()));
+    EXPECT_EQ(heard->entries[1].event.doubt, Doubt::none);
+  }
+}
+
 TEST(WatchDecoding, EveryFieldOfAnEventIsItsOwn) {
   Names names;
   FrameMessage frame;
@@ -352,7 +367,7 @@ TEST(WatchDecoding, AFrameWhoseListsDifferIsRefused) {
       {"episodes", [](FrameMessage& f) { f.episodes.pop_back(); }},
       {"numbers", [](FrameMessage& f) { f.numbers.pop_back(); }},
       {"an unknown kind", [](FrameMessage& f) { f.kinds[1] = 3; }},
-      {"an unknown reason", [](FrameMessage& f) { f.reasons[1] = 8; }},
+      {"an unknown reason", [](FrameMessage& f) { f.reasons[1] = 9; }},
   };
   for (const auto& [what, spoil] : spoilers) {
     Names names;

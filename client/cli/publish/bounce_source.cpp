@@ -100,6 +100,7 @@ class BounceSource : public Source {
     for (std::size_t count = 0; count < kMostEventsPerFrame; ++count) {
       const std::optional<Event> event = watch_->next(std::chrono::nanoseconds(0));
       if (!event) return;
+      if (event->doubt != Doubt::none) continue;  // nothing to bounce off
       const auto a = index_of_.find(event->a);
       const auto b = index_of_.find(event->b);
       const bool pair = a != index_of_.end() && b != index_of_.end();

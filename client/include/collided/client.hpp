@@ -276,11 +276,16 @@ class ProbeWatch {
 // ---- events --------------------------------------------------------------------------------------------------------
 
 enum class What { open, began, persisted, ended };
-enum class Why { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted };
+enum class Why { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted, decided };
+/// Why it is not known whether two objects touch: the test came out undecided; the way between two poses could not be
+/// followed to its end.
+enum class Doubt { none, numeric, cost_limit };
 
 struct Event {
   What what = What::began;
   Why why = Why::none;
+  /// Else the pair is not known to touch nor to be apart, from its `began` to its `ended`; there is no point, normal or depth.
+  Doubt doubt = Doubt::none;
   bool resync = false;  // learnt from the contact state after a gap, a late start or a new server
   std::string a;
   std::string b;
