@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/cli/number.hpp"
+#include "client/cli/time_text.hpp"
 
 namespace collided::cli {
 
@@ -14,6 +15,7 @@ void declare_ask_options(CLI::App& app, AskTexts& texts) {
   app.add_option("--within", texts.within, "Error that is good enough: 1um (0: exact on doubt)");
   app.add_option("--deadline", texts.deadline, "Answers later than this are undecided: 200us");
   app.add_option("--importance", texts.importance, "low: refused first by an overloaded server; high: never (normal)");
+  app.add_option("--as-of", texts.as_of, "All objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its newest pose)");
   app.add_flag("--fresh", texts.fresh, "Answer after this connection's own last write");
 }
 
@@ -24,6 +26,15 @@ Importance parse_importance(const std::string& text) {
   if (text == "low") return Importance::low;
   if (text == "high") return Importance::high;
   throw bad_use("--importance " + text + " is not known; allowed: low, normal, high");
+}
+
+Instant parse_instant(const std::string& text) {
+  if (text.empty() || text == "latest") return {};
+  if (text == "settled") return {.kind = Instant::Kind::settled};
+  const RunTime time = parse_time(text);
+  if (time.since == RunTime::Since::begin) throw bad_use("--as-of " + text + " is no instant", "latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970");
+  if (time.since == RunTime::Since::end) return {.kind = Instant::Kind::back, .time = -time.offset};
+  return {.kind = Instant::Kind::at, .time = time.offset};
 }
 
 }  // namespace
@@ -43,6 +54,7 @@ AskOptions ask_options_of(const AskTexts& texts, const Globals& globals) {
   if (!texts.deadline.empty()) options.deadline = parse_duration(texts.deadline);
   options.timeout = timeout_of(globals);
   options.fresh = texts.fresh;
+  options.as_of = parse_instant(texts.as_of);
   options.importance = parse_importance(texts.importance);
   return options;
 }

@@ -21,6 +21,7 @@ struct AskTexts {
   std::string within;
   std::string deadline;
   std::string importance;
+  std::string as_of;
   bool fresh = false;
 };
 

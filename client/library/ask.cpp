@@ -5,6 +5,7 @@
 #include "client/library/answer_decoding.hpp"
 #include "client/library/errors.hpp"
 #include "client/library/shape_encoding.hpp"
+#include "idl/instant.hpp"
 #include "idl/question_class.hpp"
 
 namespace collided::client {
@@ -47,7 +48,14 @@ std::optional<Error> options_fault(const Request& request, const AskOptions& opt
   if (options.deadline.count() < 0 || options.timeout.count() <= 0) {
     return bad_input(noun + ": a time is negative, or the timeout 0");
   }
+  if (options.as_of.time.count() < 0) {
+    return bad_input(noun + ": the instant is " + std::to_string(options.as_of.time.count()) + " ns; allowed 0 or more");
+  }
   return std::nullopt;
+}
+
+wire_contract::AskedInstant instant_of(const Instant& instant) {
+  return {.kind = static_cast<wire_contract::AskedInstant::Kind>(instant.kind), .ns = instant.time.count()};
 }
 
 // Everything but the questions; the slot's sample may hold what another request left.
@@ -65,7 +73,7 @@ void fill_header(wire::Query& query, const Request& request, const AskOptions& o
   query.fence_sequence = fence.sequence;
   static_cast<void>(dds::set_text(query.only, options.only));  // lengths were checked
   static_cast<void>(dds::set_text(query.skip, options.skip));
-  query.text[0] = 0;
+  static_cast<void>(dds::set_text(query.text, wire_contract::text_of(instant_of(options.as_of))));
   dds::borrow(query.blob, request.shape);
 }
 

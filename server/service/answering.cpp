@@ -53,6 +53,7 @@ class Answering::Worker {
   void answer_or_throw(Client& client, const Ask& ask);
   void answer_sweeps(Client& client, const Ask& ask);
   void answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover);
+  void answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest);
   void doubt(const Questions& questions);
   void count_levels(QueryKind kind);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
@@ -182,6 +183,7 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
       .mover = mover};
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
   if (restore_float_environment()) ++owner_.counts_.float_repairs;
+  if (query.text[0] != 0) return answer_of_instant(client, ask, questions, *lease);
   collided::answer(*lease, questions, answers_, scratch_);
   // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
   if (owner_.options_.recovering()) doubt(questions);
@@ -190,6 +192,19 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
   // The audit's twin knows no ways.
   const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
   if (mover == nullptr && !is_overloaded) owner_.audit_.consider(lease, questions, answers_);
+}
+
+void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest) {
+  const auto past = owner_.past_states_.at(*wire_contract::asked_instant(ask.query->text), newest);
+  if (const auto* refusal = std::get_if<std::string>(&past)) {
+    ++owner_.counts_.refused;
+    return write_text(client, ask.query->request, ReplyStatus::refused, refusal_text(*refusal));
+  }
+  const Snapshot& state = *std::get<std::shared_ptr<const Snapshot>>(past);
+  collided::answer(state, questions, answers_, scratch_);
+  if (owner_.options_.recovering()) doubt(questions);
+  write_answers(client, ask, state);
+  count_levels(questions.kind);
 }
 
 void Answering::Worker::count_levels(QueryKind kind) {
@@ -280,6 +295,7 @@ Answering::Answering(const World& world, const WorldClock& clock, Fences& fences
       leases_(leases),
       counts_(counts),
       audit_(audit),
+      past_states_(world),
       options_(options),
       command_(std::move(command)),
       queue_(kMostQueued),

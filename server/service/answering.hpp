@@ -19,6 +19,7 @@
 #include "server/service/flight_recorder.hpp"
 #include "server/service/lease_book.hpp"
 #include "server/service/overload.hpp"
+#include "server/service/past_states.hpp"
 #include "server/service/short_questions.hpp"
 #include "server/world/world.hpp"
 
@@ -102,6 +103,7 @@ class Answering {
   LeaseBook& leases_;
   QuestionCounts& counts_;
   BackgroundAudit& audit_;
+  PastStates past_states_;
   AnsweringOptions options_;
   Command command_;
   AskPool pool_;

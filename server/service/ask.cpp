@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "idl/instant.hpp"
 #include "idl/question_class.hpp"
 #include "server/service/border.hpp"
 
@@ -78,13 +79,15 @@ double cost_of(const wire::Query& query) {
   const auto kind = static_cast<QueryKind>(query.kind);
   const std::uint32_t numbers = wire_contract::numbers_of(kind);
   const double questions = numbers == 0 ? 1 : std::max(1U, query.numbers._length / numbers);
+  // A state at a past instant is put together first.
+  const double state = numbers > 0 && query.text[0] != 0 ? 2'000 : 0;
   switch (kind) {
-    case QueryKind::sphere: return 2 * questions;
-    case QueryKind::box: return 3 * questions;
-    case QueryKind::near: return 25 * questions;
-    case QueryKind::sweep: return 45 * questions;
+    case QueryKind::sphere: return state + 2 * questions;
+    case QueryKind::box: return state + 3 * questions;
+    case QueryKind::near: return state + 25 * questions;
+    case QueryKind::sweep: return state + 45 * questions;
     case QueryKind::command: return 1'000;
-    default: return questions;
+    default: return state + questions;
   }
 }
 
@@ -112,6 +115,9 @@ std::optional<std::string> why_refused(const wire::Query& query) {
   }
   if (query.max_hits == 0 || query.max_hits > wire_contract::kMaxHitsPerChunk) {
     return fmt::format("max_hits {}; allowed 1 to {}", query.max_hits, wire_contract::kMaxHitsPerChunk);
+  }
+  if (!wire_contract::asked_instant(query.text)) {
+    return fmt::format("the instant {}; allowed are nothing, settled, ns since 1970 and -ns before the newest", printable(query.text));
   }
   if (query.deadline_ns < 0) return fmt::format("deadline {} ns; allowed 0 (none) and more", query.deadline_ns);
   if (!(query.error_asked_m >= 0)) return fmt::format("error asked {} m; allowed 0 and more", query.error_asked_m);

@@ -25,6 +25,7 @@ struct Options {
   std::vector<Aabb> covers;        // of the world: where what is loaded is complete; none: not stated
   std::uint32_t max_objects = 0;
   std::uint32_t max_contacts = 0;
+  std::int64_t memory_ns = 0;       // of poses, for questions about an instant; 0: none
   std::int64_t clock_error_ns = 0;  // of publishers' clocks against each other
   double error_m = 0;            // of questions that ask for none; 0: exact on doubt
   std::int64_t deadline_ns = 0;  // of questions that bring none; 0: none

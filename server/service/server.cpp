@@ -133,7 +133,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       identity{
           .server = random_number(), .epoch = epoch.value, .name_space = options.name_space, .version = version_text()},
       world({.epoch = identity.epoch, .max_objects = options.max_objects, .max_contacts = options.max_contacts,
-             .clock_error_ns = options.clock_error_ns}),
+             .clock_error_ns = options.clock_error_ns, .memory = {.reach_ns = options.memory_ns}}),
       leases(world),
       audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),

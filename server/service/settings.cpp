@@ -112,6 +112,13 @@ Allowed apply_clock_error(Options& options, Values values) {
   return std::nullopt;
 }
 
+Allowed apply_memory(Options& options, Values values) {
+  const std::optional<std::int64_t> reach = values[0] == "off" ? 0 : parse_duration_ns(values[0]);
+  if (!reach || *reach < 0 || *reach > 3'600'000'000'000) return "'off' or a time up to 1h, such as 30s";
+  options.memory_ns = *reach;
+  return std::nullopt;
+}
+
 Allowed apply_deadline(Options& options, Values values) {
   if (values[0] == "none") {
     options.deadline_ns = 0;
@@ -220,6 +227,8 @@ constexpr Setting kSettings[] = {
      "that one step may find; what comes after is truncated", false, apply_max_contacts},
     {"world.clock_error", "--clock-error", "COLLIDED_CLOCK_ERROR", "0", "TIME",
      "of publishers' clocks against each other; widens brackets between objects of two", false, apply_clock_error},
+    {"world.memory", "--memory", "COLLIDED_MEMORY", "30s", "TIME",
+     "where objects were in so long is kept, for questions about an instant, at most 512 MiB of it; off", false, apply_memory},
     {"answer.error", "--error", "COLLIDED_ERROR", "0", "LENGTH", "good enough where none is asked; 0: exact on doubt",
      false, apply_error},
     {"answer.audit", "--audit", "COLLIDED_AUDIT", "off", "1/N",

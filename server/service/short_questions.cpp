@@ -5,7 +5,7 @@
 namespace collided::service {
 
 bool ShortQuestions::is_short(const wire::Query& query, std::int64_t now_ns) const {
-  return now_ns >= not_before_ns_ && is_single(query) &&
+  return now_ns >= not_before_ns_ && is_single(query) && query.text[0] == 0 &&
          query.kind != static_cast<std::uint8_t>(wire_contract::QueryKind::sweep);
 }
 

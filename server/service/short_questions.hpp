@@ -11,7 +11,7 @@ namespace collided::service {
 /// One thread.
 class ShortQuestions {
  public:
-  /// A single ray, sphere, box or nearest point, and none took long of late.
+  /// A single ray, sphere, box or nearest point of the newest state, and none took long of late.
   bool is_short(const wire::Query& query, std::int64_t now_ns) const;
   void took(std::int64_t started_ns, std::int64_t ended_ns);
 

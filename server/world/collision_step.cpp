@@ -48,6 +48,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   s.sources.begin_step(world_time_ns, s.motion.is_any_open());
   s.rows.stamp_changes(s.step_count, world_time_ns, s.sources);
   s.fill(*next, world_time_ns);
+  s.memory.note({s.rows, s.sources, s.scenes, s.stale_objects, *next});
   const std::int64_t updated = now_ns();
 
   // Motion, and candidates by its bounds.
@@ -86,6 +87,7 @@ void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
   next.version = version;
   next.world_time_ns = world_time_ns;
   next.scenes = scenes;
+  next.settled_ns = sources.settled_ns(world_time_ns);
   next.stale_objects = stale_objects;
   next.covers = covers;
 }

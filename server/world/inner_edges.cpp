@@ -17,7 +17,6 @@ using wire_contract::kNoTriangle;
 
 constexpr std::size_t kMostPrimitives = 16;
 constexpr std::size_t kMostContacts = 64;
-constexpr std::uint32_t kNoPart = 0xffffffff;
 /// Of unit normals: nearer than that they are one, and up to that beyond a right angle they do not oppose each other.
 constexpr double kSameNormal = 1e-12;
 
@@ -27,7 +26,7 @@ bool has_faces(const Primitive& primitive) {
 }
 
 bool has_faces(const ObjectInfo& info) {
-  if (info.scene_part != kNoPart || info.mesh) return true;
+  if (info.scene_part != kNoScenePart || info.mesh) return true;
   return info.primitives.size() <= kMostPrimitives &&
          std::any_of(info.primitives.begin(), info.primitives.end(), [](const Primitive& p) { return has_faces(p); });
 }
@@ -120,7 +119,7 @@ class Correction {
 
   double rounding_m(ObjectId id) const {
     const ObjectInfo& own = info(id);
-    if (own.scene_part != kNoPart) return 0;
+    if (own.scene_part != kNoScenePart) return 0;
     const Aabb& bounds = rows_[slot_of(id)].bounds;
     const Vec3 size = bounds.high - bounds.low;
     const double slack_m = placement_slack(rows_[slot_of(id)].frame, 0, size.lpNorm<1>());

@@ -25,6 +25,9 @@ struct IndexedMesh {
   double radius_m = 0;  // no vertex is farther from the frame's origin
 };
 
+/// In place of the number of a scene's part.
+inline constexpr std::uint32_t kNoScenePart = 0xffffffff;
+
 struct IndexedParts;  // part_index.hpp
 struct SceneLevel;    // scene_levels.hpp
 
@@ -40,7 +43,7 @@ struct ObjectInfo {
   std::vector<Primitive> primitives;        // in the object's frame
   std::shared_ptr<const IndexedParts> parts;  // of the primitives; null: each is asked
   std::shared_ptr<const IndexedMesh> mesh;  // in the object's frame; null for a part of a static scene
-  std::uint32_t scene_part = 0xffffffff;    // number of the part where the object is a run of static triangles
+  std::uint32_t scene_part = kNoScenePart;    // number of the part where the object is a run of static triangles
   std::uint32_t part_triangles = 0;         // of the part, or of a mesh whose triangles mending has cut
   CutTriangles cut;                         // of these
 

@@ -19,7 +19,7 @@ struct Standing {
     const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
     frame = snapshot.frames[slot_of(id)];
     placed = {.info = &info, .frame = &frame, .bounds = snapshot.bounds[slot_of(id)]};
-    if (info.scene_part == 0xffffffff) return;
+    if (info.scene_part == kNoScenePart) return;
     Shape shape;
     shape.mesh = mesh_of_part(snapshot, info);
     own = without_world(shape);

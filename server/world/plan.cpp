@@ -28,7 +28,7 @@ Counts count(const Snapshot& snapshot) {
   std::unordered_set<const IndexedMesh*> meshes;
   for (const auto& scene : snapshot.scenes) counts.static_triangles += scene->mesh.triangles.size();
   for (const auto& info : *snapshot.objects) {
-    if (!info || info->scene_part != 0xffffffff) continue;
+    if (!info || info->scene_part != kNoScenePart) continue;
     ++(info->moving ? counts.moving : counts.placed);
     if (info->moving && info->mesh) ++counts.moving_meshes;
     if (info->mesh) ++counts.with_mesh;

@@ -129,7 +129,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
   const ObjectInfo& info = *(*snapshot.objects)[slot];
   Audience& audience = audience_of(snapshot, info.filter);
   // Of a scene that the object is a part of, not everything may answer.
-  const bool is_part = info.scene_part != 0xffffffff;
+  const bool is_part = info.scene_part != kNoScenePart;
   const std::vector<std::uint8_t> closed_scenes(is_part ? snapshot.scenes.size() : 0, 0);
   std::uint8_t& itself = audience.allowed[slot];
   const std::uint8_t met_by_others = std::exchange(itself, std::uint8_t{0});

@@ -29,6 +29,7 @@ struct Snapshot {
   std::uint64_t epoch = 0;
   std::uint64_t version = 0;
   std::int64_t world_time_ns = 0;
+  std::int64_t settled_ns = 0;  // the newest instant at which it is known where every object was
   std::vector<std::shared_ptr<const StaticScene>> scenes;
   std::shared_ptr<const ObjectTable> objects;
   std::uint64_t table_version = 0;      // grows with each change of `objects`

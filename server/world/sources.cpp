@@ -98,6 +98,14 @@ void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
   needs_common_time_ = needs_common_time_ || (used_count_ > 1 && (is_any_timed || oldest_ns < newest_ns));
 }
 
+std::int64_t Sources::settled_ns(std::int64_t world_time_ns) const {
+  std::int64_t settled_ns = world_time_ns;
+  for (const Source& source : sources_) {
+    if (source.object_count > 0) settled_ns = std::min(settled_ns, source.known_of(0));
+  }
+  return settled_ns;
+}
+
 void Sources::end_step() {
   std::int64_t newest_ns = 0;
   std::int64_t oldest_ns = kForEver;

@@ -78,6 +78,8 @@ class Sources {
   void end_step();
 
   const Source& operator[](std::uint32_t source) const { return sources_[source]; }
+  /// Numbers below this; some may be free.
+  std::uint32_t size() const { return static_cast<std::uint32_t>(sources_.size()); }
   const Source* find(std::uint64_t publisher) const;
   /// Objects are not all known up to one instant, or did not all move at one in this step, or somebody still waits for what was
   /// before: pairs are decided on common time.
@@ -87,6 +89,8 @@ class Sources {
   /// The floor has passed it while it was silent, and now it goes on beyond: its pairs begin anew at the floor.
   bool is_over_floor_again(const Source& source) const;
   bool is_any_over_floor_again() const { return is_any_over_floor_again_; }
+  /// The newest instant at which all are known.
+  std::int64_t settled_ns(std::int64_t world_time_ns) const;
   /// Somebody may wait for this publisher's next instant.
   bool are_several() const { return used_count_ > 1; }
 

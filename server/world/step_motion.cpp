@@ -11,16 +11,23 @@ namespace {
 /// two that pass through each other go at least their two widths.
 constexpr double kUnsweptShare = 0.5;
 
-BodyWay way_between(const ObjectRow& row, const Frame& before) {
-  if (!row.lone_sphere) return {before, row.frame};
-  BodyWay way{row.frame, row.frame};
-  const Vec3& center = row.lone_sphere->center;
-  way.from.position = place(before, center) - (place(row.frame, center) - row.frame.position);
+}  // namespace
+
+BodyWay way_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now) {
+  if (!lone_sphere) return {before, now};
+  BodyWay way{now, now};
+  const Vec3& center = lone_sphere->center;
+  way.from.position = place(before, center) - (place(now, center) - now.position);
   way.travel = way.to.position - way.from.position;
   return way;
 }
 
-}  // namespace
+WayTimes way_times(const ObjectRow& row, bool is_new, const Source* source) {
+  const std::int64_t settled_ns = source != nullptr ? source->settled_of(row.said_before_ns) : row.posed_before_ns;
+  const std::int64_t since_ns = std::max({row.posed_before_ns, row.born_ns, settled_ns});
+  const std::int64_t to_ns = std::max(row.posed_ns, is_new || source == nullptr ? row.born_ns : settled_ns + 1);
+  return {.from_ns = row.has_way && since_ns < to_ns ? since_ns : to_ns, .to_ns = to_ns};
+}
 
 void StepMotion::begin_step(const Sources& sources, ApartMemory& apart) {
   bounds_.resize(rows_.size());
@@ -74,16 +81,12 @@ void StepMotion::end_step(std::int64_t floor_ns) {
   history_.forget_up_to(floor_ns);
 }
 
-/// A way begins where its object's last pose was, at the earliest where it is decided already that it rested.
 void StepMotion::remember(std::uint32_t slot, const Source& source) {
   const ObjectRow& row = rows_[slot];
-  const std::int64_t settled_ns = source.settled_of(row.said_before_ns);
-  const std::int64_t since_ns = std::max({row.posed_before_ns, row.born_ns, settled_ns});
-  const std::int64_t to_ns = std::max(row.posed_ns, rows_.is_new(slot) ? row.born_ns : settled_ns + 1);
-  MotionSegment segment{.from_ns = to_ns, .to_ns = to_ns, .from = row.frame_before, .to = row.frame, .bounds = row.bounds};
-  if (row.has_way && since_ns < to_ns) {
-    segment.from_ns = since_ns;
-    const BodyWay way = way_between(row, row.frame_before);
+  const WayTimes times = way_times(row, rows_.is_new(slot), &source);
+  MotionSegment segment{.from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before, .to = row.frame, .bounds = row.bounds};
+  if (!segment.is_jump()) {
+    const BodyWay way = way_between(row.lone_sphere, row.frame_before, row.frame);
     segment.from = way.from;
     segment.to = way.to;
     segment.bounds = collided::bounds(*rows_.info(slot), way, row.size.reach_m);
@@ -115,7 +118,7 @@ bool StepMotion::goes_fast(std::uint32_t slot) const {
 
 BodyWay StepMotion::body_way(std::uint32_t slot) const {
   const ObjectRow& row = rows_[slot];
-  return way_between(row, rows_.motion(slot) == Motion::moved ? row.frame_before : row.frame);
+  return way_between(row.lone_sphere, rows_.motion(slot) == Motion::moved ? row.frame_before : row.frame, row.frame);
 }
 
 double StepMotion::longest_way_m(std::uint32_t slot, double reach_m) const {

@@ -20,6 +20,17 @@ struct BallWay {
   double radius_m = -1;              // negative: not one sphere
 };
 
+/// When an object went to its pose; both equal: it jumped there.
+struct WayTimes {
+  std::int64_t from_ns = 0;
+  std::int64_t to_ns = 0;
+};
+/// A way begins where its object's last pose was, at the earliest where it is decided already that it rested.
+/// source  whose time the object is known by; null: the server's own
+WayTimes way_times(const ObjectRow& row, bool is_new, const Source* source);
+/// The way of any object; a lone sphere's is that of its centre.
+BodyWay way_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now);
+
 /// The motion phase of a step: how each object goes from its pose before to its pose now. Writer's thread only.
 /// Always: bounds()[slot] contains the object's whole way where a sweep may be asked for it, and its end otherwise.
 class StepMotion {

@@ -65,8 +65,7 @@ std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition
   return added;
 }
 
-World::World(const WorldOptions& options) : state_(std::make_unique<State>()) {
-  state_->options = options;
+World::World(const WorldOptions& options) : state_(std::make_unique<State>(options)) {
   // Readers may come before the first step: the first state is an empty world.
   step(0, 0, {});
 }
@@ -304,5 +303,6 @@ std::optional<ObjectId> World::find(std::string_view name) const { return state_
 const ObjectInfo* World::info(ObjectId id) const { return state_->rows.find(id); }
 const ObjectTable& World::objects() const { return state_->rows.table(); }
 SnapshotRing::Lease World::newest() const { return state_->ring.newest(); }
+const PoseMemory& World::memory() const { return state_->memory; }
 
 }  // namespace collided

@@ -13,6 +13,7 @@
 #include "server/intake/scene.hpp"
 #include "server/world/events.hpp"
 #include "server/world/object.hpp"
+#include "server/world/pose_memory.hpp"
 #include "server/world/snapshot.hpp"
 
 namespace collided {
@@ -23,6 +24,7 @@ struct WorldOptions {
   std::uint32_t max_contacts = 10'000'000;  // that one step may find
   double sweep_width = 1e-9;            // of the bracket of a lone sphere's first contact, as a fraction of the step
   std::int64_t clock_error_ns = 0;      // of two publishers' clocks against each other: widens brackets and nothing else
+  PoseMemoryOptions memory = {};        // for questions about an instant
   double sweep_width_s = 1e-6;          // of the bracket of any other fast mover's, seconds of world time
 };
 
@@ -127,6 +129,8 @@ class World {
 
   /// Any thread.
   SnapshotRing::Lease newest() const;
+  /// What was at an instant of the last seconds. Any thread.
+  const PoseMemory& memory() const;
 
  private:
   std::unique_ptr<State> state_;

@@ -17,7 +17,10 @@ namespace collided {
 
 /// What the writer keeps; snapshots are copies of it.
 struct World::State {
+  explicit State(const WorldOptions& asked) : options(asked), memory(asked.memory) {}
+
   WorldOptions options;
+  PoseMemory memory;
   SnapshotRing ring;
 
   ObjectRows rows;

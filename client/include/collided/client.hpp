@@ -96,6 +96,19 @@ struct SweepQuestion {
   Pose to;
 };
 
+/// The instant that a question is about.
+/// latest   each object at its newest pose; those of several publishers differ by their periods
+/// settled  the newest instant at which it is known where every object was
+/// at       since 1970, by the publishers' clocks
+/// back     so long before the server's newest
+/// Of an instant that is later than `settled`, whatever an object not known so far could change is undecided (stale_object).
+/// A server remembers some seconds (--memory) and refuses what lies before.
+struct Instant {
+  enum class Kind { latest, settled, at, back };
+  Kind kind = Kind::latest;
+  std::chrono::nanoseconds time{0};  // of `at` and `back`, not negative
+};
+
 /// What may answer, and how well.
 struct AskOptions {
   Pick pick = Pick::closest;          // rays only
@@ -107,6 +120,7 @@ struct AskOptions {
   std::chrono::nanoseconds deadline{0};             // 0: none; later answers are undecided (deadline)
   std::chrono::nanoseconds timeout{2'000'000'000};  // how long the caller waits
   bool fresh = false;                 // answer after this connection's own last write
+  Instant as_of = {};                 // Answers::world_time says which instant it was
   Importance importance = Importance::normal;
 };
 

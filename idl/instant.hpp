@@ -1,0 +1,42 @@
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace collided::wire_contract {
+
+/// The instant that a question is about, as Query::text of a question says it: "" for latest, "settled", "1795348990000000000"
+/// (ns since 1970), or "-2000000000" (ns before the server's newest).
+struct AskedInstant {
+  enum class Kind : std::uint8_t { latest, settled, at, back };
+  Kind kind = Kind::latest;
+  std::int64_t ns = 0;  // of `at` and `back`, not negative
+
+  friend bool operator==(const AskedInstant&, const AskedInstant&) = default;
+};
+
+inline std::string text_of(const AskedInstant& instant) {
+  switch (instant.kind) {
+    case AskedInstant::Kind::latest: return {};
+    case AskedInstant::Kind::settled: return "settled";
+    case AskedInstant::Kind::at: return std::to_string(instant.ns);
+    case AskedInstant::Kind::back: break;
+  }
+  return "-" + std::to_string(instant.ns);
+}
+
+/// Nothing for any other text.
+inline std::optional<AskedInstant> asked_instant(std::string_view text) {
+  if (text.empty()) return AskedInstant{};
+  if (text == "settled") return AskedInstant{.kind = AskedInstant::Kind::settled};
+  AskedInstant instant{.kind = text.front() == '-' ? AskedInstant::Kind::back : AskedInstant::Kind::at};
+  if (instant.kind == AskedInstant::Kind::back) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), instant.ns);
+  if (error != std::errc{} || end != text.data() + text.size() || text.front() == '-') return std::nullopt;
+  return instant;
+}
+
+}  // namespace collided::wire_contract

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <variant>
+
+#include "idl/instant.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::service {
+
+/// States of the world at past instants, for questions that name one. The newest few are kept: the chunks of a request
+/// are answered on one state, and many ask about the same instant.
+///
+/// threads  any
+class PastStates {
+ public:
+  explicit PastStates(const World& world) : world_(world) {}
+
+  /// instant  not `latest`
+  /// newest   what relative instants count from, and what names the state for the chunks of one request
+  /// returns  the state, or why there is none
+  std::variant<std::shared_ptr<const Snapshot>, std::string> at(const wire_contract::AskedInstant& instant, const Snapshot& newest);
+
+ private:
+  struct Kept {
+    std::int64_t time_ns = 0;
+    std::uint64_t version = 0;  // of the newest state when it was made
+    std::shared_ptr<const Snapshot> state;
+  };
+
+  std::string why_not(std::int64_t time_ns, const Snapshot& newest) const;
+
+  const World& world_;
+  std::mutex mutex_;
+  std::array<Kept, 4> kept_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace collided::service
