@@ -4,10 +4,33 @@
 #include <cmath>
 #include <utility>
 
+#include "server/world/object_rows.hpp"
+#include "server/world/sources.hpp"
 #include "server/world/step_motion.hpp"
 #include "server/world/touch.hpp"
 
 namespace collided {
+namespace {
+
+/// One object's place may have become another's, whose publisher's time is behind: then there were both.
+std::uint32_t add_slot(ObjectTable& objects, Snapshot& state) {
+  const auto slot = static_cast<std::uint32_t>(objects.size());
+  objects.emplace_back();
+  state.poses.resize(objects.size());
+  state.frames.resize(objects.size());
+  state.posed_ns.resize(objects.size());
+  state.stale.resize(objects.size());
+  return slot;
+}
+
+std::shared_ptr<const ObjectInfo> named_by_slot(const std::shared_ptr<const ObjectInfo>& info, std::uint32_t slot) {
+  if (slot_of(info->id) == slot) return info;
+  auto copy = std::make_shared<ObjectInfo>(*info);
+  copy->id = info->id - slot_of(info->id) + slot;
+  return copy;
+}
+
+}  // namespace
 
 void PoseMemory::note(const Step& step) {
   if (!is_on()) return;
@@ -18,15 +41,14 @@ void PoseMemory::note(const Step& step) {
   epoch_ = step.snapshot.epoch;
   version_ = step.snapshot.version;
   stale_objects_ = step.stale_objects;
-  sources_.resize(step.sources.size());
-  for (std::uint32_t i = 0; i < step.sources.size(); ++i) {
-    const Source& source = step.sources[i];
-    const std::int64_t known_ns = source.object_count == 0 ? kForEver : source.known_ns;
-    sources_[i] = {.is_streamed = source.is_streamed, .known_ns = known_ns, .streamed_ns = source.streamed_ns};
-  }
   move_floor();
   lives_.resize(step.rows.size());
   for (const std::uint32_t slot : step.rows.moved()) note_object(step, slot);
+  sources_.resize(step.sources.size());
+  for (std::uint32_t i = 0; i < step.sources.size(); ++i) {
+    const Source& source = step.sources[i];
+    sources_[i] = {.is_streamed = source.is_streamed, .known_ns = source.known_ns, .streamed_ns = source.streamed_ns};
+  }
   if (grounds_.empty() || grounds_.back().scenes != step.scenes || grounds_.back().covers != step.snapshot.covers) {
     grounds_.push_back({.since_ns = to_ns_, .scenes = step.scenes, .covers = step.snapshot.covers});
   }
@@ -80,8 +102,10 @@ void PoseMemory::forget(Life& life) {
   first = 0;
 }
 
+/// As far as its publisher had come it was there.
 void PoseMemory::end(Life& life) {
-  life.gone_ns = to_ns_;
+  const bool has_source = life.source != Sources::kResting;
+  life.gone_ns = has_source ? std::min(to_ns_, std::max(sources_[life.source].known_ns, life.last_ns()) + 1) : to_ns_;
   gone_.push_back(std::exchange(life, Life{}));
 }
 
@@ -115,8 +139,10 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
     auto objects = std::make_shared<ObjectTable>(lives_.size());
     const auto take = [&](const Life& life) {
       if (!life.was_there(time_ns)) return;
-      (*objects)[slot_of(life.info->id)] = life.info;
-      put(life, time_ns, *state);
+      std::uint32_t slot = slot_of(life.info->id);
+      if ((*objects)[slot]) slot = add_slot(*objects, *state);
+      (*objects)[slot] = named_by_slot(life.info, slot);
+      put(life, slot, time_ns, *state);
     };
     std::for_each(gone_.begin(), gone_.end(), take);
     std::for_each(lives_.begin(), lives_.end(), take);
@@ -132,8 +158,7 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
   return state;
 }
 
-void PoseMemory::put(const Life& life, std::int64_t time_ns, Snapshot& state) const {
-  const std::uint32_t slot = slot_of(life.info->id);
+void PoseMemory::put(const Life& life, std::uint32_t slot, std::int64_t time_ns, Snapshot& state) const {
   state.frames[slot] = frame_at(life, time_ns);
   state.poses[slot] = {.position = state.frames[slot].position, .rotation = Quat(state.frames[slot].rotation)};
   if (life.source == Sources::kResting) return;
@@ -141,7 +166,7 @@ void PoseMemory::put(const Life& life, std::int64_t time_ns, Snapshot& state) co
   state.posed_ns[slot] = std::min(known_ns, time_ns);
   if (known_ns >= time_ns) return;
   state.stale[slot] = 1;
-  state.stale_objects.push_back({.id = life.info->id,
+  state.stale_objects.push_back({.id = life.info->id - slot_of(life.info->id) + slot,
                                  .position = state.frames[slot].position,
                                  .reach_m = size_of(*life.info).reach_m,
                                  .speed_mps = life.largest_mps,
@@ -150,7 +175,7 @@ void PoseMemory::put(const Life& life, std::int64_t time_ns, Snapshot& state) co
 
 /// Of a lost publisher's object nothing is known behind its last pose, of one that is gone everything.
 std::int64_t PoseMemory::known_of(const Life& life) const {
-  if (life.gone_ns != kForEver) return kForEver;
+  if (life.gone_ns != Life::kStillThere) return kForEver;
   for (const StaleObject& stale : stale_objects_) {
     if (stale.id == life.info->id) return stale.posed_ns;
   }

@@ -2,15 +2,17 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <vector>
 
-#include "server/world/object_rows.hpp"
 #include "server/world/snapshot.hpp"
-#include "server/world/sources.hpp"
 
 namespace collided {
+
+class ObjectRows;
+class Sources;
 
 struct PoseMemoryOptions {
   std::int64_t reach_ns = 0;           // how far back; 0: nothing is remembered
@@ -59,10 +61,12 @@ class PoseMemory {
   };
   /// One object from its definition to its removal.
   struct Life {
+    static constexpr std::int64_t kStillThere = std::numeric_limits<std::int64_t>::max();
+
     std::shared_ptr<const ObjectInfo> info;
     std::int64_t born_ns = 0;
-    std::int64_t gone_ns = kForEver;
-    std::uint32_t source = Sources::kResting;
+    std::int64_t gone_ns = kStillThere;
+    std::uint32_t source = 0;  // whose time it is known by
     Pose first;               // before the first of the moves
     std::vector<Move> moves;  // by to_ns; the first `forgotten` of them are behind the reach
     std::size_t forgotten = 0;
@@ -91,7 +95,7 @@ class PoseMemory {
   void move_floor();
   Frame frame_at(const Life& life, std::int64_t time_ns) const;
   std::int64_t known_of(const Life& life) const;
-  void put(const Life& life, std::int64_t time_ns, Snapshot& state) const;
+  void put(const Life& life, std::uint32_t slot, std::int64_t time_ns, Snapshot& state) const;
 
   PoseMemoryOptions options_;
   mutable std::mutex mutex_;  // of all below

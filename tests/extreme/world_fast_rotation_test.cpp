@@ -12,6 +12,12 @@ using wire_contract::EventKind;
 // Turning by a third about (1, 1, 1) renames the axes: exact, so that kissing is decided to the step.
 const Quat kThird(0.5, 0.5, 0.5, 0.5);
 
+std::size_t count_of_contacts(const std::vector<Event>& events, EventKind kind) {
+  return static_cast<std::size_t>(std::count_if(events.begin(), events.end(), [&](const Event& event) {
+    return event.kind == kind && event.of.doubt == wire_contract::Doubt::none;
+  }));
+}
+
 TEST(ExtremeFastRotation, ARodThatRenamesItsAxesTouchesToTheStep) {
   for (const double gap : {0.0, 0x1p-49}) {
     extreme::Stage stage;
@@ -29,8 +35,9 @@ TEST(ExtremeFastRotation, ARodThatRenamesItsAxesTouchesToTheStep) {
       turned = Quat(i % 3 == 2 ? Quat::Identity() : i % 3 == 1 ? Quat(-0.5, 0.5, 0.5, 0.5) : kThird);
       stage.move(rod, extreme::at({0, 0, 0}, turned));
       stage.step();
-      ASSERT_EQ(extreme::count_of(stage.world.events(), EventKind::began), touching) << i;
-      ASSERT_EQ(extreme::count_of(stage.world.events(), EventKind::ended), touching) << i;
+      // Less than a rounding away, its way is in doubt, and that is told as what it is.
+      ASSERT_EQ(count_of_contacts(stage.world.events(), EventKind::began), touching) << i;
+      ASSERT_EQ(count_of_contacts(stage.world.events(), EventKind::ended), touching) << i;
       ASSERT_EQ(extreme::open_pairs(stage.world).size(), touching);
     }
   }
