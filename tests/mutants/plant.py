@@ -103,7 +103,7 @@ def places(root, path, unit, command):
 
     def inside(cursor, function):
         for child in cursor.get_children():
-            if rules.is_constant(child, source):
+            if rules.is_constant(child, cursor, source):
                 continue
             for made in rules.at(child, cursor, source):
                 if made:

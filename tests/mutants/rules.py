@@ -189,8 +189,10 @@ def jump(cursor, source):
         yield mutation("statement left out", source, start, end + 1, "nothing", f"if (!{ON}) {text};")
 
 
-def is_constant(cursor, source):
-    """Declarations whose values the compiler must know."""
+def is_constant(cursor, parent, source):
+    """Declarations and conditions whose values the compiler must know: no bug is on while it compiles."""
+    if parent.kind == CursorKind.IF_STMT and cursor == next(parent.get_children()):
+        return re.match(r"if\s+constexpr", source.of(parent)) is not None
     return cursor.kind in (CursorKind.DECL_STMT, CursorKind.STATIC_ASSERT) and re.match(
         r"(static |inline )?constexpr|static_assert|using|enum", source.of(cursor))
 

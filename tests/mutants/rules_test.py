@@ -27,6 +27,7 @@ Word view_of(const std::string& whole) { return {.text = whole}; }
 constexpr int kLimit = 3;
 Answer ask(int a, int b, bool wanted) {
   int low = std::min(a, b);
+  if constexpr (kLimit > 2 && sizeof(int) == 4) low += 0;
   if (a < b && wanted) {
     low -= kLimit + 1;
   }
@@ -67,8 +68,11 @@ def main():
     # Of a copy that is gone at once a view would see nothing, also while the bug is off.
     views = [p.before for p in planted if p.rule == "field not copied" and p.before == "whole"]
     wrong += len(views)
+    # What the compiler decides is decided before any bug is on.
+    decided = [p.before for p in planted if "kLimit > 2" in p.before or "sizeof" in p.before]
+    wrong += len(decided)
     places = len(planted)
-    print(f"{places} places, {len(EXPECTED) - wrong} of {len(EXPECTED)} as expected, {len(views)} views of copies")
+    print(f"{places} places, {len(EXPECTED) - wrong} of {len(EXPECTED)} as expected, {len(views)} views of copies, {len(decided)} constant conditions")
     return 0 if wrong == 0 and places >= 15 else 1
 
 

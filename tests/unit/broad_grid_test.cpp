@@ -153,6 +153,28 @@ TEST(BroadGrid, EqualsBruteForceOnBoxesOfOneSize) {
   expect_right(boxes, 1, random);
 }
 
+// Rows of many cells: a walk goes through them block by block.
+TEST(BroadGrid, ALongRayIsToldEachOfManySmallBoxesOnce) {
+  std::mt19937_64 random = oracle::seeded(236);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 20'000; ++i) boxes.push_back(make_box(in_cube(random).cwiseProduct(Vec3(4, 1, 0.1)), Vec3::Constant(0.02)));
+  Grid grid;
+  grid.rebuild(boxes);
+  std::size_t told = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 from = in_cube(random).cwiseProduct(Vec3(5, 1, 0.1));
+    const Vec3 to = in_cube(random).cwiseProduct(Vec3(5, 1, 0.1));
+    const Ray ray{.origin = from, .direction = to - from};
+    const double limit = i % 2 == 0 ? kInfinity : 1;
+    const Numbers met = along_ray(grid, ray, limit);
+    const Numbers expected = along_ray_by_force(boxes, ray, limit);
+    EXPECT_TRUE(std::includes(met.begin(), met.end(), expected.begin(), expected.end()));
+    EXPECT_TRUE(each_once(met));
+    told += met.size();
+  }
+  EXPECT_GT(told, 1000U);
+}
+
 TEST(BroadGrid, EqualsBruteForceOnSizesOverTenDecades) {
   std::mt19937_64 random = oracle::seeded(20240607);
   std::uniform_real_distribution<double> decade(-9, 1);

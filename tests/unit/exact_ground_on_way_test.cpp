@@ -62,6 +62,18 @@ TEST(GroundOnWay, WhatLiesOnTheGroundTouchesAtOnce) {
   EXPECT_EQ(bracket.high, 0);
 }
 
+// Halving ends where no double lies between.
+TEST(GroundOnWay, TheNarrowestBracketIsOfTwoDoublesSideBySide) {
+  const BodyWay way(at({0, 0, 4}), at({0, 0, 0.5}));
+  TimeBracket bracket;
+  const Verdict verdict = first_contact(PartOnWay(Sphere{Vec3::Zero(), 1}, way), kGround, {0, 1}, 0, bracket);
+  ASSERT_NE(verdict.decision, Decision::no);
+  if (verdict.yes()) {
+    EXPECT_NEAR(bracket.high, 3 / 3.5, 1e-14);
+    EXPECT_NEAR(bracket.low, bracket.high, 1e-14);
+  }
+}
+
 TEST(GroundOnWay, OnlyWhatCannotComeDownSurelyStaysAbove) {
   const BodyWay way(at({0, 0, 4}), at({9, 0, 2}));
   EXPECT_TRUE(surely_stays_above(way, 0.1, {.point = {0, 0, -5}, .normal = {0, 0, 1}}));

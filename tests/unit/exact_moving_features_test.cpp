@@ -10,6 +10,7 @@
 #include "server/exact_phase/moving_features.hpp"
 #include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/precision.hpp"
+#include "server/exact_phase/time_of_contact.hpp"
 #include "tests/oracle/moving_data.hpp"
 #include "tests/oracle/seed.hpp"
 
@@ -19,6 +20,26 @@ namespace {
 using oracle::MovingQuery;
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+// On its way to a solid the ball touches it at the time 1/2: no bracket may end before, however narrow.
+TEST(ExactMovingBall, NoBracketEndsBeforeABallTouchesACurvedSolid) {
+  for (const double far : {0.0, 1e3, 1e6}) {
+    const MovingSphere ball{.start = {far - 10, 0, 0}, .end = {far + 6, 0, 0}, .radius_m = 1};
+    const auto expect_half = [&](const auto& solid, const char* kind) {
+      for (const double width : {0.0, 1e-15, 1e-12, 1e-6}) {
+        TimeBracket bracket;
+        const Verdict verdict = first_contact(ball, solid, width, bracket);
+        ASSERT_NE(verdict.decision, Decision::no) << kind;
+        if (!verdict.yes()) continue;
+        EXPECT_GE(bracket.high, 0.5) << kind << ' ' << far << ' ' << width;
+        EXPECT_LE(bracket.low, 0.5) << kind << ' ' << far << ' ' << width;
+      }
+    };
+    expect_half(Cylinder{.a = {far, 0, -3}, .b = {far, 0, 5}, .radius_m = 1}, "cylinder");
+    expect_half(Ellipsoid{.center = {far, 0, 0}, .half_m = {1, 2, 3}}, "ellipsoid");
+    expect_half(Cone{.apex = {far - 1, 0, 0}, .base = {far + 4, 0, 0}, .radius_m = 1}, "cone");
+  }
+}
 
 MovingPoint at_rest(const Vec3& p) { return {p, p}; }
 

@@ -23,6 +23,35 @@ void expect_same(double a, double a_error, double b, double b_error) {
   EXPECT_LE(std::abs(a - b), (a_error + b_error) * (1 + 1e-15)) << a << " +- " << a_error << ", " << b << " +- " << b_error;
 }
 
+/// The point, each coordinate some units in the last place of `scale` off.
+Vec3 near_to(const Vec3& point, double scale, std::mt19937_64& generator) {
+  std::uniform_int_distribution<int> units(-3, 3);
+  return point + scale * 0x1p-53 * Vec3(units(generator), units(generator), 0);
+}
+
+// Two needles side by side in a plane, that cross or do not by a rounding of their lengths, as thin as lines or nearly.
+TEST(ExactTwin, NeedlesThatLieAlongEachOtherMeetAsRationalsSay) {
+  std::mt19937_64 generator = oracle::seeded(309);
+  std::uniform_real_distribution<double> part(-1, 1);
+  int met = 0;
+  constexpr int kPairs = 4'000;
+  for (int i = 0; i < kPairs; ++i) {
+    const Vec3 along(3 * part(generator), part(generator), i % 3 == 0 ? part(generator) : 0);
+    const double size = along.cwiseAbs().maxCoeff();
+    const Vec3 start = i % 2 == 0 ? Vec3(Vec3::Zero()) : Vec3(part(generator), part(generator), 0);
+    const Vec3 a = start, b = start + along;
+    const double fine = i % 5 == 0 ? 0x1p-20 : 1;
+    const Vec3 c = near_to(a, size * fine, generator), d = near_to(b, size, generator);
+    const Triangle one{a, b, i % 7 == 0 ? Vec3(a + along / 2) : b};
+    const Triangle other{c, d, i % 11 == 0 ? c : d};
+    const Decision expected = exactly::overlaps(one, other);
+    ASSERT_EQ(overlaps(one, other).decision, expected) << i;
+    met += expected == Decision::yes ? 1 : 0;
+  }
+  EXPECT_GT(met, kPairs / 10);
+  EXPECT_LT(met, kPairs - kPairs / 10);
+}
+
 template <class Make>
 void compare_rays(Make make, std::uint64_t seed) {
   std::mt19937_64 generator = oracle::seeded(seed);

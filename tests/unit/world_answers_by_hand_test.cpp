@@ -17,6 +17,7 @@ namespace {
 using wire_contract::Answer;
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
+using wire_contract::UndecidedReason;
 
 class WorldByHand : public testing::Test {
  protected:
@@ -215,6 +216,14 @@ TEST_F(WorldByHand, ThePriceListSaysThatBoxesComeWithoutABound) {
     if (row.method != "boxes only") continue;
     ++boxes;
     EXPECT_EQ(row.worst_bound_m, INFINITY) << "no bound comes with a box";
+    // A box holds its ball: it says yes too often and never no; and the nearest corner of space is a way from its ball.
+    if (row.kind == QueryKind::near) {
+      EXPECT_GT(row.worst_error_m, 0.01);
+      EXPECT_LT(row.worst_error_m, 1.4);
+    } else {
+      EXPECT_GT(row.wrong, 0U);
+      EXPECT_LT(row.wrong, 100U);
+    }
   }
   EXPECT_EQ(boxes, 4);
 }
@@ -248,6 +257,79 @@ TEST_F(WorldByHand, ThePlanSaysWhatATriangleOfTheIndexCosts) {
   const PlanRow tree = plan_of(*lease, false)[0];
   EXPECT_EQ(tree.structure, "bsp_tree (static)");
   EXPECT_NE(tree.why.find(bytes), std::string::npos) << tree.why << "\nwithout" << bytes;
+}
+
+// Mending has cut the object's first triangle: its second piece stands at the end and has the first one's number.
+TEST_F(WorldByHand, APieceOfAPlacedObjectsTriangleHasTheNumberOfTheFile) {
+  Scene scene;
+  scene.name = "scene";
+  SceneObject object{.name = "scene/table"};
+  auto mesh = std::make_shared<TriangleMesh>();
+  mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 0, 0}};
+  mesh->triangles = {{0, 1, 2}, {1, 4, 3}, {1, 3, 2}};
+  object.shape.mesh = mesh;
+  object.cut.piece_of = std::make_shared<const std::vector<std::uint32_t>>(1, 0U);
+  scene.objects = {object};
+  auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
+  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, indexed)));
+  step();
+  const auto told = [&](double x, double y) {
+    const SnapshotRing::Lease lease = world.newest();
+    const Answers answers = ask({.kind = QueryKind::ray, .numbers = {}}, {x, y, 1, 0, 0, -1, INFINITY});
+    const AnswerHit& hit = answers.hits.at(0);
+    return lease->objects->at(slot_of(hit.object))->told_triangle(hit.triangle);
+  };
+  EXPECT_EQ(told(0.25, 0.25), 0U);
+  EXPECT_EQ(told(1.25, 0.25), 1U);
+  EXPECT_EQ(told(0.75, 0.75), 0U) << "the piece that stands last";
+}
+
+TEST_F(WorldByHand, ThePlanSaysWhatMovingThingsTake) {
+  const auto row = [&](const std::string& structure) {
+    const SnapshotRing::Lease lease = world.newest();
+    for (const PlanRow& plan : plan_of(*lease, false)) {
+      if (plan.structure == structure) return plan;
+    }
+    return PlanRow{};
+  };
+  define("table", {0, 0, -5}, ball(1), false);
+  step();
+  for (const char* structure : {"pair search", "swept test", "mesh x mesh"}) {
+    EXPECT_FALSE(row(structure).built) << structure;
+    EXPECT_NE(row(structure).saves, "") << structure;
+  }
+  EXPECT_EQ(row("pair search").why, "nothing moves");
+  define("ball", {0, 0, 0}, ball(1));
+  define("rock", {3, 0, 0}, rock());
+  step();
+  for (const char* structure : {"pair search", "swept test", "mesh x mesh"}) {
+    EXPECT_TRUE(row(structure).built) << structure;
+    EXPECT_EQ(row(structure).saves, "") << structure;
+  }
+  EXPECT_EQ(row("pair search").why, "2 movers");
+  EXPECT_EQ(row("mesh x mesh").why, "1 moving meshes");
+}
+
+// The ray meets the ball surely; whether it meets the edge of the wall before it, doubles cannot say.
+TEST_F(WorldByHand, OneSureHitIsEnoughForWhoAsksForAnyAlone) {
+  const Vec3 a(0.1, 0.3, 2), b(0.3, 0.9, 2.3), origin(0.7, -0.1, 0.3);
+  const Vec3 direction = (a + b) / 2 - origin;
+  define("ball", origin + 3 * direction, ball(0.5));
+  Shape wall;
+  wall.mesh = std::make_shared<const TriangleMesh>(TriangleMesh{{a, b, {-1, 1, 2}}, {{0, 1, 2}}});
+  define("wall", {0, 0, 0}, wall);
+  step();
+  const std::vector<double> ray{origin.x(), origin.y(), origin.z(), direction.x(), direction.y(), direction.z(), INFINITY};
+  const auto asked = [&](RayMode mode, Level highest) {
+    return ask({.kind = QueryKind::ray, .mode = mode, .highest = highest, .numbers = {}}, ray);
+  };
+  EXPECT_EQ(asked(RayMode::any, Level::filter).answers.at(0), Answer::hit);
+  EXPECT_EQ(asked(RayMode::any, Level::filter).reasons.at(0), UndecidedReason::none);
+  for (const RayMode mode : {RayMode::closest, RayMode::all}) {
+    EXPECT_EQ(asked(mode, Level::filter).answers.at(0), Answer::undecided) << "the wall may be the nearest";
+    EXPECT_EQ(asked(mode, Level::filter).reasons.at(0), UndecidedReason::numeric);
+    EXPECT_EQ(asked(mode, Level::rational).answers.at(0), Answer::hit);
+  }
 }
 
 TEST(WorldPlan, ProbesAreBuiltWhereSomebodyReadsThem) {

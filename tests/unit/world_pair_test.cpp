@@ -8,6 +8,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/scenes/meshes.hpp"
 
 namespace collided {
 namespace {
@@ -42,6 +43,65 @@ struct Twin {
     }
   }
 };
+
+/// One part of each kind a side: what an object may be made of.
+std::vector<Shape> shapes_of_all_forms() {
+  Shape balls;
+  for (int i = 0; i < 40; ++i) balls.primitives.emplace_back(Sphere{{0.2 * (i % 5), 0.2 * (i / 5 % 4), 0.3 * (i / 20)}, 0.3});
+  Shape mesh;
+  mesh.mesh = std::make_shared<const TriangleMesh>(scenes::icosphere(2, 1));
+  Shape both = mesh;
+  both.primitives = {Box{.center = {0.5, 0, 0}, .half_m = {1, 0.2, 0.2}}, Sphere{{0, 0.5, 0}, 0.5}};
+  Shape few;
+  few.primitives = {balls.primitives[0], balls.primitives[1], balls.primitives[7]};
+  return {balls, mesh, both, few};
+}
+
+// Whoever has seen enough is told no more: a search for the first pair would go through all of them.
+TEST(WorldPartPairs, AWalkEndsWhereItsVisitorSaysSo) {
+  const std::vector<Shape> shapes = shapes_of_all_forms();
+  for (std::size_t first = 0; first < shapes.size(); ++first) {
+    for (std::size_t second = 0; second < shapes.size(); ++second) {
+      Stage stage;
+      const ObjectId a = stage.add("a", shapes[first], {}, false);
+      const ObjectId b = stage.add("b", shapes[second], extreme::at({0.1, 0.2, 0.3}), false);
+      stage.step();
+      const SnapshotRing::Lease state = stage.world.newest();
+      for (int wanted = 1; wanted < 20; wanted += 6) {
+        int told = 0;
+        WalkCost cost;
+        visit_part_pairs(placed(*state, a), placed(*state, b), 0, [&](const PlacedPart&, const PlacedPart&) { return ++told < wanted; }, cost);
+        EXPECT_LE(told, wanted) << first << " with " << second;
+        EXPECT_GT(told, 0) << first << " with " << second;
+      }
+    }
+  }
+}
+
+// A ball that rests on a mesh to the last digit is decided beyond doubles, whichever of the two is the first.
+TEST(WorldTouch, ThePairOfAMeshAndASolidSaysHowExactlyItWasDecided) {
+  for (const bool mesh_first : {true, false}) {
+    for (const double height_m : {0.3, 0.1}) {
+      Stage stage;
+      Shape floor;
+      auto mesh = std::make_shared<TriangleMesh>();
+      mesh->vertices = {{-9, -9, 0.1}, {9, -9, 0.1}, {0, 9, 0.1}};
+      mesh->triangles = {{0, 1, 2}};
+      floor.mesh = mesh;
+      const Shape ball = extreme::ball_shape(0.2);
+      // 0.3 is a little less than 0.1 + 0.2, by a rounding alone.
+      const ObjectId a = mesh_first ? stage.add("floor", floor, {}, false) : stage.add("ball", ball, extreme::at({0, 0, height_m}), false);
+      const ObjectId b = mesh_first ? stage.add("ball", ball, extreme::at({0, 0, height_m}), false) : stage.add("floor", floor, {}, false);
+      stage.step();
+      const SnapshotRing::Lease state = stage.world.newest();
+      Touch touch;
+      WalkCost cost;
+      touch_objects(placed(*state, a), placed(*state, b), touch, cost);
+      EXPECT_TRUE(touch.yes) << mesh_first << ' ' << height_m;
+      EXPECT_EQ(touch.level > Level::filter, height_m == 0.3) << mesh_first;
+    }
+  }
+}
 
 void expect_turned(const PairReport& one, const PairReport& other) {
   EXPECT_EQ(one.touches, other.touches);

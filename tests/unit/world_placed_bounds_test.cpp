@@ -82,6 +82,14 @@ TEST_F(WorldPlacedBounds, WhatABoxOfTheWorldHoldsIsInTheBoxSeenFromAFrame) {
   }
 }
 
+TEST_F(WorldPlacedBounds, OfWhatLiesBeyondAllNumbersEverythingIsACandidate) {
+  const double huge = std::numeric_limits<double>::max();
+  const Frame turned{Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()).toRotationMatrix(), Vec3(-huge, huge, 0)};
+  const Aabb seen = seen_from(turned, {.low = Vec3(huge / 2, -huge, 0), .high = Vec3(huge, -huge / 2, 1)}, 1);
+  EXPECT_EQ(seen.low, Vec3::Constant(-INFINITY));
+  EXPECT_EQ(seen.high, Vec3::Constant(INFINITY));
+}
+
 // Two meshes so far apart are not tested until they have gone as far together: a turn that is thought shorter than it is
 // lets a blade pass through what it would meet.
 TEST_F(WorldPlacedBounds, NoPointGoesFartherThanTheLongestWay) {
