@@ -35,8 +35,8 @@ class Pipe {
   int write_end() const { return ends_[1]; }
   void close_write_end() { close_end(1); }
 
-  /// Takes what is there; false at the end.
-  bool drain_into(std::string& text) {
+  /// Takes what is there; closes at the end.
+  void drain_into(std::string& text) {
     std::array<char, 4096> piece;
     const ssize_t got = ::read(ends_[0], piece.data(), piece.size());
     if (got > 0) {
@@ -44,9 +44,7 @@ class Pipe {
     }
     if (got == 0 || (got < 0 && errno != EINTR && errno != EAGAIN)) {
       close_end(0);
-      return false;
     }
-    return true;
   }
 
  private:
@@ -95,11 +93,11 @@ void read_until_end(pid_t child, Pipe& output, Pipe& errors, std::chrono::millis
   bool is_ended = false;
   while (output.is_open() || errors.is_open()) {
     std::array<pollfd, 2> waits = {pollfd{output.read_end(), POLLIN, 0}, pollfd{errors.read_end(), POLLIN, 0}};
-    ::poll(waits.data(), waits.size(), kLook_ms);  // a closed end is -1, which poll passes over
-    if (output.is_open() && waits[0].revents != 0) {
+    ::poll(waits.data(), waits.size(), kLook_ms);  // a closed end is -1, which poll passes over: nothing happens there
+    if (waits[0].revents != 0) {
       output.drain_into(result.output);
     }
-    if (errors.is_open() && waits[1].revents != 0) {
+    if (waits[1].revents != 0) {
       errors.drain_into(result.errors);
     }
     if (is_ended) {

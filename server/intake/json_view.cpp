@@ -38,12 +38,12 @@ JsonView JsonView::at(const char* key) const {
   if (!value_->is_object()) complain("is not an object");
   const auto found = value_->find(key);
   if (found == value_->end()) complain(fmt::format("has no member \"{}\"", key));
-  return {*this, *found, key, 0};
+  return {*this, *found, key};
 }
 
 JsonView JsonView::at(std::size_t index) const {
   if (index >= size()) complain(fmt::format("has {} elements, number {} is asked for", size(), index));
-  return {*this, (*value_)[index], nullptr, index};
+  return {*this, (*value_)[index], std::to_string(index)};
 }
 
 JsonView JsonView::element(const char* key, std::size_t index) const { return at(key).at(index); }

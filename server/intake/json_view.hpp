@@ -18,7 +18,8 @@ class JsonView {
  public:
   JsonView(const Reading& reading, const nlohmann::json& value) : reading_(&reading), value_(&value) {}
 
-  bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
+  /// False where this is no object.
+  bool has(const char* key) const { return value_->contains(key); }
   /// Complains where this is no object or has no such member.
   JsonView at(const char* key) const;
   /// Complains where this is no array or is shorter.
@@ -46,10 +47,8 @@ class JsonView {
   [[noreturn]] void complain(const std::string& what) const;
 
  private:
-  JsonView(const JsonView& parent, const nlohmann::json& value, const char* key, std::size_t index)
-      : reading_(parent.reading_),
-        value_(&value),
-        way_(parent.way_ + '/' + (key != nullptr ? key : std::to_string(index))) {}
+  JsonView(const JsonView& parent, const nlohmann::json& value, const std::string& step)
+      : reading_(parent.reading_), value_(&value), way_(parent.way_ + '/' + step) {}
 
   const Reading* reading_;
   const nlohmann::json* value_;

@@ -157,11 +157,8 @@ class ChunkParser {
 };
 
 bool is_joined(std::string_view text, std::size_t newline) {
-  std::size_t before = newline;
-  if (before > 0 && text[before - 1] == '\r') {
-    --before;
-  }
-  return before > 0 && text[before - 1] == '\\';
+  const std::string_view before = text.substr(0, newline);
+  return before.ends_with("\\") || before.ends_with("\\\r");
 }
 
 }  // namespace

@@ -214,7 +214,7 @@ class PcdReader {
     }
     if (!point.allFinite())
       refuse(reading_, fmt::format("point {} is ({}, {}, {})", number, point[0], point[1], point[2]));
-    cloud_.shape.primitives.push_back(Sphere{point, 0});
+    cloud_.shape.primitives.push_back(Sphere{.center = point});
   }
 
   void read_text() {
@@ -235,7 +235,6 @@ class PcdReader {
       }
       if (found < 3) cursor_.complain("a point takes three coordinates");
       add(point, i);
-      cursor_.next_line();
     }
   }
 

@@ -19,7 +19,7 @@ Scene read_xyz(const Reading& reading) {
     if (cloud.shape.primitives.size() == kMaxCloudPoints) {
       cursor.complain(fmt::format("more than {} points, the most that a cloud may have", kMaxCloudPoints));
     }
-    cloud.shape.primitives.push_back(Sphere{point, 0});
+    cloud.shape.primitives.push_back(Sphere{.center = point});
     cursor.next_line();
   }
   if (cloud.shape.primitives.empty()) refuse(reading, "no points");

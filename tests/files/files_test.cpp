@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -282,6 +283,68 @@ TEST_F(Files, TheIndexIsToldByItsBytesATriangle) {
   EXPECT_LE(index_bytes, added_bytes + 90) << ran.text;
   EXPECT_GE(index_bytes, added_bytes - 90 - 512) << ran.text;
   EXPECT_GT(added_bytes, 10000);
+}
+
+TEST_F(Files, ThePageOfACheckHasEveryLineOfIt) {
+  std::string bent = kPanels;
+  bent.replace(bent.find("v 2 1 0"), 7, "v 2 1 0.25");
+  const std::string placed =
+      "  placed   a unit of the file is 1 m, since OBJ does not say; --unit does\n"
+      "  placed   z is up, since OBJ does not say; --up does\n"
+      "  placed   the origin is that of the file\n";
+  EXPECT_EQ(run("check " + write("panels.obj", bent)).text,
+            "panels  2 parts, 5 triangles, 0 objects\n" + placed +
+                "  bounds   0 0 0  to  2 1 0.25\n"
+                "  surface  open, not manifold\n"
+                "  pieces   1\n"
+                "  points   7 vertices, 0 of them equal to an earlier one\n"
+                "  edges    12, 0 of them creases, 0 between parts\n"
+                "            9  boundary edges       kept; the surface is open, so nothing is inside\n"
+                "               the worst: panels/right triangle 0 side 1; panels/right triangle 1 side 1; panels/left triangle 0 side 0\n"
+                "            2  pinched points       kept; several surfaces touch there\n"
+                "               panels/left triangle 0 vertex 1; panels/left triangle 2 vertex 3\n"
+                "            3  meet each other      kept; every triangle counts\n"
+                "               panels/left triangle 0 with 1; panels/left triangle 1 with 1; panels/left triangle 2 with 1\n"
+                "            1  T-vertices           kept; a ray may pass between their roundings; --mend cuts the edges there\n"
+                "               panels/right triangle 1 side 2 at vertex 2, gap 0 m\n");
+  EXPECT_EQ(run("check " + write("cube.obj", kCube) + " --encodings --eye 5,7,11").text,
+            "cube  1 parts, 12 triangles, 0 objects\n" + placed +
+                "  bounds   0 0 0  to  1 1 1\n"
+                "  surface  closed, of one orientation, manifold: 'inside' has a meaning\n"
+                "  pieces   1\n"
+                "  points   8 vertices, 0 of them equal to an earlier one\n"
+                "  edges    18, 12 of them creases, 0 between parts, 6 silhouettes from there\n"
+                "  nothing is wrong with it\n"
+                "  ENCODING                            BYTES   A TRIANGLE\n"
+                "  list                                  864         72.0\n"
+                "  fans                                  600         50.0\n"
+                "  strips                                444         37.0\n"
+                "  mesh                                  336         28.0\n");
+}
+
+// The index took no longer than the whole run; with the careful form, that is most of it.
+TEST_F(Files, ThePageOfAConversionHasEveryLineOfIt) {
+  const std::string out = (folder_ / "out.cscene").string();
+  const std::string text = run("convert " + write("panels.obj", kPanels) + " " + out + " --origin 0,0.1,0").text;
+  const std::size_t told = text.find("  index    ");
+  ASSERT_NE(told, std::string::npos) << text;
+  EXPECT_EQ(text.substr(0, told), "panels  2 parts, 5 triangles, 0 objects\n  origin   0,0.1,0 is now 0 0 0; 4 numbers were rounded by that\n");
+  EXPECT_EQ(text.substr(text.find(" ms, ", told)),
+            " ms, 102.4 bytes and 1.00 references a triangle\n"
+            "  placed   a unit of the file is 1 m, since OBJ does not say; --unit does\n"
+            "  placed   z is up, since OBJ does not say; --up does\n"
+            "  placed   the origin is that of the file\n"
+            "  written  " + out + "\n");
+  const std::string flat = (folder_ / "flat.cscene").string();
+  ASSERT_EQ(run("convert " + write("flat.stl", flat_stl(400)) + " " + flat + " --no-index").code, 0);
+  const auto begin = std::chrono::steady_clock::now();
+  const std::string best = run("convert " + flat + " " + out + " --index best").text;
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+  const std::size_t index = best.find("  index    ");
+  ASSERT_NE(index, std::string::npos) << best;
+  const double index_ms = std::strtod(best.c_str() + index + 11, nullptr);
+  EXPECT_GT(index_ms, 0);
+  EXPECT_LE(index_ms, took.count()) << best;
 }
 
 TEST_F(Files, AShareOfTheTrianglesIsThatShareAndANumberThatNumber) {

@@ -236,6 +236,49 @@ TEST(VCollideAdapter, CallsOutOfOrderAndBadNumbersSaySo) {
   EXPECT_EQ(vc.UpdateTrans(0, trans), VC_ERR);
 }
 
+TEST(VCollideAdapter, AMatrixThatIsNoPlaceIsRefusedByWhatIsWrongWithIt) {
+  VCollide vc;
+  const TriangleMesh cube = scenes::box({0.5, 0.5, 0.5});
+  add(vc, cube);
+  move(vc, add(vc, cube), {.position = {0.25, 0, 0}});
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const std::string not_finite = "a number of the matrix is not finite";
+  struct Wrong {
+    int row, column;
+    double value;
+    std::string what;
+  };
+  for (const Wrong& wrong : {Wrong{0, 0, nan, not_finite}, {1, 2, inf, not_finite}, {2, 1, -inf, not_finite}, {0, 3, nan, not_finite}, {2, 3, inf, not_finite},
+                             {3, 1, 0.5, "the matrix's last row has 0.5 in column 1, allowed are 0 0 0 1"},
+                             {3, 3, 2, "the matrix's last row has 2 in column 3, allowed are 0 0 0 1"},
+                             {1, 1, -1, "the matrix mirrors (determinant -1), allowed are rotations"},
+                             {0, 1, 0.5, "the columns are off a rotation's by 0.5, allowed 1e-06"}}) {
+    double trans[4][4];
+    set_matrix(frame_of(Pose{.position = {9, 9, 9}}), trans);
+    trans[wrong.row][wrong.column] = wrong.value;
+    EXPECT_EQ(vc.UpdateTrans(1, trans), VC_ERR) << wrong.row << wrong.column;
+    EXPECT_EQ(vc.LastError(), "UpdateTrans: object 1: " + wrong.what + "; it stays where it was");
+  }
+  EXPECT_EQ(collide(vc, VC_FIRST_CONTACT).size(), 1u) << "it stays where it was";
+}
+
+TEST(VCollideAdapter, CandidatesAreThoseOfTheNewestCall) {
+  VCollide vc;
+  const TriangleMesh cube = scenes::box({0.5, 0.5, 0.5});
+  for (int i = 0; i < 3; ++i) move(vc, add(vc, cube), {.position = {0.7 * i, 0, 0}});
+  collide(vc);
+  const std::size_t objects = vc.ObjectCandidates(), triangles = vc.TriangleCandidates();
+  EXPECT_EQ(objects, 2u);
+  EXPECT_GT(triangles, 0u);
+  collide(vc);
+  EXPECT_EQ(vc.ObjectCandidates(), objects);
+  EXPECT_EQ(vc.TriangleCandidates(), triangles);
+  move(vc, 1, {.position = {0, 50, 0}});
+  collide(vc);
+  EXPECT_EQ(vc.ObjectCandidates(), 0u);
+  EXPECT_EQ(vc.TriangleCandidates(), 0u);
+}
+
 // Messages name the object and the corner that they are about, counted as the calls do.
 TEST(VCollideAdapter, AComplaintNamesTheObjectThatIsOpen) {
   VCollide vc;

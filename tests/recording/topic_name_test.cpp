@@ -25,6 +25,7 @@ TEST(TopicName, ANamespaceIsOfLettersDigitsLinesAndStrokesWithoutADigitFirst) {
     EXPECT_EQ(is_taken(std::string("a") + c), later.find(c) != std::string::npos) << byte;
   }
   EXPECT_FALSE(is_taken(""));
+  EXPECT_THROW(topic_name(std::string_view("abc").substr(0, 0), kPoseTopic), std::invalid_argument) << "whatever stands behind it";
 }
 
 }  // namespace

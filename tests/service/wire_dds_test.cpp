@@ -21,6 +21,16 @@ TEST(WireTopics, NamespaceMayHoldOnlyWhatDdsAccepts) {
   EXPECT_THROW(wire_contract::topic_name("a-b", wire_contract::kQueryTopic), std::invalid_argument);
 }
 
+// A reader that is being deleted has nothing to take, whichever way that is said; everything else that fails is told.
+TEST(WireTake, WhatADeletedReaderReturnsIsNothing) {
+  EXPECT_EQ(dds::taken_count(DDS_RETCODE_BAD_PARAMETER), 0u);
+  EXPECT_EQ(dds::taken_count(DDS_RETCODE_ALREADY_DELETED), 0u);
+  EXPECT_EQ(dds::taken_count(0), 0u);
+  EXPECT_EQ(dds::taken_count(7), 7u);
+  EXPECT_ANY_THROW(dds::taken_count(DDS_RETCODE_ERROR));
+  EXPECT_ANY_THROW(dds::taken_count(DDS_RETCODE_OUT_OF_RESOURCES));
+}
+
 TEST(WireTopics, PartitionHasTheLastTwoDigits) {
   EXPECT_EQ(wire_contract::reply_partition(0xabc), "client_bc");
   EXPECT_EQ(wire_contract::reply_partition(5), "client_05");

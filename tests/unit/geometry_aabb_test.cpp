@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "server/geometry/aabb.hpp"
+#include "server/geometry/stable_length.hpp"
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
@@ -72,6 +73,38 @@ TEST(GeometryAabb, HugeCoordinatesStayContained) {
   EXPECT_EQ(box.high[0], std::numeric_limits<double>::infinity());
   EXPECT_EQ(box.low[0], 0);
   EXPECT_EQ(box.low[2], -std::numeric_limits<double>::infinity());
+}
+
+// Whatever its length, a normal along an axis bounds that axis on its own side, and one askew bounds nothing.
+TEST(GeometryAabb, AHalfSpaceIsBoundedOnTheSideOfItsNormalAlone) {
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  const Vec3 point(1, 2, 3);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double length : {0.25, 0.5, 1.0, 1.5, 2.0}) {
+      for (const double side : {-1.0, 1.0}) {
+        const Aabb box = bounds(HalfSpace{point, side * length * Vec3::Unit(axis)});
+        for (int k = 0; k < 3; ++k) {
+          EXPECT_EQ(box.high[k], k == axis && side > 0 ? point[k] : kEndless) << axis << ' ' << length;
+          EXPECT_EQ(box.low[k], k == axis && side < 0 ? point[k] : -kEndless) << axis << ' ' << length;
+        }
+      }
+    }
+  }
+  for (const Vec3& askew : {Vec3(0.5, 1e-9, 0), Vec3(0, 0.5, 0.5), Vec3(-1e-9, 0, 1)}) {
+    const Aabb box = bounds(HalfSpace{point, askew});
+    EXPECT_EQ(box.low, Vec3::Constant(-kEndless));
+    EXPECT_EQ(box.high, Vec3::Constant(kEndless));
+  }
+}
+
+// Where squares overflow or vanish the length is what it is, and where they do not it is the plain one.
+TEST(GeometryLength, LengthsFromTheLeastToTheGreatestAreRight) {
+  EXPECT_EQ(stable_length({3, 4, 0}), 5);
+  EXPECT_EQ(stable_length({0, 0, 0}), 0);
+  for (const int power : {-1022, -600, -451, -449, 0, 449, 451, 511, 600, 1020}) {
+    const double length = std::ldexp(5.0, power);
+    EXPECT_NEAR(stable_length(std::ldexp(1.0, power) * Vec3(3, 0, 4)) / length, 1, 6 * 0x1p-53) << power;
+  }
 }
 
 TEST(GeometryAabb, GrowingEmptyStaysEmpty) {

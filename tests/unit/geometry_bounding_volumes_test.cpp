@@ -117,6 +117,24 @@ TEST(BoundingVolumes, AreTight) {
   }
 }
 
+// The slack of the box grows with how far its axes are from that: what is measured here has eight roundings of its own at most.
+TEST(BoundingVolumes, AxesOfABoxAreOfUnitLengthAndAtRightAnglesToEightRoundings) {
+  std::mt19937_64 random = oracle::seeded(244);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int i = 0; i < 2000; ++i) {
+    const double w = unit(random), x = unit(random), y = unit(random);
+    const Mat3 turn = Quat(w, x, y, unit(random)).normalized().toRotationMatrix();
+    const Vec3 stretch(1, 0.3 * (1 + unit(random)), 0.01);
+    std::vector<Vec3> cloud;
+    for (int k = 0; k < 40; ++k) {
+      const double a = unit(random), b = unit(random);
+      cloud.push_back(turn * Vec3(a, b, unit(random)).cwiseProduct(stretch));
+    }
+    const Mat3 axes = bounding_obb(cloud).axes;
+    ASSERT_LE((axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff(), 8 * 0x1p-53) << i;
+  }
+}
+
 // A24: six sides are the box bit for bit, and more sides never take more room.
 TEST(BoundingVolumes, SixSidesAreTheBoxAndMoreSidesNeverTakeMore) {
   std::mt19937_64 random = oracle::seeded(243);

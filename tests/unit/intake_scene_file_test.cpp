@@ -248,6 +248,35 @@ TEST_F(IntakeSceneFile, LimitsAreKept) {
   EXPECT_THROW(load_scene(std::filesystem::temp_directory_path().string() + "/.", {}, report), LoadError);
 }
 
+// The scene's own mesh and those of its objects share one limit.
+TEST_F(IntakeSceneFile, TheTrianglesOfAllMeshesCountTogether) {
+  Scene scene{.name = "two"};
+  scene.mesh = latitude_longitude_sphere(1, 4, 3);
+  const auto count = static_cast<std::uint32_t>(scene.mesh.triangles.size());
+  scene.parts.push_back({.name = "ball", .triangle_count = count});
+  for (const char* name : {"a", "b"}) {
+    scene.objects.push_back({.name = name});
+    scene.objects.back().shape.mesh = std::make_shared<const TriangleMesh>(scene.mesh);
+  }
+  const std::string bytes = bytes_of(scene);
+  EXPECT_EQ(complaint("two.cscene", bytes, {.max_triangles = 3 * count}), "loaded");
+  EXPECT_EQ(complaint("two.cscene", bytes, {.max_triangles = 3 * count - 1}),
+            "two.cscene: object 'b': " + std::to_string(count) + " triangles, " + std::to_string(count - 1) + " more are allowed. Nothing was loaded.");
+  EXPECT_EQ(complaint("two.cscene", bytes, {.max_triangles = 2 * count - 1}),
+            "two.cscene: object 'a': " + std::to_string(count) + " triangles, " + std::to_string(count - 1) + " more are allowed. Nothing was loaded.");
+}
+
+TEST(IntakeShape, PrimitivesOfEveryKindCountTogether) {
+  const Shape shape{{Sphere{{0, 0, 0}, 1}, Sphere{{1, 0, 0}, 1}, Box{.center = {0, 0, 0}, .half_m = {1, 1, 1}}, Capsule{{0, 0, 0}, {0, 0, 1}, 1}}, nullptr};
+  const std::vector<std::byte> bytes = encode_shape(shape);
+  EXPECT_TRUE(decode_shape(bytes, {.max_primitives = 4}).shape);
+  for (const std::uint64_t most : {3, 2, 1}) {
+    const DecodedShape decoded = decode_shape(bytes, {.max_primitives = most});
+    EXPECT_FALSE(decoded.shape);
+    EXPECT_NE(decoded.refusal.find(" more are allowed"), std::string::npos) << decoded.refusal;
+  }
+}
+
 TEST(IntakeShape, ComesBackBitForBit) {
   for (const SceneObject& object : varied_scene().objects) {
     const DecodedShape decoded = decode_shape(encode_shape(object.shape));

@@ -131,6 +131,28 @@ TEST(IntakeVertexBuffer, WhatDoesNotFitIsRefusedByName) {
 }
 
 // A12: what a buffer takes in memory is the formula, so that a server can say so ahead.
+TEST(IntakeVertexBuffer, TooFewCornersForOnePieceAreRefusedAndJustEnoughAreTaken) {
+  struct Fewest {
+    BufferKind kind;
+    std::size_t count;
+    std::string piece;
+  };
+  for (const Fewest& fewest : {Fewest{BufferKind::points, 1, "point"}, {BufferKind::segments, 2, "segment"}, {BufferKind::polyline, 2, "segment"},
+                               {BufferKind::triangles, 3, "triangle"}, {BufferKind::fan, 3, "triangle"}, {BufferKind::strip, 3, "triangle"}}) {
+    std::vector<std::uint32_t> sequence(fewest.count);
+    for (std::uint32_t i = 0; i < sequence.size(); ++i) sequence[i] = i;
+    for (; ; sequence.pop_back()) {
+      const std::string told = refusal(Bytes(fewest.kind, kSix, sequence, 2, 12, 0, false).buffer);
+      if (sequence.size() == fewest.count) {
+        EXPECT_EQ(told, "taken");
+      } else {
+        EXPECT_EQ(told.find(std::to_string(sequence.size()) + " corners, a " + fewest.piece + " takes " + std::to_string(fewest.count)), 0u) << told;
+      }
+      if (sequence.empty()) break;
+    }
+  }
+}
+
 TEST(IntakeVertexBuffer, MemoryIsTheFormula) {
   const DecodedBuffer d = decoded(Bytes(BufferKind::fan, kSix, {0, 1, 2, 3}, 2, 12, 0, false).buffer);
   EXPECT_EQ(d.mesh.vertices.size() * sizeof(Vec3) + d.mesh.triangles.size() * sizeof(TriangleCorners), 6u * 24 + 2u * 12);

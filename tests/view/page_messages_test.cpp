@@ -98,6 +98,55 @@ TEST(PageMessages, OfTooManyEventsTheNewestAreTold) {
   EXPECT_FALSE(told["events"][1].contains("depth"));
 }
 
+// Every figure is by itself, so that none can stand for another.
+TEST(PageMessages, AStatusHasEveryFigure) {
+  ServerStatus status;
+  status.name_space = "hall";
+  status.version_text = "1.2.3";
+  status.pid = 4;
+  status.state = "ready";
+  status.epoch = 5;
+  status.version = 6;
+  status.world_time = std::chrono::milliseconds(1'500);
+  status.contacts = 8;
+  status.contacts_truncated = true;
+  status.scenes = {"a", "b"};
+  status.static_triangles = 9;
+  status.objects = 10;
+  status.moving = 11;
+  status.questions_answered = 12;
+  status.undecided_answers = 13;
+  PublisherInfo publisher;
+  publisher.name = "robot";
+  publisher.silent = std::chrono::milliseconds(250);
+  publisher.lost = true;
+  status.publishers = {publisher};
+  json expected{{"type", "status"}, {"state", "ready"}, {"version_text", "1.2.3"}, {"pid", 4}, {"namespace", "hall"}, {"epoch", 5}, {"world", 6},
+                {"world_time", 1.5}, {"scenes", {"a", "b"}}, {"static_triangles", 9}, {"objects", 10}, {"moving", 11}, {"contacts", 8},
+                {"contacts_truncated", true}, {"questions_answered", 12}, {"undecided_answers", 13},
+                {"publishers", {{{"name", "robot"}, {"silent", 0.25}, {"lost", true}}}}};
+  EXPECT_EQ(json::parse(status_text(status, std::nullopt)), expected);
+  // Two seconds of it; of four steps three took at most 1 ms, of ten answers nine.
+  Figures recent;
+  recent.up_ns = 2'000'000'000;
+  recent.steps = 4;
+  recent.step_durations = {{1'000'000, 3}, {2'000'000, 1}};
+  recent.stages = {{"pairs", 500'000'000}};
+  recent.candidates = 20;
+  recent.filtered = 6;
+  recent.poses_applied = 30;
+  recent.questions = {{"ray", 10, {{1'000'000, 9}, {4'000'000, 1}}}, {"pair", 0, {}}};
+  expected["recent"] = {{"stages", {{{"stage", "pairs"}, {"share", 0.25}}}},
+                        {"asked", {{{"kind", "ray"}, {"rate", 5.0}, {"p50", 0.001}, {"p99", 0.004}},
+                                   {{"kind", "pair"}, {"rate", 0.0}, {"p50", nullptr}, {"p99", nullptr}}}},
+                        {"steps", 2.0}, {"step_p50", 0.001}, {"step_p99", 0.002}, {"poses", 15.0}, {"candidates", 5.0}, {"filtered", 1.5}};
+  EXPECT_EQ(json::parse(status_text(status, recent)), expected);
+  // Without a step, and without time, nothing is divided by 0.
+  const json idle = json::parse(status_text(status, Figures{}))["recent"];
+  EXPECT_EQ(idle, (json{{"stages", json::array()}, {"asked", json::array()}, {"steps", 0.0}, {"step_p50", nullptr}, {"step_p99", nullptr},
+                        {"poses", 0.0}, {"candidates", 0.0}, {"filtered", 0.0}}));
+}
+
 // As `collide ray --json` names them.
 TEST(PageMessages, AnAnswerHasTheCommandLinesMembers) {
   Answer answer;

@@ -151,6 +151,7 @@ TEST_F(Viewing, ARunIsSavedIntoOneFile) {
   EXPECT_NE(page.find("id=\"run\">{"), std::string::npos);
   EXPECT_NE(page.find("\"kind\":\"poses\""), std::string::npos);
   EXPECT_NE(page.find("\"kind\":\"objects\""), std::string::npos);
+  EXPECT_NE(page.find("\"surfaces\":{\""), std::string::npos) << "the warehouse has walls";
   EXPECT_EQ(page.find("src=\"view.js\""), std::string::npos) << "nothing is asked for from elsewhere";
   EXPECT_EQ(page.find("href=\"view.css\""), std::string::npos);
 }
