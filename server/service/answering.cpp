@@ -56,6 +56,7 @@ class Answering::Worker {
   void answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest);
   void doubt(const Questions& questions);
   void count_levels(QueryKind kind);
+  void count_answered(std::uint8_t kind, std::uint64_t undecided);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
   void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text);
   void command(const wire::Query& query);
@@ -188,7 +189,6 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
   // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, *lease);
-  count_levels(questions.kind);
   // The audit's twin knows no ways.
   const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
   if (mover == nullptr && !is_overloaded) owner_.audit_.consider(lease, questions, answers_);
@@ -204,7 +204,6 @@ void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const 
   collided::answer(state, questions, answers_, scratch_);
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, state);
-  count_levels(questions.kind);
 }
 
 void Answering::Worker::count_levels(QueryKind kind) {
@@ -244,11 +243,17 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
     columns_.lend(*reply_);
     reply_->first_question = query.first_question + static_cast<std::uint32_t>(filler.first());
     reply_->compute_ns = steady_ns() - ask.taken_ns;
+    // Before it leaves: whoever has the answer and asks for the counts finds it in them.
+    if (filler.is_done()) count_answered(query.kind, filler.undecided());
     send(client);
   }
-  owner_.counts_.durations[query.kind].add(reply_->compute_ns);
+}
+
+void Answering::Worker::count_answered(std::uint8_t kind, std::uint64_t undecided) {
+  owner_.counts_.durations[kind].add(reply_->compute_ns);
   owner_.counts_.answered += answers_.answers.size();
-  owner_.counts_.undecided += filler.undecided();
+  owner_.counts_.undecided += undecided;
+  count_levels(static_cast<QueryKind>(kind));
 }
 
 void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text) {

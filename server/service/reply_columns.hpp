@@ -39,6 +39,8 @@ class ReplyFiller {
 
   /// The next reply's part; false when all are done.
   bool fill(ReplyColumns& columns);
+  /// The reply filled last is the last one.
+  bool is_done() const { return question_ >= answers_.answers.size(); }
   /// The first question of the reply filled last, within the chunk.
   std::size_t first() const { return first_; }
   /// Undecided answers so far.

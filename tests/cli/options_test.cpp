@@ -58,6 +58,17 @@ TEST_F(Options, OfAQuestionReachTheServerEachForItself) {
   EXPECT_EQ(ray_options("--max-hits 4294967295").max_hits, 4294967295U);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --max-hits 4294967296").code, 2);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --max-hits 0").code, 2);
+  const auto as_of = [&](const std::string& text) {
+    const Instant instant = ray_options("--as-of " + text).as_of;
+    return std::pair(instant.kind, instant.time.count());
+  };
+  EXPECT_EQ(plain.as_of.kind, Instant::Kind::latest);
+  EXPECT_EQ(as_of("latest"), std::pair(Instant::Kind::latest, std::int64_t{0}));
+  EXPECT_EQ(as_of("settled"), std::pair(Instant::Kind::settled, std::int64_t{0}));
+  EXPECT_EQ(as_of("-2s"), std::pair(Instant::Kind::back, std::int64_t{2'000'000'000}));
+  EXPECT_EQ(as_of("2026-11-22T12:03:10.5Z"), std::pair(Instant::Kind::at, std::int64_t{1'795'348'990'500'000'000}));
+  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --as-of +2s").code, 2);
+  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --as-of soon").code, 2);
   EXPECT_TRUE(ray_options("--fresh").fresh);
   EXPECT_FALSE(ray_options("").fresh) << "not the next time";
 }
@@ -71,7 +82,7 @@ TEST_F(Options, OfAQuestionCountForEveryKindAndForFiles) {
   const ScratchFile file("rays.csv", "fx,fy,fz,dx,dy,dz\n0,0,5,0,0,-1\n");
   for (const std::string words : {"ray 0 0 5 0 0 -1", "sphere 0 0 0 1", "box 0 0 0 1 1 1", "near 0 0 0", "sweep sphere 1 --from 0 0 0 --to 1 1 1", "file"}) {
     fake::server().last_options = {};
-    collide((words == "file" ? "ray -q '" + file.path() + "'" : words) + " --only 'a*' --skip b --mask 6 --within 1um --deadline 2ms --importance low --fresh");
+    collide((words == "file" ? "ray -q '" + file.path() + "'" : words) + " --only 'a*' --skip b --mask 6 --within 1um --deadline 2ms --importance low --as-of settled --fresh");
     const AskOptions& options = fake::server().last_options;
     EXPECT_EQ(options.only, "a*") << words;
     EXPECT_EQ(options.skip, "b") << words;
@@ -79,6 +90,7 @@ TEST_F(Options, OfAQuestionCountForEveryKindAndForFiles) {
     EXPECT_EQ(options.error_m, 1e-6) << words;
     EXPECT_EQ(options.deadline, std::chrono::milliseconds(2)) << words;
     EXPECT_EQ(options.importance, Importance::low) << words;
+    EXPECT_EQ(options.as_of.kind, Instant::Kind::settled) << words;
     EXPECT_TRUE(options.fresh) << words;
   }
 }

@@ -8,6 +8,7 @@
 #include "client/library/answer_decoding.hpp"
 #include "client/library/probes.hpp"
 #include "client/library/watch_decoding.hpp"
+#include "idl/instant.hpp"
 #include "idl/topics.hpp"
 
 namespace collided {
@@ -562,6 +563,20 @@ TEST(NamesOfIds, ASlotUsedAgainHasItsNewName) {
   EXPECT_EQ(names.name(other), "other");
   names.learn(std::vector{second}, wire_contract::pack_names(std::vector<std::string>{"renamed"}));
   EXPECT_EQ(names.name(second), "renamed");
+}
+
+TEST(AskedInstant, IsReadAsItIsWrittenAndNothingElseIs) {
+  using wire_contract::asked_instant;
+  using wire_contract::AskedInstant;
+  using Kind = AskedInstant::Kind;
+  for (const AskedInstant& instant : {AskedInstant{}, AskedInstant{Kind::settled, 0}, AskedInstant{Kind::at, 1'795'348'990'500'000'000},
+                                      AskedInstant{Kind::at, 0}, AskedInstant{Kind::back, 0}, AskedInstant{Kind::back, 2'000'000'000}}) {
+    EXPECT_EQ(asked_instant(text_of(instant)), instant) << text_of(instant);
+  }
+  EXPECT_EQ(text_of({Kind::back, 5}), "-5");
+  for (const char* text : {"latest", "settled ", "-", "--5", "5s", " 5", "1e9", "99999999999999999999"}) {
+    EXPECT_EQ(asked_instant(text), std::nullopt) << text;
+  }
 }
 
 }  // namespace

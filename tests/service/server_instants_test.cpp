@@ -1,0 +1,107 @@
+// Questions about one instant, over DDS.
+#include "tests/service/server_fixture.hpp"
+
+namespace collided {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::nanoseconds;
+
+class ServerInstants : public testing_support::ServerTest {
+ protected:
+  static nanoseconds now() { return std::chrono::system_clock::now().time_since_epoch(); }
+  static RayQuestion down(double x) { return {.origin = {x, 40, 50}, .direction = {0, 0, -1}, .length_m = 40}; }
+  static Instant instant(nanoseconds time) { return {.kind = Instant::Kind::at, .time = time}; }
+  static void say(Publisher& publisher, Publisher::Object object, double x, nanoseconds time) {
+    ASSERT_TRUE(publisher.move(object, at(x, 40, 20)));
+    ASSERT_TRUE(publisher.flush(time));
+  }
+  static std::string met(Client& client, double x, const Instant& as_of) {
+    AskOptions options;
+    options.as_of = as_of;
+    const Result<Answer> answer = client.ask(down(x), options);
+    if (!answer) return answer.error().message;
+    if (answer->verdict == Verdict::undecided) return "undecided";
+    return answer->hits.empty() ? "nothing" : answer->hits[0].object;
+  }
+};
+
+// One goes from 0 to 10 within a second, the other from 30 to 20 half a second behind: where they were at one instant no
+// newest poses show.
+TEST_F(ServerInstants, MoversOfTwoPublishersAreAskedForAtOneInstant) {
+  start();
+  Client client = connect();
+  Publisher one = publish(client, "one");
+  Publisher other = publish(client, "other");
+  const Publisher::Object a = add_ball(one, "a", at(0, 40, 20));
+  const Publisher::Object b = add_ball(other, "b", at(30, 40, 20));
+  const nanoseconds began = now();
+  say(one, a, 0, began);
+  say(other, b, 30, began + 1ms);
+  for (int tenth = 1; tenth <= 15; ++tenth) {
+    std::this_thread::sleep_until(std::chrono::system_clock::time_point(std::chrono::duration_cast<std::chrono::system_clock::duration>(began + tenth * 100ms)));
+    if (tenth <= 10) say(one, a, tenth, began + tenth * 100ms);
+    else ASSERT_TRUE(one.flush(began + tenth * 100ms));
+    if (tenth <= 5) ASSERT_TRUE(other.flush(began + tenth * 100ms));
+    else say(other, b, 30 - (tenth - 5), began + tenth * 100ms);
+  }
+  ASSERT_TRUE(one.wait_applied(5s));
+  ASSERT_TRUE(other.wait_applied(5s));
+  EXPECT_EQ(met(client, 7.5, instant(began + 750ms)), "a");
+  EXPECT_EQ(met(client, 27.5, instant(began + 750ms)), "b");
+  EXPECT_EQ(met(client, 30, instant(began + 450ms)), "b") << "it still rested";
+  EXPECT_EQ(met(client, 10, instant(began + 750ms)), "nothing");
+  EXPECT_EQ(met(client, 10, {}), "a") << "latest";
+  EXPECT_EQ(met(client, 20, {.kind = Instant::Kind::settled}), "b");
+  AskOptions settled;
+  settled.as_of.kind = Instant::Kind::settled;
+  const std::vector<RayQuestion> one_question{down(20)};
+  const Result<Answers> answers = client.ask(std::span<const RayQuestion>(one_question), settled);
+  ASSERT_TRUE(answers);
+  EXPECT_GE(answers->world_time, began + 1500ms);
+  EXPECT_LE(answers->world_time, now());
+}
+
+// Chunks of one request, of which the later ones are sent when the world has gone on.
+TEST_F(ServerInstants, AllChunksOfARequestAreOfOneInstant) {
+  start();
+  Client client = connect();
+  Publisher one = publish(client, "one");
+  const Publisher::Object a = add_ball(one, "a", at(0, 40, 20));
+  const nanoseconds began = now();
+  for (int tenth = 0; tenth <= 5; ++tenth) {
+    say(one, a, tenth, began + tenth * 100ms);
+    std::this_thread::sleep_for(100ms);
+  }
+  AskOptions options;
+  options.as_of = {.kind = Instant::Kind::back, .time = 300ms};
+  const std::vector<RayQuestion> questions(20'000, {.origin = {-1, 40, 20}, .direction = {1, 0, 0}});
+  const Result<Answers> answers = client.ask(std::span<const RayQuestion>(questions), options);
+  ASSERT_TRUE(answers) << answers.error().message;
+  for (const Answer& answer : answers->answers) {
+    ASSERT_EQ(answer.hits.size(), 1u);
+    ASSERT_EQ(answer.hits[0].distance_m, answers->answers[0].hits[0].distance_m);
+  }
+}
+
+TEST_F(ServerInstants, WhatNobodyRemembersIsRefusedInWords) {
+  start({"--memory", "2s"});
+  Client client = connect();
+  EXPECT_NE(met(client, 0, instant(now() - 60s)).find("this server remembers poses of the last"), std::string::npos) << met(client, 0, instant(now() - 60s));
+  EXPECT_NE(met(client, 0, instant(now() + 60s)).find("ahead of the world's time"), std::string::npos);
+  AskOptions options;
+  options.as_of = {.kind = Instant::Kind::back, .time = -1ns};
+  const Result<Answer> answer = client.ask(down(0), options);
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().message, "ray: the instant is -1 ns; allowed 0 or more");
+}
+
+TEST_F(ServerInstants, AServerWithoutMemorySaysSo) {
+  start({"--memory", "off"});
+  Client client = connect();
+  EXPECT_NE(met(client, 0, {.kind = Instant::Kind::settled}).find("remembers no poses (--memory off)"), std::string::npos);
+  EXPECT_EQ(met(client, 0, {}), "nothing");
+}
+
+}  // namespace
+}  // namespace collided
