@@ -33,8 +33,9 @@ enum class EndReason : std::uint8_t { none, separated, removed, publisher_lost, 
 /// Why it is not known whether two objects touch. Such a pair is told as one that touches, by `began` and `ended`, until it is
 /// decided: who takes it for a contact errs on the safe side. Its depth is 0 and the bound of that infinite; in place of the
 /// normal, which nobody knows, stands (the doubt's number, 0, 0).
-/// numeric: the test came out undecided; cost_limit: the way from pose to pose could not be followed to its end.
-enum class Doubt : std::uint8_t { none, numeric, cost_limit };
+/// numeric: the test came out undecided; cost_limit: the way from pose to pose could not be followed to its end;
+/// publisher_lost: one is where its publisher said last, and may have gone on.
+enum class Doubt : std::uint8_t { none, numeric, cost_limit, publisher_lost };
 enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
 enum class PublisherState : std::uint8_t { alive, silent, lost };
 /// What becomes of a lost publisher's objects.

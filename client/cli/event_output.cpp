@@ -37,9 +37,10 @@ std::string_view name_of(Doubt doubt) {
   switch (doubt) {
     case Doubt::none: return "";
     case Doubt::numeric: return "numeric";
-    case Doubt::cost_limit: break;
+    case Doubt::cost_limit: return "cost_limit";
+    case Doubt::publisher_lost: break;
   }
-  return "cost_limit";
+  return "publisher_lost";
 }
 
 Value triangle_value(std::uint32_t triangle) {

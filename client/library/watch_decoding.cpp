@@ -20,7 +20,10 @@ Vec3 vector_at(const double* numbers) { return {numbers[0], numbers[1], numbers[
 /// The bound of its depth is infinite, and in the normal's place stands why.
 Doubt doubt_at(const double* numbers) {
   if (!std::isinf(numbers[7])) return Doubt::none;
-  return numbers[3] == static_cast<double>(Doubt::cost_limit) ? Doubt::cost_limit : Doubt::numeric;
+  for (const Doubt doubt : {Doubt::cost_limit, Doubt::publisher_lost}) {
+    if (numbers[3] == static_cast<double>(doubt)) return doubt;
+  }
+  return Doubt::numeric;
 }
 
 bool fits(const wire::EventFrame& frame) {

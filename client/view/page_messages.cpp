@@ -141,6 +141,11 @@ std::string_view name_of(Why why) {
   return kNames[static_cast<std::size_t>(why)];
 }
 
+std::string_view name_of(Doubt doubt) {
+  constexpr std::string_view kNames[] = {"", "numeric", "cost_limit", "publisher_lost"};
+  return kNames[static_cast<std::size_t>(doubt)];
+}
+
 std::string_view name_of(Verdict verdict) {
   constexpr std::string_view kNames[] = {"miss", "hit", "undecided", "invalid"};
   return kNames[static_cast<std::size_t>(verdict)];
@@ -173,7 +178,7 @@ json event_text(const Event& event) {
     text["depth"] = number(event.depth_m);
     text["error"] = number(event.depth_error_m);
   }
-  if (event.doubt != Doubt::none) text["doubt"] = event.doubt == Doubt::cost_limit ? "cost_limit" : "numeric";
+  if (event.doubt != Doubt::none) text["doubt"] = name_of(event.doubt);
   if (event.resync) text["resync"] = true;
   return text;
 }

@@ -45,6 +45,8 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   // Ingest: what came since the last step ends contacts and goes to the snapshot.
   s.ledger.begin_step(world_time_ns, wishes.persisted);
   end_removed(s.removed, s.ledger);
+  for (const auto& [id, is_lost] : s.lost) is_lost ? s.ledger.lose(id) : s.ledger.find_again(id);
+  s.lost.clear();
   s.sources.begin_step(world_time_ns, s.motion.is_any_open());
   s.rows.stamp_changes(s.step_count, world_time_ns, s.sources);
   s.fill(*next, world_time_ns);

@@ -48,6 +48,7 @@ void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted
 
 void ContactLedger::touches(const FoundContact& found) {
   assert(found.a < found.b && "a pair is named by its lower id first");
+  if (has_lost(found.a, found.b)) return doubts(found, wire_contract::Doubt::publisher_lost);
   end_doubt(found);
   if (!is_open(found.a, found.b)) return open(opened(found, world_time_ns_), found);
   goes_on(found);
@@ -82,13 +83,26 @@ void ContactLedger::doubts(const FoundContact& found, wire_contract::Doubt why) 
   found_in_step_[place->second] = step_;
 }
 
+void ContactLedger::lose(ObjectId object) {
+  lost_.insert(object);
+  std::vector<FoundContact> held;
+  for (const OpenContact& open : open_) {
+    if ((open.a == object || open.b == object) && open.doubt == wire_contract::Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}});
+  }
+  for (const FoundContact& found : held) {
+    end(index_.at({found.a, found.b}), {.reason = wire_contract::EndReason::publisher_lost});
+    doubts(found, wire_contract::Doubt::publisher_lost);
+  }
+}
+
 void ContactLedger::doubted_and_parted(const FoundContact& found, wire_contract::Doubt why) {
+  if (has_lost(found.a, found.b)) return doubts(found, wire_contract::Doubt::publisher_lost);
   if (is_open(found.a, found.b)) return;
   passed(doubted(found, why, world_time_ns_), found, wire_contract::EndReason::decided);
 }
 
 void ContactLedger::decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s) {
-  if (is_in_doubt(a, b)) end(index_.at({a, b}), {wire_contract::EndReason::decided, bracket_low_s, bracket_high_s});
+  if (is_in_doubt(a, b) && !has_lost(a, b)) end(index_.at({a, b}), {wire_contract::EndReason::decided, bracket_low_s, bracket_high_s});
 }
 
 /// A contact is found where there was a doubt.
@@ -111,6 +125,7 @@ void ContactLedger::parts(ObjectId a, ObjectId b, wire_contract::EndReason reaso
 }
 
 void ContactLedger::touched_and_parted(const FoundContact& found) {
+  if (has_lost(found.a, found.b)) return doubts(found, wire_contract::Doubt::publisher_lost);
   end_doubt(found);
   passed(opened(found, world_time_ns_), found, wire_contract::EndReason::separated);
 }
@@ -131,6 +146,7 @@ void ContactLedger::passed(const OpenContact& opened, const FoundContact& found,
 }
 
 void ContactLedger::end_object(ObjectId object, wire_contract::EndReason reason) {
+  lost_.erase(object);
   for (std::size_t i = 0; i < open_.size();) {
     if (open_[i].a == object || open_[i].b == object) {
       end(i, {.reason = reason});

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "server/world/events.hpp"
@@ -45,6 +46,10 @@ class ContactLedger {
   void doubts(const FoundContact& found, wire_contract::Doubt why);
   /// It was not known within this step, and is apart at its end.
   void doubted_and_parted(const FoundContact& found, wire_contract::Doubt why);
+  /// The object's publisher is lost, and the object may have gone on: whatever touches its last place, now or later, is in
+  /// doubt until the publisher is found again and the pair is decided, or the object is removed.
+  void lose(ObjectId object);
+  void find_again(ObjectId object) { lost_.erase(object); }
   /// A doubt is over: the two are apart.
   void decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s);
   /// The pair touched within this step and is apart again.
@@ -55,7 +60,8 @@ class ContactLedger {
   template <class EndOf>
   void end_unfound(EndOf&& end_of) {
     for (std::size_t i = 0; i < open_.size();) {
-      const ContactEnd of = found_in_step_[i] == step_ ? ContactEnd{} : end_of(open_[i]);
+      const bool goes_on = found_in_step_[i] == step_ || has_lost(open_[i].a, open_[i].b);
+      const ContactEnd of = goes_on ? ContactEnd{} : end_of(open_[i]);
       if (of.reason == wire_contract::EndReason::none) {
         ++i;
       } else {
@@ -90,6 +96,7 @@ class ContactLedger {
     std::size_t operator()(const Pair& pair) const;
   };
 
+  bool has_lost(ObjectId a, ObjectId b) const { return !lost_.empty() && (lost_.contains(a) || lost_.contains(b)); }
   void end(std::size_t index, const ContactEnd& of);
   void open(const OpenContact& opened, const FoundContact& found);
   void end_doubt(const FoundContact& found);
@@ -98,6 +105,7 @@ class ContactLedger {
   std::vector<OpenContact> open_;
   std::vector<std::uint64_t> found_in_step_;  // beside open_
   std::unordered_map<Pair, std::size_t, PairHash> index_;
+  std::unordered_set<ObjectId> lost_;
   std::vector<Event> events_;
   std::uint64_t step_ = 0;
   std::uint64_t last_sequence_ = 0;

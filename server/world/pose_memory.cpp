@@ -41,6 +41,11 @@ void PoseMemory::note(const Step& step) {
   epoch_ = step.snapshot.epoch;
   version_ = step.snapshot.version;
   stale_objects_ = step.stale_objects;
+  if (scenes_ != step.scenes || covers_ != step.snapshot.covers) {
+    scenes_ = step.scenes;
+    covers_ = step.snapshot.covers;
+    from_ns_ = to_ns_;
+  }
   move_floor();
   lives_.resize(step.rows.size());
   for (const std::uint32_t slot : step.rows.moved()) note_object(step, slot);
@@ -48,9 +53,6 @@ void PoseMemory::note(const Step& step) {
   for (std::uint32_t i = 0; i < step.sources.size(); ++i) {
     const Source& source = step.sources[i];
     sources_[i] = {.is_streamed = source.is_streamed, .known_ns = source.known_ns, .streamed_ns = source.streamed_ns};
-  }
-  if (grounds_.empty() || grounds_.back().scenes != step.scenes || grounds_.back().covers != step.snapshot.covers) {
-    grounds_.push_back({.since_ns = to_ns_, .scenes = step.scenes, .covers = step.snapshot.covers});
   }
 }
 
@@ -62,7 +64,6 @@ void PoseMemory::move_floor() {
     move_count_ -= gone_.front().moves.size();
     gone_.pop_front();
   }
-  while (grounds_.size() > 1 && grounds_[1].since_ns <= from_ns_) grounds_.pop_front();
 }
 
 void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
@@ -127,11 +128,8 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
     state->epoch = epoch_;
     state->version = version_;
     state->world_time_ns = time_ns;
-    const auto ground = std::find_if(grounds_.rbegin(), grounds_.rend(), [&](const Ground& one) { return one.since_ns <= time_ns; });
-    if (ground != grounds_.rend()) {
-      state->scenes = ground->scenes;
-      state->covers = ground->covers;
-    }
+    state->scenes = scenes_;
+    state->covers = covers_;
     state->poses.resize(lives_.size());
     state->frames.resize(lives_.size());
     state->posed_ns.resize(lives_.size());

@@ -20,7 +20,8 @@ struct PoseMemoryOptions {
 };
 
 /// Where objects have been: answers about one instant of the last seconds, at which each object is where its publisher's
-/// poses put it. The writer notes each step; any thread may ask, and waits for a note at most.
+/// poses put it. It reaches back no farther than the last change of static geometry, of which two would take twice the
+/// room. The writer notes each step; any thread may ask, and waits for a note at most.
 class PoseMemory {
  public:
   explicit PoseMemory(const PoseMemoryOptions& options) : options_(options) {}
@@ -76,12 +77,6 @@ class PoseMemory {
     std::int64_t last_ns() const { return moves.empty() ? born_ns : moves.back().to_ns; }
     bool was_there(std::int64_t time_ns) const { return info && born_ns <= time_ns && time_ns < gone_ns; }
   };
-  /// Static geometry, from then on.
-  struct Ground {
-    std::int64_t since_ns = 0;
-    std::vector<std::shared_ptr<const StaticScene>> scenes;
-    std::shared_ptr<const std::vector<Aabb>> covers;
-  };
   struct Known {
     bool is_streamed = false;
     std::int64_t known_ns = 0;
@@ -101,7 +96,8 @@ class PoseMemory {
   mutable std::mutex mutex_;  // of all below
   std::vector<Life> lives_;   // by slot
   std::deque<Life> gone_;     // by gone_ns
-  std::deque<Ground> grounds_;
+  std::vector<std::shared_ptr<const StaticScene>> scenes_;
+  std::shared_ptr<const std::vector<Aabb>> covers_;
   std::vector<Known> sources_;
   std::vector<StaleObject> stale_objects_;
   std::uint64_t epoch_ = 0;

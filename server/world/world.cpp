@@ -282,6 +282,7 @@ void World::set_stale(ObjectId id, bool is_stale) {
   const ObjectRow& row = s.rows[slot_of(id)];
   if (row.is_stale == is_stale) return;
   s.rows.set_stale(slot_of(id), is_stale);
+  s.lost.emplace_back(id, is_stale);
   if (!is_stale) return s.forget_stale(id);
   const double way_s = 1e-9 * static_cast<double>(row.posed_ns - row.posed_before_ns);
   const double way_m = (row.frame.position - row.frame_before.position).norm();

@@ -20,7 +20,7 @@ class World : public testing::Test {
     };
   }
 
-  std::map<std::string, nlohmann::json> replies{{"covers", {{"covers", nullptr}, {"version", 1}}}};
+  std::map<std::string, nlohmann::json> replies{{"covers", {{"covers", nullptr}, {"version", 1}}}, {"figures", nlohmann::json::object()}};
   std::vector<std::pair<std::string, nlohmann::json>> asked;
   Shape last_shape;
 };

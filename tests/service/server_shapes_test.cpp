@@ -244,7 +244,7 @@ std::uint64_t told_bytes(Client& client, const char* command, const nlohmann::js
 }
 
 TEST_F(ServerShapes, ASurfaceGoesWithItsObjectAndIsNotTakenForAnotherServers) {
-  start();
+  start({"--memory", "off"});  // else it goes with what is remembered of its object
   Client client = connect();
   Publisher publisher = publish(client, "maker");
   const MeshShape triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}}};

@@ -305,7 +305,7 @@ struct FrameMessage {
 
 TEST(WatchDecoding, AnInfiniteBoundOfTheDepthIsADoubtWithItsReason) {
   Names names;
-  for (const Doubt why : {Doubt::numeric, Doubt::cost_limit}) {
+  for (const Doubt why : {Doubt::numeric, Doubt::cost_limit, Doubt::publisher_lost}) {
     FrameMessage frame;
     frame.numbers[3] = static_cast<double>(why);
     frame.numbers[7] = std::numeric_limits<double>::infinity();
@@ -571,9 +571,9 @@ TEST(AskedInstant, IsReadAsItIsWrittenAndNothingElseIs) {
   using Kind = AskedInstant::Kind;
   for (const AskedInstant& instant : {AskedInstant{}, AskedInstant{Kind::settled, 0}, AskedInstant{Kind::at, 1'795'348'990'500'000'000},
                                       AskedInstant{Kind::at, 0}, AskedInstant{Kind::back, 0}, AskedInstant{Kind::back, 2'000'000'000}}) {
-    EXPECT_EQ(asked_instant(text_of(instant)), instant) << text_of(instant);
+    EXPECT_EQ(asked_instant(wire_contract::text_of(instant)), instant) << wire_contract::text_of(instant);
   }
-  EXPECT_EQ(text_of({Kind::back, 5}), "-5");
+  EXPECT_EQ(wire_contract::text_of(AskedInstant{Kind::back, 5}), "-5");
   for (const char* text : {"latest", "settled ", "-", "--5", "5s", " 5", "1e9", "99999999999999999999"}) {
     EXPECT_EQ(asked_instant(text), std::nullopt) << text;
   }

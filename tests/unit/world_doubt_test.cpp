@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
+#include <vector>
 
 #include "server/world/contact_ledger.hpp"
 #include "server/world/world.hpp"
@@ -135,6 +137,59 @@ TEST(Doubt, AWayThatCannotBeFollowedToItsEndIsTold) {
   EXPECT_DOUBLE_EQ(began.bracket_low_s, 0.01);
   EXPECT_EQ(world.events()[1].reason, EndReason::decided) << "where it has come to is known to be apart";
   EXPECT_TRUE(world.contacts().empty());
+  EXPECT_EQ(world.doubt_count(), 0u);
+}
+
+// Frozen where its publisher said last, it may have gone on: it is not known to touch what stands there, nor to have left it.
+TEST(Doubt, WhateverTouchesALostPublishersObjectIsInDoubtUntilItIsFoundAgain) {
+  constexpr std::int64_t kStart = 1'000'000'000'000;
+  constexpr std::int64_t kTick = 10'000'000;
+  World world{WorldOptions{}};
+  const auto ball = [&](const char* name, std::uint64_t publisher, double x) {
+    ObjectDefinition definition;
+    definition.name = name;
+    definition.shape.primitives = {Sphere{.center = Vec3::Zero(), .radius_m = 1}};
+    definition.publisher = publisher;
+    definition.pose.position = {x, 0, 0};
+    return std::get<ObjectId>(world.define(definition));
+  };
+  std::int64_t now_ns = kStart;
+  const auto step = [&](std::vector<std::pair<ObjectId, double>> moves) {
+    now_ns += kTick;
+    for (const auto& [id, x] : moves) world.move(id, {.position = {x, 0, 0}, .rotation = Quat::Identity()}, now_ns, false);
+    for (const std::uint64_t publisher : {1, 2}) world.advance(publisher, now_ns);
+    EXPECT_TRUE(world.step(now_ns, 1, {}));
+    std::vector<std::tuple<EventKind, Doubt, EndReason>> told;
+    for (const Event& event : world.events()) told.emplace_back(event.kind, event.of.doubt, event.reason);
+    return told;
+  };
+  using Told = decltype(step({}));
+  const Told kNothing;
+  const ObjectId lost = ball("lost", 1, 0);
+  const ObjectId near = ball("near", 2, 1.5);
+  const ObjectId other = ball("other", 2, -9);
+  EXPECT_EQ(step({{lost, 0}, {near, 1.5}, {other, -9}}), Told({{EventKind::began, Doubt::none, EndReason::none}}));
+  world.set_stale(lost, true);
+  world.lose(1);
+  EXPECT_EQ(step({}), Told({{EventKind::ended, Doubt::none, EndReason::publisher_lost}, {EventKind::began, Doubt::publisher_lost, EndReason::none}}));
+  EXPECT_EQ(world.doubt_count(), 1u);
+  EXPECT_EQ(step({{near, 4}}), kNothing) << "who knows what it has left";
+  EXPECT_EQ(world.doubt_count(), 1u);
+  EXPECT_EQ(step({{other, -1.5}}), Told({{EventKind::began, Doubt::publisher_lost, EndReason::none}}));
+  EXPECT_EQ(step({{other, -1.6}}), kNothing);
+  EXPECT_EQ(world.doubt_count(), 2u);
+  world.set_stale(lost, false);
+  EXPECT_EQ(step({{lost, 3}, {other, -1.6}, {near, 4}}),
+            Told({{EventKind::ended, Doubt::publisher_lost, EndReason::decided}, {EventKind::ended, Doubt::publisher_lost, EndReason::decided},
+                  {EventKind::began, Doubt::none, EndReason::none}, {EventKind::began, Doubt::none, EndReason::none},
+                  {EventKind::ended, Doubt::none, EndReason::separated}}))
+      << "it went from the one to the other";
+  EXPECT_EQ(world.doubt_count(), 0u);
+  world.set_stale(lost, true);
+  EXPECT_EQ(step({}).size(), 2u);
+  EXPECT_EQ(world.doubt_count(), 1u);
+  world.remove(lost, EndReason::removed);
+  EXPECT_EQ(step({}), Told({{EventKind::ended, Doubt::publisher_lost, EndReason::removed}}));
   EXPECT_EQ(world.doubt_count(), 0u);
 }
 

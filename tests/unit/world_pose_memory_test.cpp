@@ -204,6 +204,29 @@ TEST_F(WorldPoseMemory, WhatIsGoneWasThereAndWhatCameLaterWasNot) {
   EXPECT_EQ(ray_down(kStart + 3 * kTick, 5).answers.at(0), Answer::hit);
 }
 
+// Two maps would take the room of two.
+TEST_F(WorldPoseMemory, ItBeginsAnewWhereStaticGeometryChanges) {
+  const ObjectId a = ball("a", 1, at(0));
+  say(1, kStart, {{a, at(0)}});
+  say(1, kStart + kTick, {{a, at(1)}});
+  Scene scene;
+  scene.name = "scene";
+  scene.mesh = {{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}, {{0, 1, 2}}};
+  scene.parts = {{.name = "scene/part", .first_triangle = 0, .triangle_count = 1}};
+  auto indexed = World::index_scene(scene, {.threads = 1, .progress = {}, .cancelled = {}});
+  const std::weak_ptr<const StaticScene> seen = indexed;
+  ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, std::move(indexed))));
+  say(1, kStart + 2 * kTick, {{a, at(2)}});
+  EXPECT_EQ(world.memory().at(kStart + kTick), nullptr);
+  EXPECT_EQ(ray_down(kStart + 2 * kTick, -3).answers.at(0), Answer::hit) << "the scene";
+  world.remove_scene("scene");
+  say(1, kStart + 3 * kTick, {{a, at(3)}});
+  EXPECT_EQ(world.memory().at(kStart + 2 * kTick), nullptr);
+  EXPECT_EQ(ray_down(kStart + 3 * kTick, -3).answers.at(0), Answer::miss);
+  for (int i = 4; i < 40; ++i) say(1, kStart + i * kTick, {{a, at(i)}});
+  EXPECT_TRUE(seen.expired()) << "nothing of it is kept";
+}
+
 // Another publisher goes on; where the silent one's object may have come to, nothing is called free.
 TEST_F(WorldPoseMemory, BeyondWhatIsKnownNothingWithinReachIsDecided) {
   const ObjectId a = ball("a", 1, at(0));

@@ -292,8 +292,8 @@ class ProbeWatch {
 enum class What { open, began, persisted, ended };
 enum class Why { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted, decided };
 /// Why it is not known whether two objects touch: the test came out undecided; the way between two poses could not be
-/// followed to its end.
-enum class Doubt { none, numeric, cost_limit };
+/// followed to its end; one of them is where a lost publisher (WhenLost::freeze) said last.
+enum class Doubt { none, numeric, cost_limit, publisher_lost };
 
 struct Event {
   What what = What::began;
