@@ -9,7 +9,6 @@
 #include "client/library/connection.hpp"
 #include "client/library/errors.hpp"
 #include "client/library/machine_findings.hpp"
-#include "client/library/publisher_clocks.hpp"
 
 namespace collided {
 namespace {
@@ -39,7 +38,6 @@ class Servers {
     std::uint32_t pid = 0;
     std::string version;
     std::uint32_t heard = 0;
-    std::map<std::uint64_t, std::string> publishers;  // their names
     std::int64_t skew_ns = std::numeric_limits<std::int64_t>::max();  // here minus there, of the quickest status
   };
 
@@ -64,9 +62,6 @@ class Servers {
       Server& server = servers_[status->server];
       server.pid = status->pid;
       server.version = status->server_version;
-      const auto publishers = dds::view(status->publishers);
-      const auto names = wire_contract::unpack_names(dds::view(status->publisher_names));
-      for (std::size_t i = 0; i < std::min(publishers.size(), names.size()); ++i) server.publishers[publishers[i]] = names[i];
       // The first one may have waited for us.
       if (++server.heard > 1) server.skew_ns = std::min(server.skew_ns, since_1970_ns() - status.info().source_timestamp);
     }
@@ -149,14 +144,10 @@ Finding losses_finding(std::uint64_t dropped) {
 
 void ask_server(Connection& connection, nanoseconds found_in, std::vector<Finding>& findings) {
   const std::optional<std::uint64_t> dropped_before = client::dropped_datagrams();
-  client::PublisherClocks publisher_clocks(connection);
   const Servers servers(connection);
   findings.push_back(server_finding(servers.all(), connection.options(), found_in));
   if (auto finding = version_finding(servers.all())) findings.push_back(*finding);
   if (auto finding = clock_finding(servers.all())) findings.push_back(*finding);
-  if (servers.all().size() == 1) {
-    if (auto finding = publisher_clocks.finding(servers.all().begin()->second.publishers)) findings.push_back(*finding);
-  }
   findings.push_back(round_trip_finding(connection));
   const std::optional<std::uint64_t> dropped = client::dropped_datagrams();
   if (dropped && dropped_before) findings.push_back(losses_finding(*dropped - *dropped_before));

@@ -233,37 +233,6 @@ TEST_F(ServerDoctor, AServersClockThatIsOffIsToldWithItsSign) {
 #endif
 }
 
-// Two processes that publish, of which one has another clock.
-TEST_F(ServerDoctor, PublishersClocksAreCompared) {
-#ifdef COLLIDED_SHIFTED_CLOCK
-  start();
-  const std::int64_t shift_ns = 300'000'000;
-  const std::string file = folder_.write("shift", std::string(reinterpret_cast<const char*>(&shift_ns), sizeof shift_ns));
-  const auto publish = [&](const std::string& name, const std::string& before) {
-    const std::string line = before + " exec '" + COLLIDED_CLI + "' --domain " + std::to_string(domain_) +
-                             " publish --spheres 3 --round --rate 50 --name " + name + " --as " + name + " --for 40s";
-    return std::make_unique<ChildProcess>(std::vector<std::string>{"/bin/bash", "-c", line}, folder_.path(), name);
-  };
-  const auto one = publish("here", "");
-  const auto heard = [&](const std::string& text) {
-    const auto all = findings();
-    return all.contains("publisher_clocks") ? all.at("publisher_clocks").text.find(text) != std::string::npos : text.empty();
-  };
-  EXPECT_TRUE(heard("")) << "one clock agrees with itself";
-  const auto same = publish("beside", "");
-  EXPECT_TRUE(test::eventually([&] { return heard("the clocks of 2 publishers agree within"); }, 20s));
-  const auto other = publish("there", "LD_PRELOAD='" COLLIDED_SHIFTED_CLOCK "' COLLIDED_CLOCK_SHIFT='" + file + "'");
-  EXPECT_TRUE(test::eventually([&] { return heard("the clock of 'there' is "); }, 20s));
-  const Finding finding = findings()["publisher_clocks"];
-  EXPECT_EQ(finding.health, Health::warn);
-  const double apart_ms = std::stod(finding.text.substr(std::string("the clock of 'there' is ").size()));
-  EXPECT_NEAR(apart_ms, 300, 40) << finding.text;
-  EXPECT_NE(finding.remedy.find("--clock-error "), std::string::npos);
-#else
-  GTEST_SKIP() << "sanitizers want to be loaded first";
-#endif
-}
-
 // A limit of the kernel's, replaced for one process in a mount namespace of its own.
 TEST_F(ServerDoctor, SmallBuffersAreToldWithTheCommandThatRaisesThem) {
   const std::string small = folder_.write("rmem_max", "212992\n");
