@@ -1,11 +1,28 @@
 #include "tests/simulation/simulated_publisher.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace collided::simulation {
 
 using service::DefinitionSample;
 using service::PoseSample;
+
+SimulatedClock::SimulatedClock(std::mt19937_64& random, std::int64_t now_ns) : since_ns_(now_ns) {
+  const auto in = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  // What clocks of one machine differ by, those of a network, and those of another epoch altogether.
+  const double kind = in(0, 1);
+  const double most_ns = kind < 0.5 ? 1e6 : 0.9 * wire_contract::kPublisherLeaseNs;
+  offset_ns_ = static_cast<std::int64_t>(in(-most_ns, most_ns)) - (kind > 0.8 ? 1'000'000'000'000 : 0);
+  drift_ = in(0, 1) < 0.5 ? 0 : in(-0.02, 0.02);
+  resolution_ns_ = std::array<std::int64_t, 3>{1, 1'000'000, 25'000'000}[random() % 3];
+}
+
+std::int64_t SimulatedClock::stamp(std::int64_t now_ns) const {
+  const auto drifted_ns = static_cast<std::int64_t>(drift_ * static_cast<double>(now_ns - since_ns_));
+  const std::int64_t time_ns = now_ns + offset_ns_ + correction_ns_ + drifted_ns;
+  return time_ns - time_ns % resolution_ns_;
+}
 
 bool SimulatedPublisher::has_name(const std::string& name) const {
   return std::any_of(objects_.begin(), objects_.end(), [&](const auto& entry) { return entry.second.name == name; });
@@ -62,7 +79,7 @@ PoseSample SimulatedPublisher::flush(std::int64_t now_ns, bool teleported, bool 
   sample.incarnation = incarnation_;
   sample.sequence = ++sequence_;
   sample.definitions_through = definitions_through_;
-  sample.source_time_ns = now_ns + clock_offset_ns_;
+  sample.source_time_ns = clock_.stamp(now_ns);
   sample.flags = teleported ? wire_contract::kTeleported : 0;
   for (auto& [number, object] : objects_) {
     if (!object.is_moved && !everything) continue;

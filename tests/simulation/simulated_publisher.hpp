@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <random>
@@ -10,6 +11,29 @@
 #include "server/service/samples.hpp"
 
 namespace collided::simulation {
+
+/// A publisher's clock: off the server's, too fast or too slow, coarse, set anew at times.
+class SimulatedClock {
+ public:
+  SimulatedClock(std::mt19937_64& random, std::int64_t now_ns);
+
+  /// The same twice where it is coarser than the calls.
+  std::int64_t stamp(std::int64_t now_ns) const;
+  void jump(std::int64_t by_ns) { offset_ns_ += by_ns; }
+  /// Puts it right by less than a lease.
+  void correct(std::int64_t by_ns) {
+    correction_ns_ = std::clamp(correction_ns_ + by_ns, -kMostCorrectionNs, kMostCorrectionNs);
+  }
+
+ private:
+  static constexpr std::int64_t kMostCorrectionNs = wire_contract::kPublisherLeaseNs / 2;
+
+  std::int64_t since_ns_;
+  std::int64_t correction_ns_ = 0;
+  std::int64_t offset_ns_ = 0;
+  double drift_ = 0;
+  std::int64_t resolution_ns_ = 1;
+};
 
 /// A publisher as the client library is one: definitions and poses under one count, everything defined anew after a
 /// hang, a restart or with a new server. What it believes to have said is the truth that the world is held against.
@@ -23,8 +47,8 @@ class SimulatedPublisher {
     bool is_moved = false;  // since the last flush
   };
 
-  SimulatedPublisher(std::uint64_t id, std::uint64_t incarnation, std::int64_t clock_offset_ns)
-      : id_(id), incarnation_(incarnation), clock_offset_ns_(clock_offset_ns) {}
+  SimulatedPublisher(std::uint64_t id, std::uint64_t incarnation, const SimulatedClock& clock)
+      : id_(id), incarnation_(incarnation), clock_(clock) {}
 
   std::uint64_t id() const { return id_; }
   const std::map<std::uint32_t, Object>& objects() const { return objects_; }
@@ -38,14 +62,14 @@ class SimulatedPublisher {
   void move(std::uint32_t number, const Vec3& position);
   /// The poses that were moved since the last flush; all of them where `everything`.
   service::PoseSample flush(std::int64_t now_ns, bool teleported, bool everything);
-  void jump_clock(std::int64_t by_ns) { clock_offset_ns_ += by_ns; }
+  SimulatedClock& clock() { return clock_; }
 
  private:
   service::DefinitionSample definition(std::uint32_t number, bool removed);
 
   std::uint64_t id_;
   std::uint64_t incarnation_;
-  std::int64_t clock_offset_ns_;
+  SimulatedClock clock_;
   std::uint64_t sequence_ = 0;
   std::uint64_t definitions_through_ = 0;
   std::map<std::uint32_t, Object> objects_;

@@ -15,7 +15,7 @@ constexpr int kNames = 10;  // of objects; publishers want the same ones now and
 constexpr std::size_t kMostObjects = 4;  // a publisher
 constexpr int kTroubledTicks = 150;
 constexpr int kCalmTicks = 100;  // longer than a lease and a recovery
-constexpr int kStillTicks = 30;  // longer than the longest way and two bookmarks
+constexpr int kStillTicks = 300;  // longer than the longest way, two bookmarks, and what two clocks are apart
 
 }  // namespace
 
@@ -23,9 +23,7 @@ SimulatedRun::SimulatedRun(std::uint64_t seed, std::FILE* to) : seed_(seed), ran
   payload_.put(seed);
   payload_.send(Kind::run, now_ns_, to_);
   for (std::size_t count = 2 + random_() % 3; count > 0; --count) {
-    // On one machine clocks agree but for what reading them takes, or have another epoch altogether.
-    const std::int64_t offset_ns = up_to(2'000'000) - 1'000'000 - (chance(0.3) ? 1'000'000'000'000 : 0);
-    hosts_.push_back({.publisher = {next_id_++, 1, offset_ns}});
+    hosts_.push_back({.publisher = {next_id_++, 1, SimulatedClock(random_, now_ns_)}, .period = any_period()});
   }
 }
 
@@ -78,18 +76,21 @@ void SimulatedRun::trouble() {
     server_.reset();
     server_back_ns_ = now_ns_ + 20'000'000 + up_to(200'000'000);
   }
-  for (Host& host : hosts_) {
-    if (host.is_dead) {
-      if (chance(0.02)) come_back(host);
-    } else if (chance(0.004)) {
-      crash(host);
-    } else if (chance(0.01) && host.sleeps_until_ns <= now_ns_) {
-      host.sleeps_until_ns = now_ns_ + up_to(3 * kPublisherLeaseNs);
-      host.was_away = host.sleeps_until_ns - now_ns_ > kPublisherLeaseNs;
-      if (host.was_away) under_way_.push_back({now_ns_ + kPublisherLeaseNs, Lost{host.publisher.id()}});
-    } else if (chance(0.005)) {
-      host.publisher.jump_clock(up_to(7'200'000'000'000) - 3'600'000'000'000);
-    }
+  for (Host& host : hosts_) trouble(host);
+}
+
+void SimulatedRun::trouble(Host& host) {
+  if (host.is_dead) {
+    if (chance(0.02)) come_back(host);
+  } else if (chance(0.004)) {
+    crash(host);
+  } else if (chance(0.01) && host.sleeps_until_ns <= now_ns_) {
+    host.sleeps_until_ns = now_ns_ + up_to(3 * kPublisherLeaseNs);
+    host.was_away = host.sleeps_until_ns - now_ns_ > kPublisherLeaseNs;
+    if (host.was_away) under_way_.push_back({now_ns_ + kPublisherLeaseNs, Lost{host.publisher.id()}});
+  } else if (chance(0.005)) {
+    if (chance(0.5)) host.publisher.clock().jump(up_to(7'200'000'000'000) - 3'600'000'000'000);
+    else host.publisher.clock().correct(up_to(kPublisherLeaseNs) - kPublisherLeaseNs / 2);
   }
 }
 
@@ -105,8 +106,8 @@ void SimulatedRun::come_back(Host& host) {
   const bool is_known = chance(0.3);
   // What the old one had defined may be told once more, and late.
   std::vector<DefinitionSample> stale = host.publisher.define_all();
-  SimulatedPublisher again(is_known ? host.publisher.id() : next_id_++, static_cast<std::uint64_t>(now_ns_), 0);
-  host = {.publisher = again, .definitions_at_ns = host.definitions_at_ns, .notices_at_ns = now_ns_};
+  SimulatedPublisher again(is_known ? host.publisher.id() : next_id_++, static_cast<std::uint64_t>(now_ns_), SimulatedClock(random_, now_ns_));
+  host = {.publisher = again, .period = any_period(), .definitions_at_ns = host.definitions_at_ns, .notices_at_ns = now_ns_};
   // The old one's end is news of its writers; those of the new one with the same number live.
   if (is_known) {
     for (DefinitionSample& sample : stale) under_way_.push_back({now_ns_ + up_to(100'000'000), std::move(sample)});
@@ -145,7 +146,8 @@ void SimulatedRun::act(Host& host, bool is_calm) {
   for (const auto& [number, object] : publisher.objects()) {
     if (chance(0.4)) publisher.move(number, teleported ? any_place() : Vec3(object.position + 0.1 * any_place()));
   }
-  if (is_calm || chance(0.8)) send(publisher.flush(now_ns_, teleported, is_calm), is_calm);
+  const bool is_due = now_ns_ / kTickNs % host.period == 0;
+  if (is_due && (is_calm || chance(0.8))) send(publisher.flush(now_ns_, teleported, is_calm), is_calm);
 }
 
 void SimulatedRun::add_object(Host& host) {

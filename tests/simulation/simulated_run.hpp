@@ -36,6 +36,7 @@ class SimulatedRun {
   };
   struct Host {
     SimulatedPublisher publisher;
+    std::int64_t period = 1;  // of its flushes, in ticks
     bool is_dead = false;
     std::int64_t sleeps_until_ns = 0;
     bool was_away = false;            // longer than its lease
@@ -50,9 +51,11 @@ class SimulatedRun {
 
   void tick(bool is_calm);
   void trouble();
+  void trouble(Host& host);
   void live(Host& host, bool is_calm);
   void act(Host& host, bool is_calm);
   void add_object(Host& host);
+  std::int64_t any_period() { return chance(0.5) ? 1 : 2 + up_to(18); }
   void crash(Host& host);
   void come_back(Host& host);
   void send(Host& host, service::DefinitionSample sample);
