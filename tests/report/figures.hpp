@@ -24,6 +24,7 @@ std::vector<Figure> map_figures(const std::vector<Row>& rows);
 std::vector<Figure> decision_figures(const std::vector<Row>& rows, const Csv& census);
 std::vector<Figure> index_figures(const std::vector<Row>& rows);
 std::vector<Figure> growth_figures(const std::vector<Row>& rows);
+std::vector<Figure> arrival_figures(const std::vector<Row>& rows);
 std::vector<Figure> stage_figures(const std::vector<Row>& rows);
 std::vector<Figure> pair_figures(const std::vector<PinnedCell>& pairs);
 Figure mutant_figure(const Csv& mutants);

@@ -76,6 +76,7 @@ const std::pair<const char*, Study> kStudies[] = {
     {"index", report::study_index},
     {"growth", report::study_growth},
     {"stages", report::study_stages},
+    {"arrival", report::study_arrival},
 };
 
 }  // namespace

@@ -29,6 +29,8 @@ std::vector<Row> study_decisions(const Setting& setting);
 std::vector<Row> study_index(const Setting& setting);
 /// Time against triangles, rays a batch, threads and moving objects.
 std::vector<Row> study_growth(const Setting& setting);
+/// Crossings of two publishers' balls, told or not, against the phase between the two.
+std::vector<Row> study_arrival(const Setting& setting);
 /// What a step of moving objects spends its time on; n is the contacts that it found.
 std::vector<Row> study_stages(const Setting& setting);
 
