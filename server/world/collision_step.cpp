@@ -19,6 +19,19 @@ void end_removed(std::vector<std::pair<ObjectId, wire_contract::EndReason>>& rem
   removed.clear();
 }
 
+/// What is found again is decided at once, moved or not.
+void note_lost(World::State& s) {
+  for (const auto& [id, is_lost] : s.lost) {
+    if (is_lost) {
+      s.ledger.lose(id);
+    } else if (s.rows.find(id) != nullptr) {
+      s.ledger.find_again(id);
+      s.rows.look_again(slot_of(id));
+    }
+  }
+  s.lost.clear();
+}
+
 /// The grid holds each mover's whole way since its last pose, so that pairs that met on the way are candidates. While
 /// nothing moves, the one of the state before serves.
 void index_motion(const StepMotion& motion, const Snapshot& current, bool has_open, std::shared_ptr<Grid>& grid) {
@@ -45,8 +58,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   // Ingest: what came since the last step ends contacts and goes to the snapshot.
   s.ledger.begin_step(world_time_ns, wishes.persisted);
   end_removed(s.removed, s.ledger);
-  for (const auto& [id, is_lost] : s.lost) is_lost ? s.ledger.lose(id) : s.ledger.find_again(id);
-  s.lost.clear();
+  note_lost(s);
   s.sources.begin_step(world_time_ns, s.motion.is_any_open());
   s.rows.stamp_changes(s.step_count, world_time_ns, s.sources);
   s.fill(*next, world_time_ns);

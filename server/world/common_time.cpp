@@ -230,6 +230,14 @@ void Decisions::begin_window(std::uint32_t first, std::uint32_t second, const Pa
   decide_instant(first, second, window.from_ns, parted);
 }
 
+/// At the newest instant of both, whether or not they have moved since it was decided.
+void Decisions::decide_where_known(std::uint32_t first, std::uint32_t second) {
+  if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
+  const std::int64_t time_ns = window_of(first, second).to_ns;
+  const double at_s = seconds_ago(time_ns);
+  decide_instant(first, second, time_ns, {EndReason::separated, at_s, at_s});
+}
+
 /// parted: how a contact is over that held until then.
 bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted) {
   const MotionHistory& history = step_.motion.history();

@@ -95,6 +95,11 @@ void ContactLedger::lose(ObjectId object) {
   }
 }
 
+bool ContactLedger::is_found_again(ObjectId a, ObjectId b) const {
+  const auto found = index_.find(a < b ? Pair{a, b} : Pair{b, a});
+  return found != index_.end() && open_[found->second].doubt == wire_contract::Doubt::publisher_lost && !has_lost(a, b);
+}
+
 void ContactLedger::doubted_and_parted(const FoundContact& found, wire_contract::Doubt why) {
   if (has_lost(found.a, found.b)) return doubts(found, wire_contract::Doubt::publisher_lost);
   if (is_open(found.a, found.b)) return;

@@ -50,6 +50,8 @@ class ContactLedger {
   /// doubt until the publisher is found again and the pair is decided, or the object is removed.
   void lose(ObjectId object);
   void find_again(ObjectId object) { lost_.erase(object); }
+  /// In doubt because one was lost, and neither is any more.
+  bool is_found_again(ObjectId a, ObjectId b) const;
   /// A doubt is over: the two are apart.
   void decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s);
   /// The pair touched within this step and is apart again.

@@ -70,7 +70,10 @@ void Decisions::decide_unfound() {
       unfound.emplace_back(slot_of(open.a), slot_of(open.b));
     }
   }
-  for (const auto& [a, b] : unfound) decide_on_common_time(a, b);
+  for (const auto& [a, b] : unfound) {
+    decide_on_common_time(a, b);
+    if (ledger_.is_found_again(rows_.info(a)->id, rows_.info(b)->id)) decide_where_known(a, b);
+  }
 }
 
 double Decisions::seconds_ago(std::int64_t time_ns) const {

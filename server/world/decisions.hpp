@@ -93,6 +93,7 @@ class Decisions {
   void set_bracket_of_moves(FoundContact& found) const;
   Vec3 velocity_at(const Vec3& point, std::uint32_t slot, double time) const;
   void decide_unfound();
+  void decide_where_known(std::uint32_t first, std::uint32_t second);
   double seconds_ago(std::int64_t time_ns) const;
   bool is_timed(std::uint32_t slot) const;
 

@@ -113,6 +113,10 @@ void ObjectRows::place_all_movers_again() {
   }
 }
 
+void ObjectRows::look_again(std::uint32_t slot) {
+  if (motion_[slot] == Motion::none) mark(slot, Motion::placed);
+}
+
 void ObjectRows::set_stale(std::uint32_t slot, bool is_stale) {
   rows_[slot].is_stale = is_stale;
   changed_[slot] = step_ + 1;

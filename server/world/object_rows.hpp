@@ -72,6 +72,8 @@ class ObjectRows {
   void prefetch(std::uint32_t slot) const;
   /// Everything that moves is looked at again: what was there before may touch what came.
   void place_all_movers_again();
+  /// Looked at again, wherever it is: what was not known of it may be decided now.
+  void look_again(std::uint32_t slot);
   void set_stale(std::uint32_t slot, bool is_stale);
 
   // A step: what changed is stamped and copied, and then as if it had always been there.

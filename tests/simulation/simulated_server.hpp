@@ -35,6 +35,7 @@ class SimulatedServer {
   /// A step where something has changed; ten bookmarks a second.
   void tick(std::int64_t now_ns);
   /// Of what is in the world now, by all pairs.
+  /// And pairs in doubt.
   std::set<NamedPair> touching() const;
   /// Once all is at rest and every publisher has said so: what is open is what touches.
   void compare_with_all_pairs();
