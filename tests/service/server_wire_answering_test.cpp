@@ -345,6 +345,21 @@ TEST_F(WireAnswering, ATextSaysWhoseItIsAndNothingOfObjects) {
   EXPECT_EQ(counts.unanswerable.load(), 0U);
 }
 
+// Its reader is not there yet, or has not been met: what it asked waits, and is answered once.
+TEST_F(WireAnswering, WhoDoesNotListenYetIsAnsweredOnceItDoes) {
+  answer_with({});
+  dds::Sample<wire::Query> early;
+  early->kind = static_cast<std::uint8_t>(QueryKind::hello);
+  early->client = kClient + 1;
+  early->chunk_count = 1;
+  early->request = 1'000;
+  ASSERT_TRUE(writer.write(*early));
+  hello();  // the one thread has been through the other one
+  Ears late(client_side, kClient + 1);
+  EXPECT_TRUE(late.hears(1'000));
+  EXPECT_EQ(counts.unanswerable.load(), 0U);
+}
+
 // Whoever cannot be answered is counted: a text for a client that nobody has met.
 TEST_F(WireAnswering, ATextForNobodyIsCounted) {
   answer_with({});
