@@ -62,6 +62,23 @@ TEST_F(World, RemoveSaysWhatWentAndHowToBringItBack) {
   EXPECT_EQ(collide("rm 'crate*'").code, 1);
 }
 
+// A name that nobody has is told with its neighbours; a glob is no name, and what the server says of it is all there is to say.
+TEST_F(World, WhatCannotBeRemovedIsComparedWithNamesUnlessItIsAGlob) {
+  fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
+    if (name == "remove") return Error{ErrorCode::refused, "server refused: so it is", ""};
+    return nlohmann::json{{"objects", {{{"name", "crate"}}, {{"name", "shelf"}}}}, {"count", 2}, {"version", 3}}.dump();
+  };
+  const Ran named = collide("rm crat -q");
+  EXPECT_EQ(named.code, 1);
+  EXPECT_EQ(named.err, "error: object 'crat' is not in the world (3); nearest names: crate\n");
+  for (const char* const glob : {"'crat*'", "'crat?'", "'[c]rat'", "'*'"}) {
+    const Ran ran = collide(std::string("rm -q ") + glob);
+    EXPECT_EQ(ran.code, 5) << glob;
+    EXPECT_EQ(ran.err, "error: server refused: so it is\n") << glob;
+  }
+  EXPECT_EQ(collide("rm crate -q").err, "error: server refused: so it is\n") << "it is there";
+}
+
 TEST_F(World, LoadSendsAnAbsolutePathAndTheUnitInMetres) {
   replies["load"] = {{"scene", "warehouse"}, {"triangles", 1204118}, {"parts", 312}, {"objects", 40}, {"seconds", 0.412},
                      {"mended", {"18 T-vertices"}}, {"refused", nlohmann::json::array()}, {"warnings", nlohmann::json::array()},

@@ -239,6 +239,19 @@ TEST(FlightOpening, APoseMayComeBeforeItsObject) {
   EXPECT_EQ(all.x, (std::map<std::uint32_t, double>{{0, 4}}));
 }
 
+// A sample of each topic with one number: the server takes the pose, so it is in the state that the file begins with.
+TEST(FlightOpening, APoseWithTheNumberOfItsDefinitionIsOfIt) {
+  FlightOpening opening;
+  opening.fold(*definition(7, 0, 5));
+  opening.fold(*batch(7, 5, 1, 9));
+  EXPECT_EQ(written(opening).x, (std::map<std::uint32_t, double>{{0, 9}}));
+  opening.fold(*definition(7, 0, 5));  // sent again
+  EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{0, 5}}));
+  EXPECT_EQ(written(opening).x, (std::map<std::uint32_t, double>{{0, 9}}));
+  opening.fold(*batch(7, 4, 1, 8));
+  EXPECT_EQ(written(opening).x, (std::map<std::uint32_t, double>{{0, 9}})) << "late";
+}
+
 // Whoever replays it must know which definitions the poses are of, and when they were.
 TEST(FlightOpening, ItsPosesSayWhatTheyAreOf) {
   FlightOpening opening;
@@ -358,6 +371,18 @@ TEST(FlightOpening, WhatWasRefusedChangedNothing) {
   ask(opening, R"({"command":"remove","name":"*"})", "a living publisher has one", wire_contract::ReplyStatus::refused);
   ask(opening, R"({"command":"load","path":"/nowhere.obj"})", "no such file", wire_contract::ReplyStatus::refused);
   EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})"}));
+}
+
+// What the server carried out is taken as it stands, whatever its text; one that cannot be read says nothing of objects.
+TEST(FlightOpening, ACommandWhoseTextIsNoJsonIsSurvived) {
+  FlightOpening opening;
+  ask(opening, R"({"command":"add","name":"crate"})");
+  ask(opening, R"({"command":"remove","na)", R"({"removed":["crate"]})");
+  ask(opening, R"({"command":"remove","name":"crate"})", R"({"removed":["cra)");
+  ask(opening, R"({"command":"add","name":"ball"})");
+  const std::vector<std::string> commands = written(opening).commands;
+  ASSERT_FALSE(commands.empty());
+  EXPECT_EQ(commands.back(), R"({"command":"add","name":"ball"})");
 }
 
 TEST(FlightOpening, AnObjectOfASceneStaysAwayOnceItWasRemoved) {

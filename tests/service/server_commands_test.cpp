@@ -49,6 +49,41 @@ TEST_F(ServerCommands, AnObjectIsAddedMovedAndRemoved) {
   EXPECT_EQ(next(events).why, Why::removed);
 }
 
+// Without a word of it a move has a way, and what lies on it is met; a teleport has none.
+TEST_F(ServerCommands, AMoveMeetsWhatLiesOnItsWayAndATeleportDoesNot) {
+  start();
+  Client client = connect();
+  done(client, "add", {{"name", "crate"}, {"pose", pose(6, 0, 3)}}, {BoxShape{.half_m = {0.2, 0.2, 0.2}}});
+  const json there = done(client, "move", {{"name", "crate"}, {"pose", pose(6, 0, -3)}});
+  EXPECT_EQ(there["began"], json({"warehouse/floor"}));
+  EXPECT_EQ(there["ended"], json({"warehouse/floor"}));
+  EXPECT_EQ(there["moved_m"], 6);
+  const json back = done(client, "move", {{"name", "crate"}, {"pose", pose(6, 0, 3)}, {"teleport", true}});
+  EXPECT_EQ(back["began"], json::array());
+  EXPECT_EQ(back["ended"], json::array());
+  const json again = done(client, "move", {{"name", "crate"}, {"pose", pose(6, 0, -3)}, {"teleport", false}});
+  EXPECT_EQ(again["began"], json({"warehouse/floor"}));
+}
+
+// The refusal is the only answer, and says what is allowed; the price list has the questions and the seed that were asked for.
+TEST_F(ServerCommands, AMenuIsOfAsManyQuestionsAsWereAskedFor) {
+  start();
+  Client client = connect();
+  EXPECT_EQ(refusal(client, "menu", {{"questions", 100'001}}),
+            "server refused: menu: 'questions' is 100001; allowed: a whole number from 0 to 100000");
+  EXPECT_EQ(refusal(client, "menu", {{"sed", 1}}), "server refused: menu: unknown argument 'sed'; did you mean 'seed'?");
+  const json menu = done(client, "menu", {{"questions", 20}, {"seed", 7}});
+  EXPECT_EQ(menu["seed"], 7);
+  EXPECT_EQ(menu["version"], done(client, "list", {{"limit", 1}})["version"]);
+  ASSERT_FALSE(menu["rows"].empty());
+  for (const json& row : menu["rows"]) {
+    EXPECT_EQ(row["asked"], 20) << row;
+    EXPECT_EQ(row["wrong"], 0) << row;
+    EXPECT_GT(row["p50_ns"], 0) << row;
+    EXPECT_GE(row["p99_ns"], row["p50_ns"]) << row;
+  }
+}
+
 TEST_F(ServerCommands, RefusalsNameWhatIsNear) {
   start();
   Client client = connect();

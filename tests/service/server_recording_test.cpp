@@ -357,10 +357,11 @@ TEST_F(ServerRecording, AFullDiskIsSaidAndWhatWasWrittenStays) {
 }
 
 TEST_F(ServerRecording, ASignalWritesTheFlightRecorder) {
-  ChildProcess& server = start();
+  ChildProcess& server = start({"--flight-recorder", "12s"});
   server.signal(SIGUSR1);
   ASSERT_TRUE(test::eventually([&] { return server.errors().find("flight recorder: ") != std::string::npos; }, 10s));
   const std::string said = server.errors();
+  EXPECT_NE(said.find(" messages of the last 12.0 s, "), std::string::npos) << said;
   const std::size_t begin = said.find(folder_.path(), said.find("flight recorder: "));
   ASSERT_NE(begin, std::string::npos) << said;
   const std::string file = said.substr(begin, said.find(".mcap", begin) + 5 - begin);
@@ -386,6 +387,42 @@ TEST_F(ServerRecording, AServerThatFailsLeavesAFile) {
   ASSERT_NE(file, "");
   EXPECT_TRUE(has(file, "collided/query", 2)) << "hello and a ray";
   EXPECT_TRUE(has(file, "collided/reply", 2));
+}
+
+// What was written is handed out in pages for as long as it is kept and can be read; each refusal says what is allowed.
+TEST_F(ServerRecording, PagesOfARecordingAreThoseOfItsFile) {
+  start();
+  Client client = connect();
+  const auto refusal = [&](const std::string& arguments) {
+    const Result<std::string> answer = client.command("recording", arguments);
+    EXPECT_FALSE(answer) << arguments;
+    return answer ? std::string() : answer.error().message + "; " + answer.error().hint;
+  };
+  const Result<std::string> made = client.command("recording", R"({"last_s": 30})");
+  ASSERT_TRUE(made) << made.error().message;
+  const auto told = nlohmann::json::parse(*made);
+  const std::string file = told["path"];
+  const std::string number = told["number"].dump();
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  EXPECT_EQ(told["bytes"], bytes.size());
+  EXPECT_EQ(told["dropped"], 0);
+  EXPECT_GE(told["messages"], 1);
+  EXPECT_EQ(told["to_ns"].get<std::int64_t>() - told["from_ns"].get<std::int64_t>(), 30'000'000'000);
+  const auto page = [&](const std::string& offset) {
+    const Result<std::string> bytes_from = client.command("recording", R"({"number": )" + number + R"(, "offset": )" + offset + "}");
+    return bytes_from ? *bytes_from : bytes_from.error().message;
+  };
+  EXPECT_TRUE(page("0") == bytes.substr(0, 1 << 20));
+  EXPECT_TRUE(page("7") == bytes.substr(7, 1 << 20));
+  EXPECT_EQ(page("1099511627776"), "") << "behind the end";
+  EXPECT_EQ(refusal(R"({"number": )" + number + R"(, "offset": 1099511627777})"),
+            "server refused: recording: 'offset' is 1099511627777; allowed: a whole number from 0 to 1099511627776; ");
+  EXPECT_EQ(refusal(R"({"last_s": 86401})"), "server refused: recording: last_s is a time from 0 to a day; ");
+  EXPECT_EQ(refusal(R"({"last_s": -1})"), "server refused: recording: last_s is a time from 0 to a day; ");
+  EXPECT_EQ(refusal(R"({"number": 77})"), "server refused: recording 77 is not kept; the newest 4 are; ask for a new one");
+  std::filesystem::remove(file);
+  EXPECT_EQ(refusal(R"({"number": )" + number + "}"), "server refused: recording: " + file + " cannot be read any more; ask for a new one");
 }
 
 TEST_F(ServerRecording, WithoutAFlightRecorderTheServerSaysSo) {

@@ -311,6 +311,63 @@ TEST_F(WireAnswering, AReplySaysWhoseItIsAndWhatItIsAbout) {
   EXPECT_EQ(ask(down, 0, 0, wire_contract::RayMode::any).oldest_pose_age_ns >= age_ns, true) << "and is not left over";
 }
 
+// Texts are of no object and no question: what a reply before them had of either is not left over.
+TEST_F(WireAnswering, ATextSaysWhoseItIsAndNothingOfObjects) {
+  answer_with({});
+  const auto expect_text = [&](const wire::Reply& reply, wire_contract::ReplyStatus status, const std::string& text) {
+    const auto said = dds::view(reply.text);
+    EXPECT_EQ(std::string(said.begin(), said.end()), text);
+    EXPECT_EQ(reply.client, kClient);
+    EXPECT_EQ(reply.request, request);
+    EXPECT_EQ(reply.server, 3U);
+    EXPECT_EQ(reply.epoch, 4U);
+    EXPECT_EQ(reply.chunk_index, 0U);
+    EXPECT_EQ(reply.chunk_count, 1U);
+    EXPECT_EQ(reply.first_question, 0U);
+    EXPECT_EQ(reply.status, static_cast<std::uint8_t>(status));
+    EXPECT_EQ(reply.version, world.newest()->version);
+    EXPECT_EQ(reply.world_time_ns, world.newest()->world_time_ns);
+    EXPECT_EQ(reply.oldest_pose_age_ns, -1);
+    EXPECT_EQ(reply.compute_ns, 0);
+    EXPECT_EQ(reply.answers._length + reply.objects._length + reply.numbers._length + reply.named_ids._length, 0U);
+  };
+  ask(down);
+  hello();
+  expect_text(ears.reply(), wire_contract::ReplyStatus::ok, "");
+  ask(down);
+  expect_text(ask({1, 2, 3}), wire_contract::ReplyStatus::refused,
+              R"({"error":"3 numbers for ray questions; 7 are needed for each"})");
+  ask(down);
+  answering->send_text(kClient, ++request, wire_contract::ReplyStatus::refused, refusal_text("no", "yes"));
+  ASSERT_TRUE(ears.hears(request));
+  expect_text(ears.reply(), wire_contract::ReplyStatus::refused, R"({"error":"no","hint":"yes"})");
+  EXPECT_EQ(counts.refused.load(), 2U);
+  EXPECT_EQ(counts.unanswerable.load(), 0U);
+}
+
+// Its reader is not there yet, or has not been met: what it asked waits, and is answered once.
+TEST_F(WireAnswering, WhoDoesNotListenYetIsAnsweredOnceItDoes) {
+  answer_with({});
+  dds::Sample<wire::Query> early;
+  early->kind = static_cast<std::uint8_t>(QueryKind::hello);
+  early->client = kClient + 1;
+  early->chunk_count = 1;
+  early->request = 1'000;
+  ASSERT_TRUE(writer.write(*early));
+  hello();  // the one thread has been through the other one
+  Ears late(client_side, kClient + 1);
+  EXPECT_TRUE(late.hears(1'000));
+  EXPECT_EQ(counts.unanswerable.load(), 0U);
+}
+
+// Whoever cannot be answered is counted: a text for a client that nobody has met.
+TEST_F(WireAnswering, ATextForNobodyIsCounted) {
+  answer_with({});
+  answering->send_text(kClient + 1, 1, wire_contract::ReplyStatus::ok, "");
+  EXPECT_TRUE(test::eventually([&] { return counts.unanswerable.load() == 1; }));
+  EXPECT_EQ(counts.refused.load(), 0U);
+}
+
 // Who was told of a state is not answered on an older one, though so many requests are open that new ones share states.
 TEST_F(WireAnswering, WhatWasToldOnceIsNotUnsaidByARequestInChunks) {
   answer_with({});

@@ -100,6 +100,34 @@ TEST_F(ServerWireOverload, MoreRecordingsThanMayWaitAreRefused) {
   EXPECT_EQ(written + refused, 300);
 }
 
+// Commands that take long are answered later, by another thread, unless they are refused at once: then that is all.
+TEST_F(ServerWireOverload, ARefusedCommandIsAnsweredOnce) {
+  start({"--flight-recorder", "30s"});
+  WireAsker asker(domain_);
+  ASSERT_TRUE(asker.greet());
+  const auto command = [&](const char* text) {
+    dds::Sample<wire::Query> query;
+    query->kind = static_cast<std::uint8_t>(QueryKind::command);
+    EXPECT_TRUE(dds::set_text(query->text, text));
+    const auto heard = asker.ask(*query, 20s);
+    EXPECT_TRUE(heard) << text;
+    return std::pair(query->request, heard ? heard->status : std::uint8_t{255});
+  };
+  const auto status = [](ReplyStatus of) { return static_cast<std::uint8_t>(of); };
+  std::vector<std::uint64_t> refused;
+  for (const char* const text : {R"({"command": "menu", "questions": 100001})", R"({"command": "menu", "sed": 1})",
+                                 R"({"command": "recording", "last_s": 86401})", R"({"command": "recording", "number": 9})",
+                                 R"({"command": "pair", "a": "floor"})", R"({"command": "no such"})"}) {
+    const auto [request, said] = command(text);
+    EXPECT_EQ(said, status(ReplyStatus::refused)) << text;
+    refused.push_back(request);
+  }
+  // One after the other: what the refused ones had left behind would be answered before these.
+  EXPECT_EQ(command(R"({"command": "menu", "questions": 1})").second, status(ReplyStatus::ok));
+  EXPECT_EQ(command(R"({"command": "recording", "last_s": 0})").second, status(ReplyStatus::ok));
+  for (const std::uint64_t request : refused) EXPECT_FALSE(asker.reply_to(request, 0ms)) << request;
+}
+
 TEST_F(ServerWireOverload, AClassThatIsNoneIsRefused) {
   start();
   WireAsker asker(domain_);

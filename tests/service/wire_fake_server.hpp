@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -101,6 +102,16 @@ class FakeServer {
   wire::Query last_query() {
     const std::lock_guard lock(mutex);
     return last_query_;
+  }
+  /// Answers to the next commands, one each, whatever they ask; what they asked.
+  void will_answer(std::deque<std::string> answers) {
+    const std::lock_guard lock(mutex);
+    answers_to_come_ = std::move(answers);
+    commands_.clear();
+  }
+  std::vector<std::string> commands() {
+    const std::lock_guard lock(mutex);
+    return commands_;
   }
   std::size_t most_in_flight() const { return most_in_flight_; }
   std::atomic<int> delay_us{0};  // of every answer, on a thread of its own
@@ -294,7 +305,16 @@ class FakeServer {
     static_cast<void>(writer.write(reply));
   }
 
-  // "long": a text in three chunks, the last first. "load": three words of progress, 250 ms apart. Else an echo.
+  std::optional<std::string> answer_to_come(const std::string& text) {
+    const std::lock_guard lock(mutex);
+    commands_.push_back(text);
+    if (answers_to_come_.empty()) return std::nullopt;
+    std::string answer = std::move(answers_to_come_.front());
+    answers_to_come_.pop_front();
+    return answer;
+  }
+
+  // What was to come, else "long": a text in three chunks, the last first. "load": three words of progress, 250 ms apart. Else an echo.
   void answer_command(const wire::Query& query, dds::Writer<wire::Reply>& writer) {
     const std::string text = query.text;
     const auto send = [&](std::string_view part, std::uint32_t index, std::uint32_t count, std::uint8_t status_code) {
@@ -306,7 +326,9 @@ class FakeServer {
       dds::borrow(reply_.text, bytes);
       static_cast<void>(writer.write(reply_));
     };
-    if (text.find("\"long\"") != std::string::npos) {
+    if (const std::optional<std::string> told = answer_to_come(text)) {
+      send(*told, 0, 1, 0);
+    } else if (text.find("\"long\"") != std::string::npos) {
       const std::string part(200'000, 'x');
       send("\"}", 2, 3, 0);
       send(part, 1, 3, 0);
@@ -453,6 +475,8 @@ class FakeServer {
   std::vector<std::int64_t> silent_;
   std::vector<std::uint8_t> states_;
   std::vector<std::uint8_t> names_;
+  std::deque<std::string> answers_to_come_;
+  std::vector<std::string> commands_;
   std::vector<std::uint32_t> query_chunks_;
   wire::Query last_query_{};
   std::vector<std::pair<std::uint64_t, std::uint64_t>> hellos_;

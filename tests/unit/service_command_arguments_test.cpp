@@ -59,5 +59,38 @@ TEST(CommandArguments, ARefusalSaysWhatWasSaidAndWhatIsAllowed) {
   EXPECT_EQ(refusal(R"({"command": 7})", [](const Arguments&) {}), "a command without its name");
 }
 
+// Of words only the two that JSON has no number for; nothing, a word, a truth or a corner below the other is no box.
+TEST(CommandArguments, OnlyNumbersAndTheTwoInfinitiesMakeABox) {
+  for (const char* const wrong : {R"("nan")", R"("far")", R"("")", "null", "true", "[0]", "4"}) {
+    for (const char* const box : {"[%, 0, 0, 3, 1, 1]", "[0, %, 0, 1, 3, 1]", "[0, 0, %, 1, 1, 3]", "[0, 0, 0, 1, 1, %, 1]"}) {
+      std::string text = box;
+      text.replace(text.find('%'), 1, wrong);
+      EXPECT_NE(refusal(R"({"command": "do", "x": [)" + text + "]}", [](const Arguments& a) { a.boxes("x"); }), "taken") << text;
+    }
+  }
+  EXPECT_EQ(refusal(R"({"command": "do", "x": [["inf", 0, 0, "-inf", 1, 1]]})", [](const Arguments& a) { a.boxes("x"); }),
+            "do: 'x' is [[\"inf\",0,0,\"-inf\",1,1]]; allowed: at most 10000 boxes of six numbers, the lower corner first");
+  EXPECT_EQ(Arguments(R"({"command": "do", "x": [["-inf", "-inf", "-inf", "inf", "inf", "inf"], [2, 2, 2, 2, 2, 2]]})").boxes("x").size(), 2U);
+  EXPECT_TRUE(Arguments(R"({"command": "do"})").boxes("x").empty());
+}
+
+TEST(CommandArguments, WhatWasNotSaidIsWhatIsTakenOtherwise) {
+  const Arguments silent(R"({"command": "do"})");
+  EXPECT_TRUE(silent.truth("x", true));
+  EXPECT_FALSE(silent.truth("x", false));
+  EXPECT_EQ(silent.whole("x", 3, 9), 3U);
+  EXPECT_EQ(silent.vector("x"), std::nullopt);
+  EXPECT_FALSE(silent.pose("x").has_value());
+  const auto read = [](const char* value, const auto& how) { return refusal(std::string(R"({"command": "do", "x": )") + value + "}", how); };
+  const auto three = [](const Arguments& a) { a.vector("x"); };
+  EXPECT_EQ(read("[1, 2]", three), "do: 'x' is [1,2]; allowed: three numbers");
+  EXPECT_EQ(read(R"([1, 2, "3"])", three), "do: 'x' is [1,2,\"3\"]; allowed: three numbers");
+  const auto pose = [](const Arguments& a) { a.pose("x"); };
+  EXPECT_EQ(read("[1, 2, 3]", pose), "do: 'x': a pose of 3 numbers; 7 are needed; a pose is [x, y, z, qw, qx, qy, qz]");
+  EXPECT_EQ(read(R"([1, 2, "3", 1, 0, 0, 0])", pose), "do: 'x': a pose with nan; a pose is [x, y, z, qw, qx, qy, qz]");
+  EXPECT_EQ(read("[1, 2, 3, 2, 0, 0, 0]", pose),
+            "do: 'x': quaternion norm 2, allowed 1 +- 1e-06; a pose is [x, y, z, qw, qx, qy, qz]");
+}
+
 }  // namespace
 }  // namespace collided::service

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <unistd.h>
 
@@ -376,6 +377,34 @@ TEST_F(EpochFile, GrowsWithEachStart) {
   EXPECT_GT(next(folder).value, first.value);
   std::ofstream(first.kept_in) << "99999999999\n";
   EXPECT_EQ(next(folder).value, 100'000'000'000U);
+}
+
+// The lock's file was that of a process with a longer number.
+TEST_F(EpochFile, TheLocksFileNamesItsHolderAndNobodyElse) {
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/3-a-b.epoch.lock") << "123456789012\n";
+  const Epoch epoch = next(folder);
+  std::ifstream in(folder + "/3-a-b.epoch.lock");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), std::to_string(getpid()) + "\n");
+}
+
+TEST_F(EpochFile, WhoDidNotEndInOrderHasCrashed) {
+  std::string kept_in;
+  {
+    const Epoch first = next(folder);
+    kept_in = first.kept_in;
+    EXPECT_FALSE(first.crashed) << "there was none before";
+    EXPECT_EQ(first.problem, "");
+  }
+  {
+    const Epoch second = next(folder);
+    EXPECT_TRUE(second.crashed);
+    close_epoch(second);
+  }
+  const Epoch third = next(folder);
+  EXPECT_FALSE(third.crashed);
+  std::ifstream in(kept_in);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), std::to_string(third.value) + " running\n");
 }
 
 TEST_F(EpochFile, FallsBackToTheClockAndSaysSo) {

@@ -283,6 +283,52 @@ TEST_F(WorldLoopTest, WithoutAPeriodQuickStepsFollowQuickly) {
   EXPECT_LT(quickest, std::chrono::milliseconds(4));
 }
 
+// Time alone moves nothing: a world in which everybody is heard takes no step, and its states get no new numbers.
+TEST_F(WorldLoopTest, AWorldInWhichNothingChangesStandsStill) {
+  define(1, {0, 0, 0});
+  start();
+  EXPECT_TRUE(books.wait([&] { return books.status.moving_count == 1 && books.statuses > 2; }));
+  const std::uint64_t version = world.newest()->version;
+  const std::uint64_t steps = loop->sums().steps.get();
+  const std::size_t statuses = books.statuses;
+  EXPECT_TRUE(books.wait([&] { return books.statuses > statuses + 8; }));  // ticks come with every second one
+  EXPECT_EQ(world.newest()->version, version);
+  EXPECT_EQ(loop->sums().steps.get(), steps);
+}
+
+// Taking samples in and stepping are counted apart, though a second pose of an object steps while samples are taken in: of one
+// thread's time no moment is counted twice.
+TEST_F(WorldLoopTest, NoTimeIsCountedTwice) {
+  constexpr std::uint32_t kBalls = 100;
+  constexpr std::uint64_t kRounds = 30;
+  for (std::uint32_t number = 0; number < kBalls; ++number) define(number, {0, 0, 0});
+  for (std::uint64_t round = 0; round < kRounds; ++round) {
+    auto sample = inbox.spare();
+    sample->publisher = 7;
+    sample->incarnation = 1;
+    sample->sequence = ++sequence;
+    sample->definitions_through = 0;
+    sample->received_ns = clock.now_ns();
+    for (std::uint32_t number = 0; number < kBalls; ++number) {
+      sample->object_numbers.push_back(number);
+      sample->poses.insert(sample->poses.end(), {1e-3 * number, 1e-3 * static_cast<double>(round), 0, 1, 0, 0, 0});
+    }
+    inbox.push(std::move(sample));
+  }
+  const auto before = std::chrono::steady_clock::now();
+  start({.step_ns = 0, .recovery_ns = 0, .limits = {}});
+  EXPECT_TRUE(books.wait([&] { return books.status.applied_sequences == std::vector<std::uint64_t>{sequence}; }));
+  const std::size_t statuses = books.statuses;
+  EXPECT_TRUE(books.wait([&] { return books.statuses > statuses; })) << "what was taken in is counted after it";
+  const StepSums& sums = loop->sums();
+  const std::uint64_t taken_ns = sums.take_ns.get();
+  const std::uint64_t stepped_ns = sums.update_ns.get() + sums.index_ns.get() + sums.test_ns.get() + sums.publish_ns.get();
+  const std::chrono::nanoseconds elapsed = std::chrono::steady_clock::now() - before;
+  EXPECT_GE(sums.steps.get(), kRounds) << "each of the poses is looked at";
+  EXPECT_GT(taken_ns, 0U);
+  EXPECT_LE(taken_ns + stepped_ns, static_cast<std::uint64_t>(elapsed.count()));
+}
+
 // What commands had added is waited for however long it takes; the wait for publishers ends.
 TEST_F(WorldLoopTest, AfterACrashItIsNotReadyWhileScenesAreAddedAgain) {
   std::atomic<bool> adding{true};
