@@ -67,7 +67,8 @@ inline constexpr std::uint32_t numbers_of(QueryKind kind) {
 inline constexpr std::uint32_t kPoseNumbers = 7;
 inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;
-inline constexpr std::uint32_t kEventNumbers = 13;
+inline constexpr std::uint32_t kEventNumbers = 14;
+inline constexpr std::uint32_t kEventNumbersBefore = 13;  // of recordings from before velocities had a bound
 inline constexpr std::uint32_t kContactNumbers = 8;
 inline constexpr std::uint32_t kProbeNumbers = 8;
 

@@ -79,7 +79,8 @@ Record event_record(const Event& event) {
           {"bracket_low", event.bracket_low_s},
           {"bracket_high", event.bracket_high_s},
           {"epoch", event.epoch},
-          {"velocity", is_told && touches ? MaybeVector(event.relative_velocity) : MaybeVector()}};
+          {"velocity", is_told && touches ? MaybeVector(event.relative_velocity) : MaybeVector()},
+          {"velocity_error", is_told && touches ? Value(event.velocity_error) : none}};
 }
 
 std::string event_line(const Printer& printer, const Event& event, std::chrono::nanoseconds at) {

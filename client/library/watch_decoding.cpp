@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace collided::client {
 namespace {
@@ -10,6 +11,7 @@ using std::chrono::nanoseconds;
 using wire_contract::EventKind;
 using wire_contract::kContactNumbers;
 using wire_contract::kEventNumbers;
+using wire_contract::kEventNumbersBefore;
 using wire_contract::ServerState;
 
 // The wire's code n is What's n + 1: `open` exists only on this side.
@@ -32,7 +34,7 @@ bool fits(const wire::EventFrame& frame) {
   const auto reasons = dds::view(frame.reasons);
   return frame.reasons._length == count && frame.shards._length == count && frame.a._length == count &&
          frame.b._length == count && frame.a_triangles._length == count && frame.b_triangles._length == count &&
-         frame.episodes._length == count && frame.numbers._length == count * kEventNumbers &&
+         frame.episodes._length == count && (frame.numbers._length == count * kEventNumbers || frame.numbers._length == count * kEventNumbersBefore) &&
          std::all_of(kinds.begin(), kinds.end(), [](auto k) { return k <= static_cast<int>(EventKind::ended); }) &&
          std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(Why::decided); });
 }
@@ -75,15 +77,17 @@ std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
   HeardFrame heard{{frame.server, frame.epoch}, frame.first_sequence, {}};
   heard.entries.reserve(frame.kinds._length);
+  const std::size_t stride = frame.numbers._length == frame.kinds._length * kEventNumbers ? kEventNumbers : kEventNumbersBefore;
   for (std::size_t i = 0; i < frame.kinds._length; ++i) {
-    const double* const numbers = dds::view(frame.numbers).data() + i * kEventNumbers;
-    Event event = decode_pair(frame, i, kEventNumbers, names);
+    const double* const numbers = dds::view(frame.numbers).data() + i * stride;
+    Event event = decode_pair(frame, i, stride, names);
     event.what = static_cast<What>(dds::view(frame.kinds)[i] + kFirstKind);
     event.why = static_cast<Why>(dds::view(frame.reasons)[i]);
     event.world_time = nanoseconds(frame.world_time_ns);
     event.bracket_low_s = numbers[8];
     event.bracket_high_s = numbers[9];
     event.relative_velocity = Vec3(numbers[10], numbers[11], numbers[12]);
+    event.velocity_error = stride == kEventNumbers ? numbers[13] : std::numeric_limits<double>::infinity();
     heard.entries.push_back({std::move(event), dds::view(frame.shards)[i]});
   }
   return heard;

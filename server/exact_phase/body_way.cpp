@@ -1,5 +1,7 @@
 #include "server/exact_phase/body_way.hpp"
 
+#include <algorithm>
+
 #include "server/geometry/tolerance.hpp"
 
 namespace collided {
@@ -22,6 +24,18 @@ Frame BodyWay::at(double t) const {
 double BodyWay::error_m(double reach_m) const {
   if (turn_rad == 0 && from.position == to.position) return 0;
   return kWayError * (from.position.cwiseAbs().maxCoeff() + to.position.cwiseAbs().maxCoeff() + reach_m);
+}
+
+/// Its own place and turn are known as well as where the way takes the point; within the slack the origin goes on, and the
+/// point's arm turns with it.
+BodyWay::PointVelocity BodyWay::velocity(const Vec3& point, double t, double way_s, double slack_s) const {
+  const Vec3 arm = point - at(t).position;
+  const Vec3 turn = turn_rad * axis;
+  const Vec3 way = travel + turn.cross(arm);
+  const double reach_m = arm.norm();
+  const double turned = std::min(slack_s / way_s, 1.0) * turn_rad;
+  const double off_m = 2 * BodyWay::error_m(reach_m) + turned * (travel.norm() + 2 * turn_rad * reach_m);
+  return {.mps = way / way_s, .error_mps = (off_m / way_s) * (1 + 0x1p-40)};
 }
 
 }  // namespace collided

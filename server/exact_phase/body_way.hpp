@@ -24,6 +24,14 @@ struct BodyWay {
   double error_m(double reach_m) const;
   /// How far such a point goes at most in all.
   double length_m(double reach_m) const { return travel.norm() + turn_rad * reach_m; }
+
+  /// Of the body's point that is there at time t, where the way takes way_s seconds, m/s.
+  /// slack_s  the time itself is known to so much
+  struct PointVelocity {
+    Vec3 mps = Vec3::Zero();
+    double error_mps = 0;  // |truth - mps| <= error_mps
+  };
+  PointVelocity velocity(const Vec3& point, double t, double way_s, double slack_s) const;
 };
 
 }  // namespace collided

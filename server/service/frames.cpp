@@ -89,6 +89,7 @@ void EventColumns::add(const Event& event, const NameBook& book) {
   numbers.push_back(event.bracket_low_s);
   numbers.push_back(event.bracket_high_s);
   numbers.insert(numbers.end(), event.relative_velocity.begin(), event.relative_velocity.end());
+  numbers.push_back(event.velocity_error);
   named.add_id(event.of.a);
   named.add_id(event.of.b);
 }

@@ -24,14 +24,12 @@ PairPiece turned_back(const PairPiece& piece) {
           .a_way = {piece.a_way.to, piece.a_way.from}, .b_way = {piece.b_way.to, piece.b_way.from}};
 }
 
-/// Of the object's point that is there at that time, m/s.
-Vec3 velocity_on(const MotionSegment* segment, const Vec3& point, std::int64_t time_ns) {
-  if (segment == nullptr) return Vec3::Zero();
-  const BodyWay way(segment->from, segment->to);
+/// Of the object's point that is there at that time; who is on no way rests.
+BodyWay::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& point, std::int64_t time_ns, double slack_s) {
+  if (segment == nullptr) return {};
   const double length_ns = static_cast<double>(segment->to_ns - segment->from_ns);
-  const Vec3 origin = way.at(static_cast<double>(time_ns - segment->from_ns) / length_ns).position;
-  const Vec3 turn = way.turn_rad * way.axis;
-  return (way.travel + turn.cross(point - origin)) / (length_ns * 1e-9);
+  return BodyWay(segment->from, segment->to)
+      .velocity(point, static_cast<double>(time_ns - segment->from_ns) / length_ns, length_ns * 1e-9, slack_s);
 }
 
 }  // namespace
@@ -336,8 +334,9 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
                      .bracket_low_s = seconds_ago(piece.from_ns - clock_error_ns(piece.a, piece.b)),
                      .bracket_high_s = seconds_ago(piece.to_ns + clock_error_ns(piece.a, piece.b))};
   if (step_.wishes.contacts) {
-    found.relative_velocity = velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns) -
-                              velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns);
+    const double slack_s = 1e-9 * static_cast<double>(piece.to_ns - piece.from_ns);
+    set_velocity(found, velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns, slack_s),
+                 velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns, slack_s));
   }
   return found;
 }

@@ -55,7 +55,8 @@ void ContactLedger::touches(const FoundContact& found) {
   if (!persisted_wanted_) return;
   events_.push_back({.kind = wire_contract::EventKind::persisted,
                      .of = open_[index_.at({found.a, found.b})],
-                     .relative_velocity = found.relative_velocity});
+                     .relative_velocity = found.relative_velocity,
+                     .velocity_error = found.velocity_error});
 }
 
 void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
@@ -67,7 +68,8 @@ void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
                      .of = opened,
                      .bracket_low_s = found.bracket_low_s,
                      .bracket_high_s = found.bracket_high_s,
-                     .relative_velocity = found.relative_velocity});
+                     .relative_velocity = found.relative_velocity,
+                     .velocity_error = found.velocity_error});
 }
 
 bool ContactLedger::holds(ObjectId a, ObjectId b) const {
@@ -140,11 +142,13 @@ void ContactLedger::passed(const OpenContact& opened, const FoundContact& found,
               .of = opened,
               .bracket_low_s = found.bracket_low_s,
               .bracket_high_s = found.bracket_high_s,
-              .relative_velocity = found.relative_velocity};
+              .relative_velocity = found.relative_velocity,
+              .velocity_error = found.velocity_error};
   events_.push_back(event);
   event.kind = wire_contract::EventKind::ended;
   event.reason = reason;
   event.relative_velocity.setZero();
+  event.velocity_error = 0;
   event.bracket_low_s = found.parted_low_s;
   event.bracket_high_s = found.parted_high_s;
   events_.push_back(event);

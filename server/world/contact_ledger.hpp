@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "server/exact_phase/body_way.hpp"
 #include "server/world/events.hpp"
 
 namespace collided {
@@ -21,7 +22,13 @@ struct FoundContact {
   double parted_low_s = 0;  // where it parted again on the way
   double parted_high_s = 0;
   Vec3 relative_velocity = Vec3::Zero();  // of b against a at the contact's point
+  double velocity_error = 0;              // |truth - relative_velocity| <= velocity_error
 };
+
+inline void set_velocity(FoundContact& found, const BodyWay::PointVelocity& of_a, const BodyWay::PointVelocity& of_b) {
+  found.relative_velocity = of_b.mps - of_a.mps;
+  found.velocity_error = (of_a.error_mps + of_b.error_mps) * (1 + 0x1p-40) + 0x1p-52 * (of_a.mps.norm() + of_b.mps.norm());
+}
 
 /// Why a contact is over and when, in seconds before the step's world time; none: it is not.
 struct ContactEnd {

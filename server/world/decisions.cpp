@@ -118,7 +118,8 @@ void Decisions::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTo
   if (step_.wishes.contacts && is_told) {
     const double time = passed || holds_on ? sweep->bracket.high : 1;
     const Vec3& point = found.contact.point;
-    found.relative_velocity = velocity_at(point, slot_of(found.b), time) - velocity_at(point, slot_of(found.a), time);
+    const double slack_s = found.bracket_low_s - found.bracket_high_s;
+    set_velocity(found, velocity_at(point, slot_of(found.a), time, slack_s), velocity_at(point, slot_of(found.b), time, slack_s));
   }
   if (passed) {
     ledger_.touched_and_parted(found);
@@ -188,18 +189,16 @@ void Decisions::set_bracket_of_moves(FoundContact& found) const {
 }
 
 /// Of the object's point that is there at that time of its last way, m/s.
-Vec3 Decisions::velocity_at(const Vec3& point, std::uint32_t slot, double time) const {
+BodyWay::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const {
   const ObjectRow& row = rows_[slot];
   const std::int64_t way_ns = row.posed_ns - row.posed_before_ns;
-  if (!row.has_way || way_ns <= 0 || row.posed_before_ns == kPosedAtStep) return Vec3::Zero();
+  if (!row.has_way || way_ns <= 0 || row.posed_before_ns == kPosedAtStep) return {};
   // Who is left out of its publisher's instant rests. Who comes without instants is still under way for as long again as
   // its last way took.
-  if (!rows_.has_moved(slot) && is_timed(slot)) return Vec3::Zero();
-  if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > way_ns) return Vec3::Zero();
+  if (!rows_.has_moved(slot) && is_timed(slot)) return {};
+  if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > way_ns) return {};
   const BodyWay way(row.frame_before, row.frame);
-  const Vec3 origin = rows_.has_moved(slot) ? way.at(time).position : way.to.position;
-  const Vec3 turn = way.turn_rad * way.axis;
-  return (way.travel + turn.cross(point - origin)) / (static_cast<double>(way_ns) * 1e-9);
+  return way.velocity(point, rows_.has_moved(slot) ? time : 1, static_cast<double>(way_ns) * 1e-9, slack_s);
 }
 
 }  // namespace collided

@@ -91,7 +91,7 @@ class Decisions {
   void report_doubt(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
   void set_bracket_of_moves(FoundContact& found) const;
-  Vec3 velocity_at(const Vec3& point, std::uint32_t slot, double time) const;
+  BodyWay::PointVelocity velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const;
   void decide_unfound();
   void decide_where_known(std::uint32_t first, std::uint32_t second);
   double seconds_ago(std::int64_t time_ns) const;

@@ -31,6 +31,7 @@ struct Event {
   /// Of b relative to a at the contact's point, m/s, from the last two accepted poses of each; who has no way between
   /// them (new, teleported) or has been silent for longer than it took counts as resting. Zero for `ended`.
   Vec3 relative_velocity = Vec3::Zero();
+  double velocity_error = 0;  // |truth - relative_velocity| <= velocity_error, m/s
 };
 
 }  // namespace collided

@@ -48,7 +48,7 @@ class EventRecording {
     std::vector<std::uint8_t> kinds, reasons, shards;
     for (const Change& change : changes) {
       columns.add(change.a, change.b, change.episode);
-      columns.numbers.insert(columns.numbers.end(), {change.low_s, change.high_s, -1, 0, 0});
+      columns.numbers.insert(columns.numbers.end(), {change.low_s, change.high_s, -1, 0, 0, 1e-9});
       kinds.push_back(static_cast<std::uint8_t>(change.kind));
       reasons.push_back(static_cast<std::uint8_t>(change.reason));
       shards.push_back(wire_contract::contact_shard(change.a, change.b));

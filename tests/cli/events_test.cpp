@@ -83,7 +83,7 @@ TEST_F(EventsVerb, MachinesGetTheFieldsOfWatch) {
             "\"point\":[1,2,0.5],\"normal\":[0,0,1],\"resync\":true,\"sequence\":10,\"episode\":3,\"bracket_low\":0,\"bracket_high\":0,\"epoch\":1}\n"
             "{\"time\":101,\"time_ns\":101000000000,\"first_ns\":100994000000,\"last_ns\":100995000000,\"what\":\"began\",\"a\":\"crate\","
             "\"b\":\"drone\",\"depth\":0.004,\"error\":1e-15,\"point\":[1,2,0.5],\"normal\":[0,0,1],\"sequence\":12,\"episode\":12,"
-            "\"bracket_low\":0.006,\"bracket_high\":0.005,\"epoch\":1,\"velocity\":[-1,0,0]}\n");
+            "\"bracket_low\":0.006,\"bracket_high\":0.005,\"epoch\":1,\"velocity\":[-1,0,0],\"velocity_error\":1e-09}\n");
 }
 
 TEST_F(EventsVerb, WhatHeldAtTheBeginOfTheWindowIsOpen) {

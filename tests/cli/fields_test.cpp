@@ -124,6 +124,7 @@ Event event(What what) {
   event.depth_m = 17;
   event.depth_error_m = 18;
   event.relative_velocity = {19, 20, 21};
+  event.velocity_error = 22;
   return event;
 }
 
@@ -140,6 +141,7 @@ TEST_F(Fields, OfAnEventAreTheServersOwn) {
   json began = open;
   began["what"] = "began";
   began["velocity"] = {19, 20, 21};
+  began["velocity_error"] = 22;
   json persisted = began;
   persisted["what"] = "persisted";
   EXPECT_EQ(all[2], persisted);

@@ -332,7 +332,7 @@ TEST(WatchDecoding, EveryFieldOfAnEventIsItsOwn) {
   const char* b_names[] = {"#4", "five", "#6"};
   for (std::size_t i = 0; i < 3; ++i) {
     const Event& event = heard->entries[i].event;
-    const double first = 100 + 13 * static_cast<double>(i);
+    const double first = 100 + 14 * static_cast<double>(i);
     EXPECT_EQ(heard->entries[i].shard, 40 + i);
     EXPECT_EQ(event.what, whats[i]);
     EXPECT_EQ(event.why, whys[i]);
@@ -353,6 +353,22 @@ TEST(WatchDecoding, EveryFieldOfAnEventIsItsOwn) {
     EXPECT_EQ(event.bracket_low_s, first + 8);
     EXPECT_EQ(event.bracket_high_s, first + 9);
     EXPECT_EQ(event.relative_velocity, three(first + 10));
+    EXPECT_EQ(event.velocity_error, first + 13);
+  }
+}
+
+// Recordings of before.
+TEST(WatchDecoding, AVelocityWithoutABoundIsHeardAsOne) {
+  Names names;
+  FrameMessage frame;
+  frame.numbers.resize(3 * wire_contract::kEventNumbersBefore);
+  const auto heard = client::decode(frame.message(), names);
+  ASSERT_TRUE(heard);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double first = 100 + 13 * static_cast<double>(i);
+    EXPECT_EQ(heard->entries[i].event.point, three(first));
+    EXPECT_EQ(heard->entries[i].event.relative_velocity, three(first + 10));
+    EXPECT_EQ(heard->entries[i].event.velocity_error, std::numeric_limits<double>::infinity());
   }
 }
 

@@ -204,5 +204,38 @@ TEST(ExactBodyWay, ATurningWheelNearTheGroundIsFree) {
   }
 }
 
+// By differences of places in between: a body that turns and goes, and a point whose time is known to a hundredth of the way.
+TEST(BodyWay, TheVelocityOfAPointIsWithinItsBound) {
+  std::mt19937_64 random = oracle::seeded(14);
+  std::uniform_real_distribution<double> part(-1, 1);
+  const auto vector = [&] { return Vec3(part(random), part(random), part(random)); };
+  for (int i = 0; i < 2'000; ++i) {
+    const Frame from{Eigen::AngleAxisd(3 * part(random), vector().normalized()).toRotationMatrix(), 10 * vector()};
+    const Frame to{Mat3(Eigen::AngleAxisd(1.5 * part(random), vector().normalized()).toRotationMatrix() * from.rotation), from.position + vector()};
+    const BodyWay way(from, to);
+    const double time = 0.2 + 0.3 * (1 + part(random)), way_s = 0.01;
+    const Vec3 own = vector();
+    const Vec3 told_at = place(way.at(time), own);
+    const double slack = i % 2 == 0 ? 0 : 0.01;
+    const BodyWay::PointVelocity velocity = way.velocity(told_at, time, way_s, slack * way_s);
+    for (const double off : {-1.0, 0.0, 1.0}) {
+      // The same point of space at another time within the slack: another point of the body is there.
+      const double then = time + off * slack;
+      constexpr double kStep = 1e-4;
+      const Frame at = way.at(then);
+      const Vec3 body_point = at.rotation.transpose() * (told_at - at.position);
+      const Vec3 truth = (place(way.at(then + kStep), body_point) - place(way.at(then - kStep), body_point)) / (2 * kStep * way_s);
+      // The differences are off by a square of their step, and by the roundings of places over it.
+      const double differences = 20 * kStep * kStep / way_s + 1e-13 / (kStep * way_s);
+      ASSERT_LE((velocity.mps - truth).norm(), velocity.error_mps + differences) << i;
+    }
+    if (slack == 0) {
+      EXPECT_LE(velocity.error_mps, 1e-10) << "a bound that tells nothing";
+    } else {
+      EXPECT_LE(velocity.error_mps, 0.03 * 3 * 6 / way_s) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace collided

@@ -47,7 +47,7 @@ TEST_F(ServiceFrames, AnEventTravelsWithEveryFieldInItsPlace) {
   const ObjectId a = define("left", {0, 0, 0});
   const ObjectId b = define("right", {3, 0, 0});
   const Event event{.kind = wire_contract::EventKind::ended, .reason = wire_contract::EndReason::teleported, .sequence = 21,
-                    .of = contact_of(a, b), .bracket_low_s = 9, .bracket_high_s = 10, .relative_velocity = {11, 12, 13}};
+                    .of = contact_of(a, b), .bracket_low_s = 9, .bracket_high_s = 10, .relative_velocity = {11, 12, 13}, .velocity_error = 14};
   book.note(event.of, world);
   EventColumns columns;
   columns.add(event, book);

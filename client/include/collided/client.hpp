@@ -321,6 +321,7 @@ struct Event {
   /// Of b relative to a at the point, m/s, from the last two poses of each; resting are objects that are new, were
   /// teleported or have been silent. Zero but for `began` and `persisted`.
   Vec3 relative_velocity = Vec3::Zero();
+  double velocity_error = 0;  // |truth - relative_velocity| <= velocity_error; infinite in recordings of before 0.2
 };
 
 /// World time by which the change of an event had happened: the end of its bracket. Others may be told before it that
