@@ -6,9 +6,13 @@
 #include <map>
 #include <thread>
 
+#include <nlohmann/json.hpp>
+
+#include "client/library/command.hpp"
 #include "client/library/connection.hpp"
 #include "client/library/errors.hpp"
 #include "client/library/machine_findings.hpp"
+#include "idl/commands.hpp"
 
 namespace collided {
 namespace {
@@ -102,6 +106,34 @@ std::optional<Finding> clock_finding(const std::map<std::uint64_t, Servers::Serv
                  "let both machines follow one time server (chrony, systemd-timesyncd)"};
 }
 
+std::string tenths_of_ms(std::int64_t ns) {
+  const std::int64_t tenths = (ns + 50'000) / 100'000;
+  return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " ms";
+}
+
+/// What the server has seen of when batches came that were stamped then. Their ways differ little, so what is left is the
+/// clocks, or that somebody stamps what happened long ago.
+std::optional<Finding> publisher_clocks_finding(Connection& connection) {
+  constexpr std::int64_t kNoticedNs = 5'000'000;
+  const Result<std::string> answer = client::command(connection, wire::kFigures, nlohmann::json::object(), std::chrono::seconds(2));
+  const nlohmann::json figures = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+  if (!figures.is_object()) return std::nullopt;
+  std::vector<std::pair<std::int64_t, std::string>> clocks;
+  for (const nlohmann::json& clock : figures.value("clocks", nlohmann::json::array())) {
+    clocks.emplace_back(clock.value("behind_ns", std::int64_t{0}), clock.value("publisher", std::string()));
+  }
+  if (clocks.size() < 2) return std::nullopt;
+  const auto [ahead, behind] = std::minmax_element(clocks.begin(), clocks.end());
+  const std::int64_t apart_ns = behind->first - ahead->first;
+  if (apart_ns < kNoticedNs) {
+    return Finding{Health::ok, "publisher_clocks", "the stamps of " + std::to_string(clocks.size()) + " publishers agree within " + tenths_of_ms(apart_ns), ""};
+  }
+  return Finding{Health::warn, "publisher_clocks",
+                 "the stamps of '" + ahead->second + "' are " + tenths_of_ms(apart_ns) + " ahead of those of '" + behind->second + "'; when their objects met is off by that",
+                 "let both machines follow one time server (PTP, chrony), stamp poses with when they were taken, or start collided with --clock-error " +
+                     std::to_string(apart_ns / 1'000'000 + 1) + "ms"};
+}
+
 std::optional<Finding> version_finding(const std::map<std::uint64_t, Servers::Server>& servers) {
   for (const auto& [number, server] : servers) {
     if (server.version == library_version()) continue;
@@ -148,6 +180,9 @@ void ask_server(Connection& connection, nanoseconds found_in, std::vector<Findin
   findings.push_back(server_finding(servers.all(), connection.options(), found_in));
   if (auto finding = version_finding(servers.all())) findings.push_back(*finding);
   if (auto finding = clock_finding(servers.all())) findings.push_back(*finding);
+  if (servers.all().size() == 1) {
+    if (auto finding = publisher_clocks_finding(connection)) findings.push_back(*finding);
+  }
   findings.push_back(round_trip_finding(connection));
   const std::optional<std::uint64_t> dropped = client::dropped_datagrams();
   if (dropped && dropped_before) findings.push_back(losses_finding(*dropped - *dropped_before));

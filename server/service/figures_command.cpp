@@ -38,6 +38,16 @@ json questions(const QuestionCounts& counts) {
 
 }  // namespace
 
+/// How the clocks of those that live stand to the server's.
+json clocks_of(const Publishers& publishers, std::int64_t now_ns) {
+  json clocks = json::array();
+  publishers.for_each(now_ns, [&](const PublisherView& view) {
+    if (view.state != wire_contract::PublisherState::alive || !view.behind_ns) return;
+    clocks.push_back({{"publisher", view.name}, {"behind_ns", *view.behind_ns}});
+  });
+  return clocks;
+}
+
 json Commands::figures(const Arguments& arguments) const {
   arguments.allow_only({});
   const StepSums& sums = loop_.sums();
@@ -71,6 +81,7 @@ json Commands::figures(const Arguments& arguments) const {
             {"dropped", sums.poses_dropped.get()}}},
           {"stamps",
            {{"late", sums.stamps_late.get()}, {"jumped", sums.stamps_jumped.get()}, {"missing", sums.stamps_missing.get()}}},
+          {"clocks", clocks_of(loop_.publishers(), clock_.now_ns())},
           {"questions", questions(counts_)},
           {"refused", counts_.refused.load()},
           {"undecided", counts_.undecided.load()},

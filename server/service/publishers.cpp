@@ -504,7 +504,8 @@ PublisherView Publishers::view(const Publisher& publisher, std::int64_t now_ns) 
   return {.publisher = publisher.id,
           .name = publisher.name,
           .silent_ns = silent_ns,
-          .state = publisher.lost ? PublisherState::lost : here};
+          .state = publisher.lost ? PublisherState::lost : here,
+          .behind_ns = publisher.clock.behind_ns()};
 }
 
 bool Publishers::is_live(std::uint64_t publisher) const {

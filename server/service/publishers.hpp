@@ -60,6 +60,7 @@ struct PublisherView {
   std::string_view name;
   std::int64_t silent_ns = 0;
   wire_contract::PublisherState state = wire_contract::PublisherState::alive;
+  std::optional<std::int64_t> behind_ns{};  // as in SourceClock
 };
 
 /// Turns what publishers send into calls of the world: objects by (publisher, object number), order by (incarnation,

@@ -21,11 +21,27 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
   const std::int64_t time_ns = source_ns + offset_ns_;
   if (started_ && !jumped && time_ns < newest_ns_) return {++newest_ns_, StampKind::late};
   started_ = true;
+  note_way(source_ns, received_ns);
   source_ns_ = source_ns;
   received_ns_ = received_ns;
   // What was said before a jump stays said.
   newest_ns_ = std::max(newest_ns_ + (jumped ? 1 : 0), time_ns);
   return {newest_ns_, jumped ? StampKind::jumped : StampKind::good};
+}
+
+void SourceClock::note_way(std::int64_t source_ns, std::int64_t received_ns) {
+  if (received_ns - window_began_ns_ >= kWindowNs) {
+    least_before_ns_ = received_ns - window_began_ns_ < 2 * kWindowNs ? least_ns_ : kNoBatch;
+    least_ns_ = kNoBatch;
+    window_began_ns_ = received_ns;
+  }
+  least_ns_ = std::min(least_ns_, received_ns - source_ns);
+}
+
+std::optional<std::int64_t> SourceClock::behind_ns() const {
+  const std::int64_t least_ns = std::min(least_ns_, least_before_ns_);
+  if (least_ns == kNoBatch || offset_ns_ != 0) return std::nullopt;
+  return least_ns;
 }
 
 }  // namespace collided::service

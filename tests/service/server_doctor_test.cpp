@@ -233,6 +233,37 @@ TEST_F(ServerDoctor, AServersClockThatIsOffIsToldWithItsSign) {
 #endif
 }
 
+// Two processes that publish, of which one has another clock.
+TEST_F(ServerDoctor, PublishersStampsAreCompared) {
+#ifdef COLLIDED_SHIFTED_CLOCK
+  start();
+  const std::int64_t shift_ns = 300'000'000;
+  const std::string file = folder_.write("shift", std::string(reinterpret_cast<const char*>(&shift_ns), sizeof shift_ns));
+  const auto publish = [&](const std::string& name, const std::string& before) {
+    const std::string line = before + " exec '" + COLLIDED_CLI + "' --domain " + std::to_string(domain_) +
+                             " publish --spheres 3 --round --rate 50 --name " + name + " --as " + name + " --for 60s";
+    return std::make_unique<ChildProcess>(std::vector<std::string>{"/bin/bash", "-c", line}, folder_.path(), name);
+  };
+  const auto heard = [&] {
+    const auto all = findings();
+    return all.contains("publisher_clocks") ? all.at("publisher_clocks").text : std::string();
+  };
+  const auto one = publish("here", "");
+  const auto same = publish("beside", "");
+  EXPECT_TRUE(test::eventually([&] { return heard().starts_with("the stamps of 2 publishers agree within"); }, 20s));
+  const auto other = publish("there", "LD_PRELOAD='" COLLIDED_SHIFTED_CLOCK "' COLLIDED_CLOCK_SHIFT='" + file + "'");
+  const std::string begins = "the stamps of 'there' are ";
+  EXPECT_TRUE(test::eventually([&] { return heard().starts_with(begins); }, 20s));
+  const Finding finding = findings()["publisher_clocks"];
+  EXPECT_EQ(finding.health, Health::warn);
+  ASSERT_TRUE(finding.text.starts_with(begins)) << finding.text;
+  EXPECT_NEAR(std::stod(finding.text.substr(begins.size())), 300, 40) << finding.text;
+  EXPECT_NE(finding.remedy.find("--clock-error 3"), std::string::npos) << finding.remedy;
+#else
+  GTEST_SKIP() << "sanitizers want to be loaded first";
+#endif
+}
+
 // A limit of the kernel's, replaced for one process in a mount namespace of its own.
 TEST_F(ServerDoctor, SmallBuffersAreToldWithTheCommandThatRaisesThem) {
   const std::string small = folder_.write("rmem_max", "212992\n");
