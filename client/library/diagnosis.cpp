@@ -115,7 +115,7 @@ std::string tenths_of_ms(std::int64_t ns) {
 /// clocks, or that somebody stamps what happened long ago.
 std::optional<Finding> publisher_clocks_finding(Connection& connection) {
   constexpr std::int64_t kNoticedNs = 5'000'000;
-  const Result<std::string> answer = client::command(connection, wire::kFigures, nlohmann::json::object(), std::chrono::seconds(2));
+  const Result<std::string> answer = client::command(connection, wire_contract::command::kFigures, nlohmann::json::object(), std::chrono::seconds(2));
   const nlohmann::json figures = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
   if (!figures.is_object()) return std::nullopt;
   std::vector<std::pair<std::int64_t, std::string>> clocks;

@@ -114,6 +114,27 @@ TEST(SourceClock, WithoutStampsTheReceptionCounts) {
   EXPECT_EQ(clock.stamp(-5, 9'000'000).kind, StampKind::none);
 }
 
+TEST(SourceClock, ItIsAsFarBehindAsTheQuickestBatchOfLateSays) {
+  SourceClock clock;
+  constexpr std::int64_t kMs = 1'000'000;
+  const std::int64_t start = 1'700'000'000'000'000'000;
+  EXPECT_EQ(clock.behind_ns(), std::nullopt);
+  clock.stamp(start, start + 9 * kMs);
+  EXPECT_EQ(clock.behind_ns(), 9 * kMs);
+  clock.stamp(start + 100 * kMs, start + 103 * kMs);
+  clock.stamp(start + 200 * kMs, start + 240 * kMs);
+  EXPECT_EQ(clock.behind_ns(), 3 * kMs) << "others were longer under way";
+  clock.stamp(start + 1'100 * kMs, start + 1'107 * kMs);
+  EXPECT_EQ(clock.behind_ns(), 3 * kMs) << "the second before counts";
+  clock.stamp(start + 2'200 * kMs, start + 2'206 * kMs);
+  EXPECT_EQ(clock.behind_ns(), 6 * kMs) << "and the one before that does not";
+  clock.stamp(start + 9'000 * kMs, start + 8'700 * kMs);
+  EXPECT_EQ(clock.behind_ns(), -300 * kMs) << "it is ahead";
+  SourceClock since_boot;
+  since_boot.stamp(77'000'000'000, start);
+  EXPECT_EQ(since_boot.behind_ns(), std::nullopt) << "nobody knows";
+}
+
 class LeaseBookTest : public ::testing::Test {
  protected:
   void step() { ASSERT_TRUE(world.step(++time_ns, 1, {})); }
