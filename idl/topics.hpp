@@ -123,6 +123,8 @@ inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
 /// No status for this long: the client library says "disconnected". Nearly five periods, so that a machine with too much to
 /// do seldom looks like a dead server, and a dead server is known within a quarter of a second.
 inline constexpr std::int64_t kStatusLostNs = 240'000'000;
+/// No status for this long: half of the lease after which DDS gives up another's readers and what it kept for them.
+inline constexpr std::int64_t kForgottenNs = 5'000'000'000;
 
 /// So many partitions hold all replies. Each is a writer of the server's, which stays: DDS loses some 400 bytes with every
 /// writer that is made and deleted, and clients come by the thousand.

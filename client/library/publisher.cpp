@@ -66,6 +66,7 @@ Publisher::State::State(std::shared_ptr<client::Connection> connection, const st
       publisher_(client::random_number()),
       incarnation_(static_cast<std::uint64_t>(since_1970_ns())),
       server_(connection_->pulse().server()),
+      outages_(connection_->pulse().outages()),
       last_word_(Clock::now()),
       object_topic_(connection_->participant(), connection_->options().name_space),
       pose_topic_(connection_->participant(), connection_->options().name_space),

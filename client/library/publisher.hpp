@@ -53,6 +53,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::uint64_t definitions_through_ = 0;
   std::uint64_t defined_all_at_ = 0;  // sequence at which everything was last defined anew
   std::uint64_t server_ = 0;
+  std::uint64_t outages_ = 0;  // before everything was defined anew
   bool is_streamed_ = false;
   bool has_own_clock_ = false;  // the last flush left its time to this library
   client::Clock::time_point last_instant_;

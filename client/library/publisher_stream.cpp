@@ -59,6 +59,8 @@ bool Publisher::State::is_forgotten() const {
       connection_->pulse().server() != server_) {
     return true;
   }
+  // What was written into the outage may be lost; what is written before the readers are found again would be too.
+  if (connection_->pulse().outages() != outages_ && pose_writer_.matched_readers() > 0 && object_writer_.matched_readers() > 0) return true;
   // A status from before everything was defined anew says nothing about now.
   const auto view = connection_->pulse().publisher(publisher_);
   return view && view->lost && view->applied_sequence >= defined_all_at_;
@@ -88,6 +90,7 @@ std::optional<Error> Publisher::State::define_all() {
   // A new server's reader has everything of this life still before it.
   if (server_ != connection_->pulse().server()) unacknowledged_.note_all_known();
   server_ = connection_->pulse().server();
+  outages_ = connection_->pulse().outages();
   defined_all_at_ = sequence_ + 1;
   for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
     if (!objects_.at(number).used) {

@@ -78,6 +78,7 @@ void ServerPulse::hear(dds::Sample<wire::Status>& status) {
     }
   }
   const std::lock_guard lock(mutex_);
+  if (count_ > 0 && Clock::now() - newest_came_ > nanoseconds(wire_contract::kForgottenNs)) ++outages_;
   std::swap(newest_, status);
   ++count_;
   newest_came_ = Clock::now();

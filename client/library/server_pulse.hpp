@@ -34,6 +34,9 @@ class ServerPulse {
   std::uint64_t server() const { return server_.load(std::memory_order_acquire); }
   Clock::time_point last_heard() const;
   bool silent() const;
+  /// How often statuses stayed away for so long that DDS may have forgotten the server's readers meanwhile, and with them
+  /// what they lacked (wire_contract::kForgottenNs).
+  std::uint64_t outages() const { return outages_.load(std::memory_order_acquire); }
 
   /// Empty before the first status.
   std::optional<ServerStatus> status() const;
@@ -56,6 +59,7 @@ class ServerPulse {
 
   std::atomic<std::int64_t> last_heard_ns_{0};
   std::atomic<std::uint64_t> server_{0};
+  std::atomic<std::uint64_t> outages_{0};
   mutable std::mutex mutex_;
   mutable std::condition_variable came_;
   dds::Sample<wire::Status> newest_;

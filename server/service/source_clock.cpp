@@ -13,7 +13,7 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
     return {newest_ns_, StampKind::none};
   }
   const std::int64_t ahead_ns = source_ns - source_ns_;
-  const bool jumped = started_ && (ahead_ns < -kMostOffNs || ahead_ns > kMostOffNs + std::max<std::int64_t>(0, received_ns - received_ns_));
+  const bool jumped = started_ && (ahead_ns < -kMostOffNs || is_ahead_of_time(source_ns, received_ns));
   if (!started_ || jumped) {
     const std::int64_t off_ns = received_ns - source_ns;
     offset_ns_ = off_ns >= -kMostOffNs && off_ns <= kMostOffNs ? 0 : off_ns;
@@ -27,6 +27,13 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
   // What was said before a jump stays said.
   newest_ns_ = std::max(newest_ns_ + (jumped ? 1 : 0), time_ns);
   return {newest_ns_, jumped ? StampKind::jumped : StampKind::good};
+}
+
+/// Farther on than the server's time since the last stamp, and into what is to come: batches that a network held back come
+/// together, but what they say is over.
+bool SourceClock::is_ahead_of_time(std::int64_t source_ns, std::int64_t received_ns) const {
+  const bool is_faster = source_ns - source_ns_ > kMostOffNs + std::max<std::int64_t>(0, received_ns - received_ns_);
+  return is_faster && source_ns + offset_ns_ > received_ns + kMostOffNs;
 }
 
 void SourceClock::note_way(std::int64_t source_ns, std::int64_t received_ns) {

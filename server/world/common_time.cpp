@@ -317,8 +317,8 @@ bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t 
 }
 
 bool Decisions::surely_stay_apart(const PairPiece& piece) const {
-  return !overlaps(bounds(*rows_.info(piece.a), piece.a_way, rows_[piece.a].size.reach_m),
-                   bounds(*rows_.info(piece.b), piece.b_way, rows_[piece.b].size.reach_m));
+  return !overlaps(bounds(*rows_.info(piece.a), piece.a_way, rows_[piece.a].reach_m),
+                   bounds(*rows_.info(piece.b), piece.b_way, rows_[piece.b].reach_m));
 }
 
 /// Whole brackets of an instant; those of a piece are set by who knows them.

@@ -114,7 +114,7 @@ Extent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const
   way.extend(from);
   way.extend(part == 1 ? to : Vec3(from + part * (to - from)));
   const double roundings_m = kSlack * 0x1p-8 * from.cwiseAbs().cwiseMax(to.cwiseAbs()).maxCoeff();
-  return extent_of(from, grown(way, size_of(mover).reach_m * (1 + kSlack) + (part == 1 ? 0 : roundings_m)));
+  return extent_of(from, grown(way, reach_of(mover) * (1 + kSlack) + (part == 1 ? 0 : roundings_m)));
 }
 
 /// How far from its origin the ray, which is somewhere in the box, stays in it, but for the roundings.

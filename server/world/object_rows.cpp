@@ -54,7 +54,7 @@ void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, s
   row.frame = row.frame_before = frame_of(pose);
   row.bounds = bounds_of(*info, row.frame);
   row.lone_sphere = lone_sphere(*info);
-  row.size = size_of(*info);
+  row.reach_m = reach_of(*info);
   row.has_way = false;
   row.posed_ns = row.posed_before_ns = row.said_before_ns = row.born_ns = info->moving ? born_ns : 0;
   news_[slot_of(info->id)] = kDefined;

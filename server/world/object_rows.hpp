@@ -32,7 +32,7 @@ struct ObjectRow {
   Frame frame_before;
   Aabb bounds;
   std::optional<Sphere> lone_sphere;   // that the object is, where it is nothing else
-  MoverSize size;
+  double reach_m = 0;                  // no point is farther from the frame's origin
   bool has_way = false;                // the last two poses are the ends of a way
   bool is_stale = false;
   std::int64_t born_ns = 0;            // where its definition's pose begins to hold

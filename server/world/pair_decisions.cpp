@@ -56,17 +56,16 @@ bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
   return kernel::surely_apart(way, {.center = b.end, .radius_m = b.radius_m});
 }
 
-/// A lone sphere is swept whatever its speed, exactly, past anything that does not turn fast; other pairs where one of
-/// the two is fast.
+/// A lone sphere is swept exactly past anything that does not turn.
 std::optional<SweptTouch> Decisions::sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover) {
   if (rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed) return std::nullopt;
-  if (!motion_.turns_fast(first) && !motion_.turns_fast(second)) {
+  if (!motion_.turns(first) && !motion_.turns(second)) {
     if (std::optional<SweptTouch> found = sweep_sphere(first, second)) return found;
     mover = second;
     if (const std::optional<SweptTouch> found = sweep_sphere(second, first)) return turned_round(*found);
   }
-  mover = motion_.is_fast(first) ? first : second;
-  if (!motion_.is_fast(mover)) return std::nullopt;
+  mover = motion_.is_swept(first) ? first : second;
+  if (!motion_.is_swept(mover)) return std::nullopt;
   return sweep_bodies(first, second);
 }
 
@@ -74,7 +73,7 @@ SweptTouch Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second) {
   SweptTouch touch;
   const SweptBody a(*rows_.info(first), motion_.body_way(first));
   const SweptBody b(*rows_.info(second), motion_.body_way(second));
-  sweep(a, b, sweep_options(motion_.is_fast(first) ? first : second), walk_, touch);
+  sweep(a, b, sweep_options(motion_.is_swept(first) ? first : second), walk_, touch);
   return touch;
 }
 

@@ -111,7 +111,7 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted) {
   rows.push_back({"pair search", c.moving > 0, c.moving > 0 ? number(c.moving, "movers") : "nothing moves",
                   c.moving > 0 ? "" : "the whole collision step"});
   rows.push_back({"swept test", c.moving > 0,
-                  c.moving > 0 ? number(c.lone_spheres, "moving spheres") + "; other movers in steps of more than half their least width"
+                  c.moving > 0 ? number(c.lone_spheres, "moving spheres and ") + number(c.moving - c.lone_spheres, "other movers")
                                : "nothing moves",
                   c.moving > 0 ? "" : "the first contact in time of a candidate"});
   rows.push_back({"mesh x mesh", c.moving_meshes > 0,

@@ -166,7 +166,7 @@ void PoseMemory::put(const Life& life, std::uint32_t slot, std::int64_t time_ns,
   state.stale[slot] = 1;
   state.stale_objects.push_back({.id = life.info->id - slot_of(life.info->id) + slot,
                                  .position = state.frames[slot].position,
-                                 .reach_m = size_of(*life.info).reach_m,
+                                 .reach_m = reach_of(*life.info),
                                  .speed_mps = life.largest_mps,
                                  .posed_ns = known_ns});
 }

@@ -51,7 +51,7 @@ void Decisions::sweep_through(std::uint32_t mover, const StaticScene& scene) {
   lists_.part_sweeps.clear();
   if (const std::optional<MovingSphere> way = motion_.sphere_way(mover)) {
     sweep_sphere_parts(*way, *rows_.info(mover), scene);
-  } else if (motion_.is_fast(mover)) {
+  } else if (motion_.is_swept(mover)) {
     sweep_parts(mover, scene);
   }
   for (const PartSweep& sweep : lists_.part_sweeps) lists_.part_touches.of(sweep.part);

@@ -56,7 +56,7 @@ Aabb way_of(const ObjectInfo& mover, const double* n) {
   Aabb way;
   way.extend(Vec3(n[0], n[1], n[2]));
   way.extend(Vec3(n[7], n[8], n[9]));
-  return grown(way, size_of(mover).reach_m * (1 + 0x1p-40));
+  return grown(way, reach_of(mover) * (1 + 0x1p-40));
 }
 
 /// Distance of the farthest hit that was told, endless where more would have been.

@@ -5,13 +5,6 @@
 #include "server/world/touch.hpp"
 
 namespace collided {
-namespace {
-
-/// An object that goes farther in a step than this share of its least width may leave behind what it passed through:
-/// two that pass through each other go at least their two widths.
-constexpr double kUnsweptShare = 0.5;
-
-}  // namespace
 
 BodyWay way_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now) {
   if (!lone_sphere) return {before, now};
@@ -32,7 +25,7 @@ WayTimes way_times(const ObjectRow& row, bool is_new, const Source* source) {
 void StepMotion::begin_step(const Sources& sources, ApartMemory& apart) {
   bounds_.resize(rows_.size());
   balls_.resize(rows_.size());
-  fast_.resize(rows_.size());
+  swept_.resize(rows_.size());
   open_.resize(rows_.size());
   for (const std::uint32_t slot : widened_) {
     if (!rows_.has_moved(slot)) bounds_[slot] = rows_[slot].bounds;
@@ -41,12 +34,12 @@ void StepMotion::begin_step(const Sources& sources, ApartMemory& apart) {
   for (const std::uint32_t slot : rows_.moved()) {
     const ObjectRow& row = rows_[slot];
     const std::optional<MovingSphere> way = sphere_way(slot);
-    fast_[slot] = goes_fast(slot) ? 1 : 0;
+    swept_[slot] = needs_sweep(slot) ? 1 : 0;
     bounds_[slot] = row.bounds;
     if (way) {
       bounds_[slot].extend(collided::bounds(*way));
-    } else if (is_fast(slot)) {
-      bounds_[slot].extend(collided::bounds(*rows_.info(slot), body_way(slot), row.size.reach_m));
+    } else if (is_swept(slot)) {
+      bounds_[slot] = quick_bounds(*rows_.info(slot), row.frame_before, row.frame, row.bounds, row.reach_m);
     }
     set_ball(slot, way);
     count_way(slot, apart);
@@ -72,7 +65,7 @@ void StepMotion::begin_anew(const Sources& sources) {
 }
 
 void StepMotion::end_step(std::int64_t floor_ns) {
-  for (const std::uint32_t slot : rows_.moved()) fast_[slot] = 0;
+  for (const std::uint32_t slot : rows_.moved()) swept_[slot] = 0;
   for (const std::uint32_t slot : young_) open_[slot] = 0;
   for (const std::uint32_t slot : history_.travelling()) open_[slot] = 0;
   std::erase_if(young_, [&](std::uint32_t slot) {
@@ -89,16 +82,15 @@ void StepMotion::remember(std::uint32_t slot, const Source& source) {
     const BodyWay way = way_between(row.lone_sphere, row.frame_before, row.frame);
     segment.from = way.from;
     segment.to = way.to;
-    segment.bounds = collided::bounds(*rows_.info(slot), way, row.size.reach_m);
+    segment.bounds = collided::bounds(*rows_.info(slot), way, row.reach_m);
   } else {
     segment.bounds.extend(bounds_of(*rows_.info(slot), row.frame_before));
   }
   history_.add(slot, segment);
 }
 
-bool StepMotion::turns_fast(std::uint32_t slot) const {
-  const ObjectRow& row = rows_[slot];
-  return is_fast(slot) && !row.lone_sphere && row.frame_before.rotation != row.frame.rotation;
+bool StepMotion::turns(std::uint32_t slot) const {
+  return is_swept(slot) && rows_[slot].frame_before.rotation != rows_[slot].frame.rotation;
 }
 
 std::optional<MovingSphere> StepMotion::sphere_way(std::uint32_t slot) const {
@@ -109,11 +101,10 @@ std::optional<MovingSphere> StepMotion::sphere_way(std::uint32_t slot) const {
                       .radius_m = row.lone_sphere->radius_m};
 }
 
-bool StepMotion::goes_fast(std::uint32_t slot) const {
+bool StepMotion::needs_sweep(std::uint32_t slot) const {
   const ObjectRow& row = rows_[slot];
-  // A lone sphere is swept by itself at any speed.
   if (rows_.motion(slot) != Motion::moved || row.lone_sphere) return false;
-  return longest_way_m(slot, row.size.reach_m) > kUnsweptShare * row.size.least_width_m;
+  return row.frame_before.position != row.frame.position || row.frame_before.rotation != row.frame.rotation;
 }
 
 BodyWay StepMotion::body_way(std::uint32_t slot) const {

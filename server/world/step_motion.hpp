@@ -50,9 +50,9 @@ class StepMotion {
   const std::vector<std::uint32_t>& young() const { return young_; }
   bool is_any_open() const { return !young_.empty() || !history_.travelling().empty(); }
   const BallWay& ball(std::uint32_t slot) const { return balls_[slot]; }
-  /// In this step it goes farther than its size allows to leave unswept.
-  bool is_fast(std::uint32_t slot) const { return fast_[slot] != 0; }
-  bool turns_fast(std::uint32_t slot) const;
+  /// It went to another pose in this step, and is not a lone sphere: those are swept by themselves.
+  bool is_swept(std::uint32_t slot) const { return swept_[slot] != 0; }
+  bool turns(std::uint32_t slot) const;
   /// The way of a lone sphere; nothing for other objects, new ones and teleported ones.
   std::optional<MovingSphere> sphere_way(std::uint32_t slot) const;
   /// The way of any object; a lone sphere's is that of its centre.
@@ -61,7 +61,7 @@ class StepMotion {
   double longest_way_m(std::uint32_t slot, double reach_m) const;
 
  private:
-  bool goes_fast(std::uint32_t slot) const;
+  bool needs_sweep(std::uint32_t slot) const;
   void set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way);
   void remember(std::uint32_t slot, const Source& source);
   void begin_anew(const Sources& sources);
@@ -70,7 +70,7 @@ class StepMotion {
   const ObjectRows& rows_;
   std::vector<Aabb> bounds_;
   std::vector<BallWay> balls_;  // pairs of balls are looked at before anything else of them is
-  std::vector<std::uint8_t> fast_;
+  std::vector<std::uint8_t> swept_;
   std::vector<std::uint8_t> open_;
   std::vector<std::uint32_t> widened_;  // whose bounds hold more than where they are
   std::vector<std::uint32_t> young_;  // began to be after what is decided with everybody; may be twice in it

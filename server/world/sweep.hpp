@@ -28,21 +28,18 @@ void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost);
 /// The same contact seen from the other side.
 SweptTouch turned_round(SweptTouch touch);
 
-/// What decides whether an object moves fast for its size.
-struct MoverSize {
-  double reach_m = 0;  // no point is farther from the frame's origin
-  /// Between parallel planes nearer than this no part of the object fits, or little nearer: exact for balls, boxes,
-  /// capsules, cylinders and ellipsoids, less for cones and hulls, and for a mesh the least along its axes and the
-  /// normals of some of its triangles (a ring is as wide as its outside).
-  double least_width_m = 0;
-};
+/// No point of the object is farther from its frame's origin, metres.
+double reach_of(const ObjectInfo& info);
 
-MoverSize size_of(const ObjectInfo& info);
+/// The angle between the two frames, or somewhat more.
+double most_turn_rad(const Frame& from, const Frame& to);
 
 /// How far a point within reach_m goes at most between the two frames.
 double longest_way_m(const Frame& from, const Frame& to, double reach_m);
 
 /// Contains the object at every time.
 Aabb bounds(const ObjectInfo& info, const BodyWay& way, double reach_m);
+/// So does this, of the way between two frames, from its bounds at the last: somewhat wider, without the way's arc cosine.
+Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end, double reach_m);
 
 }  // namespace collided

@@ -71,7 +71,7 @@ void ask_sweep(Question& question, const double* n) {
   };
   if (question.snapshot.grid) {
     const auto candidate = [](void* raw, std::uint32_t slot) { return (*static_cast<decltype(visit)*>(raw))(slot); };
-    question.snapshot.grid->walk_box(bounds(mover, body.way, size_of(mover).reach_m), candidate, &visit, question.walk);
+    question.snapshot.grid->walk_box(bounds(mover, body.way, reach_of(mover)), candidate, &visit, question.walk);
   }
   if (!first.any) return;
   first.hit.exit_m = std::min(first.low, first.hit.distance_m);

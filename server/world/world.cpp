@@ -289,7 +289,7 @@ void World::set_stale(ObjectId id, bool is_stale) {
   const bool has_speed = row.has_way && row.posed_before_ns != kPosedAtStep && way_s > 0;
   s.stale_objects.push_back({.id = id,
                              .position = row.frame.position,
-                             .reach_m = row.size.reach_m,
+                             .reach_m = row.reach_m,
                              .speed_mps = has_speed ? way_m / way_s : 0,
                              .posed_ns = row.posed_ns});
 }

@@ -25,7 +25,7 @@ struct WorldOptions {
   double sweep_width = 1e-9;            // of the bracket of a lone sphere's first contact, as a fraction of the step
   std::int64_t clock_error_ns = 0;      // of two publishers' clocks against each other: widens brackets and nothing else
   PoseMemoryOptions memory = {};        // for questions about an instant
-  double sweep_width_s = 1e-6;          // of the bracket of any other fast mover's, seconds of world time
+  double sweep_width_s = 1e-6;          // of the bracket of any other mover's, seconds of world time
 };
 
 struct ObjectDefinition {
@@ -55,7 +55,7 @@ struct StepCost {
   std::uint32_t swept = 0;
   std::uint32_t filtered = 0;  // pairs of movers near each other that layers, masks or groups keep from meeting
   std::uint32_t kept_apart = 0;  // pairs of meshes not tested, since they were too far apart for how far they have gone
-  /// Pairs with a fast mover whose way could not be searched to its end: a contact between two poses may be missing.
+  /// Pairs with a mover whose way could not be searched to its end: a contact between two poses may be missing.
   std::uint32_t sweeps_skipped = 0;
   std::uint32_t contacts = 0;  // found, those that held before included
   /// There are more than max_contacts, or too many candidates for it: what came after is not told, and all pairs are

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 #include <regex>
+#include <unistd.h>
 
 #include "client/draw/plot.hpp"
 #include "client/draw/svg.hpp"
@@ -141,7 +142,7 @@ TEST(ReportRows, NumbersAreShortAndAlwaysWritten) {
 }
 
 TEST(ReportRows, ACsvFieldKeepsCommasAndQuotes) {
-  const auto file = std::filesystem::temp_directory_path() / "collided_report_rows_test.csv";
+  const auto file = std::filesystem::temp_directory_path() / ("collided_report_rows_" + std::to_string(::getpid()) + ".csv");
   write_rows(file, {Row{.study = "s", .scene = "a, \"b\"", .n = 7}},
              {.machine = "m, n", .commit = "c", .command = "x", .seed = 3});
   const Csv csv = read_csv(file);

@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <set>
+#include <unistd.h>
 
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/exact_phase/ray_cast.hpp"
@@ -271,7 +272,7 @@ TEST(IntakeMend, PiecesComeLastInTheirPartAndTellTheNumberOfTheFile) {
 TEST(IntakeMend, TheSceneFileKeepsTheNumbersOfPieces) {
   Scene scene = two_parts();
   mend(scene, 0);
-  const std::string path = testing::TempDir() + "mended.cscene";
+  const std::string path = testing::TempDir() + "mended_" + std::to_string(::getpid()) + ".cscene";
   save_scene(path, scene);
   LoadReport report;
   const Scene loaded = load_scene(path, {}, report);

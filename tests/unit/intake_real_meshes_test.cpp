@@ -182,7 +182,7 @@ TEST_F(IntakeRealMeshes, RaysOntoTheRoofsOfDelftHitThem) {
 }
 
 TEST_F(IntakeRealMeshes, TheRobotsOwnFileGivesTheLinksThatItsLogWasRecordedWith) {
-  const fs::path folder = fs::path(testing::TempDir()) / "panda";
+  const fs::path folder = fs::path(testing::TempDir()) / ("panda_" + std::to_string(::getpid()));
   fs::create_directories(folder / "meshes");
   fs::copy(data_ / "panda_lab/meshes", folder / "meshes/collision", fs::copy_options::recursive);
   fs::copy_file(data_ / "panda_lab/panda.urdf", folder / "panda.urdf");

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <unistd.h>
 
 #include "tests/unit/intake_loading.hpp"
 
@@ -59,7 +60,7 @@ TEST(IntakeUrdf, WithoutAnSrdfFileLinksNeverMeetAndThatIsSaid) {
 }
 
 TEST(IntakeUrdf, AnSrdfFileSaysWhichPairsMayTouch) {
-  const std::string path = testing::TempDir() + "arm.srdf";
+  const std::string path = testing::TempDir() + "arm_" + std::to_string(::getpid()) + ".srdf";
   std::ofstream(path) << R"(<robot name="arm"><disable_collisions link1="base" link2="upper" reason="Adjacent"/>
     <disable_collisions link1="base" link2="nowhere"/></robot>)";
   const auto loaded = load("arm.urdf", arm(), {.srdf = path});
@@ -73,7 +74,7 @@ TEST(IntakeUrdf, AnSrdfFileSaysWhichPairsMayTouch) {
 }
 
 TEST(IntakeUrdf, MeshesAreFoundFromTheRobotsFolderUpwards) {
-  const std::filesystem::path root = std::filesystem::path(testing::TempDir()) / "robot_package";
+  const std::filesystem::path root = std::filesystem::path(testing::TempDir()) / ("urdf_" + std::to_string(::getpid())) / "robot_package";
   std::filesystem::create_directories(root / "urdf");
   std::filesystem::create_directories(root / "meshes");
   std::ofstream(root / "meshes/t.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -81,7 +82,7 @@ TEST(IntakeUrdf, MeshesAreFoundFromTheRobotsFolderUpwards) {
     <geometry><mesh filename="package://robot_package/meshes/t.obj" scale="2 2 -2"/></geometry></collision></link></robot>)";
   LoadReport report;
   const Scene scene = load_scene((root / "urdf/r.urdf").string(), {}, report);
-  std::filesystem::remove_all(root);
+  std::filesystem::remove_all(root.parent_path());
   ASSERT_EQ(scene.objects.size(), 1u);
   const TriangleMesh& mesh = *scene.objects[0].shape.mesh;
   EXPECT_EQ(mesh.vertices[1], Vec3(2, 0, 5));
@@ -168,7 +169,7 @@ TEST(IntakeUrdf, TurnedJointsPlaceTurnedShapes) {
 
 // Scaled along its own axes, then turned, then moved; a second mesh of the link keeps its own corners.
 TEST(IntakeUrdf, AMeshIsScaledThenTurnedThenMoved) {
-  const std::filesystem::path root = std::filesystem::path(testing::TempDir()) / "scaled_robot";
+  const std::filesystem::path root = std::filesystem::path(testing::TempDir()) / ("urdf_" + std::to_string(::getpid())) / "scaled_robot";
   std::filesystem::create_directories(root);
   std::ofstream(root / "t.obj") << "v 1 2 3\nv 4 5 6\nv 7 8 10\nf 2 3 1\n";
   std::ofstream(root / "r.urdf") << R"(<robot name="r"><link name="l">
@@ -176,7 +177,7 @@ TEST(IntakeUrdf, AMeshIsScaledThenTurnedThenMoved) {
     <collision><origin xyz="10 20 30" rpy="0 0 1.5707963267948966"/><geometry><mesh filename="t.obj" scale="2 3 5"/></geometry></collision></link></robot>)";
   LoadReport report;
   const Scene scene = load_scene((root / "r.urdf").string(), {}, report);
-  std::filesystem::remove_all(root);
+  std::filesystem::remove_all(root.parent_path());
   const TriangleMesh& mesh = *scene.objects.at(0).shape.mesh;
   EXPECT_EQ(mesh.triangles, (std::vector<TriangleCorners>{{1, 2, 0}, {4, 5, 3}}));
   EXPECT_EQ(mesh.vertices.at(0), Vec3(1, 2, 3));

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <random>
+#include <unistd.h>
 
 #include "server/service/durable_state.hpp"
 #include "server/service/journal_layout.hpp"
@@ -148,7 +149,7 @@ std::vector<Entries> work(Journal& journal, int changes, std::mt19937_64& random
 
 TEST(ServiceJournal, WhatWasPutIsThereForTheNextProcess) {
   std::mt19937_64 random = oracle::seeded(91);
-  const auto folder = std::filesystem::temp_directory_path() / ("journal_" + std::to_string(random()));
+  const auto folder = std::filesystem::temp_directory_path() / ("journal_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   Entries last;
   for (int life = 0; life < 5; ++life) {
@@ -342,8 +343,7 @@ TEST(ServiceJournal, WhatIsClearedIsGoneForTheNextProcessToo) {
 
 // A server that crashes again before it has carried out what an earlier one left must leave it too.
 TEST(ServiceDurableState, WhatIsLeftOutlivesCrashesInARow) {
-  std::mt19937_64 random = oracle::seeded(95);
-  const auto folder = std::filesystem::temp_directory_path() / ("durable_" + std::to_string(random()));
+  const auto folder = std::filesystem::temp_directory_path() / ("durable_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   const auto live = [&](bool crashed) {
     return std::make_unique<DurableState>(disk_in(folder.string()), "it.journal", crashed, [](const std::string&) {});

@@ -99,6 +99,20 @@ TEST(SourceClock, WhatGoesBackIsLateAndALongWayBackIsAJump) {
   EXPECT_EQ(clock.stamp(start + 2'000'000'000, start + 30).kind, StampKind::jumped) << "ahead, faster than time";
 }
 
+TEST(SourceClock, WhatANetworkHeldBackIsNoJump) {
+  SourceClock clock;
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::int64_t start = 1'700'000'000 * kSecond;
+  clock.stamp(start, start);
+  EXPECT_EQ(clock.stamp(start + kSecond / 10, start + 3 * kSecond).kind, StampKind::good) << "held back for 3 s";
+  EXPECT_EQ(clock.stamp(start + 3 * kSecond, start + 3 * kSecond + 1).kind, StampKind::good) << "the next was not sent for as long";
+  EXPECT_EQ(clock.stamp(start + 4 * kSecond, start + 3 * kSecond + 2).kind, StampKind::jumped) << "a second that is to come";
+  SourceClock simulated;
+  simulated.stamp(start, start);
+  for (int i = 1; i <= 20; ++i) simulated.stamp(start + i * kSecond / 4, start + i * kSecond / 40);
+  EXPECT_EQ(simulated.stamp(start + 6 * kSecond, start + 2 * kSecond).kind, StampKind::good) << "ahead already, and paused";
+}
+
 // Nanoseconds since boot count from where the first batch came, and go on as the publisher's clock does.
 TEST(SourceClock, AClockOfAnotherEpochKeepsItsOwnSteps) {
   SourceClock clock;

@@ -102,7 +102,7 @@ TEST_F(WorldPlacedBounds, NoPointGoesFartherThanTheLongestWay) {
     const double longest_m = longest_way_m(from, to, reach_m);
     const double truth_m = travel.norm() + angle * reach_m;
     EXPECT_GE(longest_m * (1 + 1e-9), truth_m) << angle;
-    EXPECT_LE(longest_m, 1.58 * truth_m) << "little more than that: what is slow need not be swept";
+    EXPECT_LE(longest_m, 1.58 * truth_m) << "little more than that";
   }
 }
 
@@ -112,36 +112,35 @@ TEST_F(WorldPlacedBounds, AnObjectUnderWayLiesWithinItsBoundsAtEveryTime) {
     const Frame from = frame_of(pose(3));
     const Frame to{Mat3(Eigen::AngleAxisd(any(0, 3.1), point(1).normalized()) * from.rotation), from.position + point(1)};
     const BodyWay way(from, to);
-    const Aabb all = bounds(info, way, size_of(info).reach_m);
-    for (int k = 0; k <= 16; ++k) ASSERT_TRUE(contains(all, bounds_of(info, way.at(k / 16.0)))) << i;
+    const Aabb all = bounds(info, way, reach_of(info));
+    const Aabb quick = quick_bounds(info, from, to, bounds_of(info, to), reach_of(info));
+    for (int k = 0; k <= 16; ++k) {
+      ASSERT_TRUE(contains(all, bounds_of(info, way.at(k / 16.0)))) << i;
+      ASSERT_TRUE(contains(quick, bounds_of(info, way.at(k / 16.0)))) << i;
+    }
   }
 }
 
-// What decides whether an object is swept: it is no wider than that, and reaches no farther.
-TEST_F(WorldPlacedBounds, ReachAndLeastWidthOfEachKindAreThoseKnownByHand) {
+TEST_F(WorldPlacedBounds, TheReachOfEachKindIsThatKnownByHand) {
   const auto of = [](const Primitive& primitive) {
     ObjectInfo info;
     info.primitives = {primitive};
-    return size_of(info);
+    return reach_of(info);
   };
-  const auto expect = [](const MoverSize& size, double reach_m, double least_width_m) {
-    EXPECT_GE(size.reach_m, reach_m * (1 - 1e-15));
-    EXPECT_LE(size.reach_m, 3.001 * reach_m) << "generous for what has corners, but not without end";
-    EXPECT_NEAR(size.least_width_m, least_width_m, 1e-12);
+  const auto expect = [](double reach_m, double truth_m) {
+    EXPECT_GE(reach_m, truth_m * (1 - 1e-15));
+    EXPECT_LE(reach_m, 3.001 * truth_m) << "generous for what has corners, but not without end";
   };
-  expect(of(Sphere{{3, 4, 0}, 0.5}), 5.5, 1);
-  expect(of(Box{.center = Vec3::Zero(), .half_m = {2, 3, 6}}), 7, 4);
-  expect(of(Capsule{{0, 0, 1}, {0, 0, 4}, 0.25}), 4.25, 0.5);
-  expect(of(Cylinder{{0, 0, -4}, {0, 0, 4}, 3}), 5, 6);
-  expect(of(Cylinder{{0, 0, -0.1}, {0, 0, 0.1}, 3}), std::hypot(3, 0.1), 0.2);
-  expect(of(Ellipsoid{.center = Vec3::Zero(), .half_m = {2, 0.5, 1}}), 2, 1);
-  EXPECT_NEAR(of(Cone{{0, 0, 4}, {0, 0, 0}, 3}).least_width_m, 3, 1e-12);
-  EXPECT_NEAR(of(Cone{{0, 0, 1}, {0, 0, 0}, 3}).least_width_m, 1, 1e-12);
-  const ObjectInfo mesh = mesh_object(scenes::box({2, 3, 6}));
-  expect(size_of(mesh), 7, 4);
+  expect(of(Sphere{{3, 4, 0}, 0.5}), 5.5);
+  expect(of(Box{.center = Vec3::Zero(), .half_m = {2, 3, 6}}), 7);
+  expect(of(Capsule{{0, 0, 1}, {0, 0, 4}, 0.25}), 4.25);
+  expect(of(Cylinder{{0, 0, -4}, {0, 0, 4}, 3}), 5);
+  expect(of(Cylinder{{0, 0, -0.1}, {0, 0, 0.1}, 3}), std::hypot(3, 0.1));
+  expect(of(Ellipsoid{.center = Vec3::Zero(), .half_m = {2, 0.5, 1}}), 2);
+  expect(reach_of(mesh_object(scenes::box({2, 3, 6}))), 7);
   ObjectInfo both = mesh_object(scenes::box({2, 3, 6}));
   both.primitives = {Sphere{{0, 0, 20}, 0.5}};
-  expect(size_of(both), 20.5, 1);
+  expect(reach_of(both), 20.5);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <random>
+#include <unistd.h>
 
 #include "idl/scene_generated.h"
 #include "server/exact_phase/ray_cast.hpp"
@@ -242,7 +243,7 @@ TEST(SharedMesh, AFileHoldsItOnce) {
     object.shape = shape;
     scene.objects.push_back(std::move(object));
   }
-  const std::string path = testing::TempDir() + "shared_mesh_test.cscene";
+  const std::string path = testing::TempDir() + "shared_mesh_" + std::to_string(::getpid()) + ".cscene";
   save_scene(path, scene);
   LoadReport report;
   const Scene loaded = load_scene(path, {}, report);

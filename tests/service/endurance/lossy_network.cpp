@@ -81,12 +81,13 @@ class LossyNetwork {
     report(name, settled_ms, moves, link_.lost() - lost, false);
   }
 
+  /// Half of the balls come to rest meanwhile; the others go on until after the cut.
   void partition(std::chrono::seconds time) {
     link_.set({.loss = 0, .reorder = 0, .is_cut = true});
-    const auto until = SteadyClock::now() + time;
+    const auto cut = SteadyClock::now();
     int moves = 0;
-    for (; SteadyClock::now() < until; ++moves) {
-      static_cast<void>(crowd_->move_all());
+    for (; SteadyClock::now() < cut + time; ++moves) {
+      static_cast<void>(crowd_->move_first(SteadyClock::now() < cut + time * 3 / 4 ? MovingCrowd::kBalls : MovingCrowd::kBalls / 2));
       std::this_thread::sleep_for(20ms);
     }
     int connected = 0;
@@ -95,8 +96,13 @@ class LossyNetwork {
     broken_ += connected;
     const std::uint64_t lost = link_.lost();
     link_.set({});
-    const double heal_ms = settle(30s);
-    report("partition" + std::to_string(time.count()) + "s", heal_ms, moves, lost, true);
+    const auto healed = SteadyClock::now();
+    for (; SteadyClock::now() < healed + 1s; ++moves) {
+      static_cast<void>(crowd_->move_first(MovingCrowd::kBalls / 2));
+      std::this_thread::sleep_for(20ms);
+    }
+    settle(30s);
+    report("partition" + std::to_string(time.count()) + "s", ms_since(healed), moves, lost, true);
   }
 
   int broken() const { return broken_; }

@@ -31,9 +31,11 @@ class MovingCrowd {
     }
   }
   /// False where the server took nothing.
-  bool move_all() {
+  bool move_all() { return move_first(kBalls); }
+  /// The others rest.
+  bool move_first(int count) {
     std::uniform_real_distribution<double> coordinate(0, 3);
-    for (std::size_t i = 0; i < balls_.size(); ++i) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
       positions_[i] = Vec3(100 + coordinate(random_), coordinate(random_), coordinate(random_));
       static_cast<void>(publisher_.move(balls_[i], {.position = positions_[i]}));
     }
