@@ -31,8 +31,9 @@ Importance parse_importance(const std::string& text) {
 Instant parse_instant(const std::string& text) {
   if (text.empty() || text == "latest") return {};
   if (text == "settled") return {.kind = Instant::Kind::settled};
-  const RunTime time = parse_time(text);
-  if (time.since == RunTime::Since::begin) throw bad_use("--as-of " + text + " is no instant", "latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970");
+  constexpr const char* kInstants = "latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970";
+  const RunTime time = parse_time("--as-of", text, kInstants);
+  if (time.since == RunTime::Since::begin) throw bad_use("--as-of " + text + " is no instant", kInstants);
   if (time.since == RunTime::Since::end) return {.kind = Instant::Kind::back, .time = -time.offset};
   return {.kind = Instant::Kind::at, .time = time.offset};
 }

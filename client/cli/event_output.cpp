@@ -70,7 +70,7 @@ Record event_record(const Event& event) {
           {"normal", touches ? MaybeVector(event.normal) : MaybeVector()},
           {"a_triangle", triangle_value(event.a_triangle)},
           {"b_triangle", triangle_value(event.b_triangle)},
-          {"after", event.what == What::ended ? Value(seconds_of(event.world_time - event.began)) : none},
+          {"after", event.what == What::ended ? Value(seconds_of(lasted(event))) : none},
           {"why", event.why == Why::none ? none : Value(name_of(event.why))},
           {"doubt", is_doubt ? Value(name_of(event.doubt)) : none},
           {"resync", event.resync ? Value(true) : none},
@@ -83,13 +83,13 @@ Record event_record(const Event& event) {
           {"velocity_error", is_told && touches ? Value(event.velocity_error) : none}};
 }
 
-std::string event_line(const Printer& printer, const Event& event, std::chrono::nanoseconds at) {
+std::string event_line(const Printer& printer, const Event& event) {
   const std::string pair = fmt::format("{} x {}", printable(event.a), printable(event.b));
   const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt));
   if (event.what == What::open) return fmt::format("{:<8} {}  since {}{}", "open", pair, clock_text(event.began), doubt);
   const Paint paint = event.what == What::began ? Paint::bad : Paint::faint;
-  std::string line = fmt::format("{} {}  {}", clock_text(at), printer.paint(paint, name_of(event.what)), pair);
-  if (event.what == What::ended) line += fmt::format("  after {}  ({})", format_duration(event.world_time - event.began), name_of(event.why));
+  std::string line = fmt::format("{} {}  {}", clock_text(happened(event)), printer.paint(paint, name_of(event.what)), pair);
+  if (event.what == What::ended) line += fmt::format("  after {}  ({})", format_duration(lasted(event)), name_of(event.why));
   else if (event.doubt == Doubt::none) line += fmt::format("  depth {} at {}", format_length(event.depth_m), format_vector(event.point));
   line += doubt + fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";

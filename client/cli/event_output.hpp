@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <string>
 
 #include "client/cli/output.hpp"
@@ -11,7 +10,7 @@ namespace collided::cli {
 /// Every field of an event, for machines; those that say nothing of its kind are empty.
 Record event_record(const Event& event);
 
-/// For people. at  what the line begins with: when it was told, or when it happened
-std::string event_line(const Printer& printer, const Event& event, std::chrono::nanoseconds at);
+/// For people; it begins with when the change had happened, which may be long before it was told.
+std::string event_line(const Printer& printer, const Event& event);
 
 }  // namespace collided::cli

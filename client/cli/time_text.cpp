@@ -96,12 +96,12 @@ std::optional<nanoseconds> seconds_since_1970(std::string_view text) {
 
 }  // namespace
 
-RunTime parse_time(std::string_view text) {
+RunTime parse_time(std::string_view option, std::string_view text, std::string_view may_be) {
   if (text.starts_with('+')) return {RunTime::Since::begin, parse_duration(text.substr(1))};
   if (text.starts_with('-')) return {RunTime::Since::end, -parse_duration(text.substr(1))};
   std::optional<nanoseconds> time = calendar_time(text);
   if (!time) time = seconds_since_1970(text);
-  if (!time) throw bad_use(fmt::format("'{}' is no time", text), "2026-11-22T12:03:10.5Z, seconds since 1970, +2s after the begin or -2s before the end");
+  if (!time) throw bad_use(fmt::format("{} '{}' is no time", option, text), std::string(may_be));
   return {RunTime::Since::year_1970, *time};
 }
 

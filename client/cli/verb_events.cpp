@@ -11,6 +11,8 @@
 namespace collided::cli {
 namespace {
 
+constexpr const char* kTimes = "2026-11-22T12:03:10.5Z, seconds since 1970, +2s after the begin or -2s before the end";
+
 class EventsCommand : public Command {
  public:
   void declare(CLI::App& app) override {
@@ -22,14 +24,14 @@ class EventsCommand : public Command {
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    if (!from_.empty()) options_.from = parse_time(from_);
-    if (!to_.empty()) options_.to = parse_time(to_);
+    if (!from_.empty()) options_.from = parse_time("--from", from_, kTimes);
+    if (!to_.empty()) options_.to = parse_time("--to", to_, kTimes);
     const RecordedEvents recorded = take(recorded_events(path_, options_));
     for (const std::string& warning : recorded.warnings) print_hint(session.io, globals, "warning: " + printable(warning));
     Printer printer = make_printer(session.io, globals);
     for (const Event& event : recorded.events) {
       if (!session.io.out.good()) break;
-      if (printer.human()) printer.line(event_line(printer, event, happened(event)));
+      if (printer.human()) printer.line(event_line(printer, event));
       else printer.record(event_record(event));
     }
     printer.finish();

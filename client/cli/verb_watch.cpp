@@ -43,7 +43,7 @@ class Template {
  private:
   template <class Show>
   static std::string value(const Record& record, const Event& event, const std::string& name, const Show& show) {
-    if (name == "t") return show("t", Value(clock_text(event.world_time)));
+    if (name == "t") return show("t", Value(clock_text(happened(event))));
     std::vector<std::string> names{"t"};
     for (const Field& field : record) {
       if (field.name == name) return show(field.name, field.value);
@@ -80,6 +80,8 @@ void run_shell(const Template& command, const Event& event) {
   }
 }
 
+constexpr const char* kTimes = "-10s, 2026-11-22T12:03:10.5Z or seconds since 1970";
+
 class WatchCommand : public Command {
  public:
   void declare(CLI::App& app) override {
@@ -99,7 +101,7 @@ class WatchCommand : public Command {
     const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
     if (!format_.empty()) line_.emplace(format_);
     if (!command_.empty()) shell_.emplace(command_);
-    if (!since_.empty()) options_.since = since_1970(parse_time(since_));
+    if (!since_.empty()) options_.since = since_1970(parse_time("--since", since_, kTimes));
     Watch watch = take(session.client(globals).watch(options_));
     if (options_.since && watch.tells_since() > *options_.since) print_hint(session.io, globals, fmt::format("the server remembers what happened from {} on", clock_text(watch.tells_since())));
     Printer printer = make_printer(session.io, globals);
@@ -124,13 +126,13 @@ class WatchCommand : public Command {
  private:
   void print(Printer& printer, const Event& event, Io& io) const {
     if (line_) printer.line(line_->fill(event, [&](std::string_view, const Value& value) { return io.out_is_terminal ? printable(value_text(value)) : value_text(value); }));
-    else if (printer.human()) printer.line(event_line(printer, event, event.world_time) + age_of(event));
+    else if (printer.human()) printer.line(event_line(printer, event) + age_of(event));
     else printer.record(event_record(event));
   }
 
   /// How long ago it began, where the world's clock is this machine's.
   static std::string age_of(const Event& event) {
-    const auto age = std::chrono::system_clock::now().time_since_epoch() - event.world_time;
+    const auto age = std::chrono::system_clock::now().time_since_epoch() - happened(event);
     const bool one_clock = age >= std::chrono::seconds(0) && age < std::chrono::hours(1);
     return one_clock && event.what == What::began ? "  age " + format_duration(age) : std::string();
   }
@@ -155,7 +157,7 @@ class WatchCommand : public Command {
   }
 
   static std::chrono::nanoseconds since_1970(const RunTime& time) {
-    if (time.since == RunTime::Since::begin) throw bad_use("--since: a time after the begin is for recordings", "-10s is ten seconds ago");
+    if (time.since == RunTime::Since::begin) throw bad_use("--since: a time after the begin is for recordings", kTimes);
     if (time.since == RunTime::Since::year_1970) return time.offset;
     return std::chrono::system_clock::now().time_since_epoch() + time.offset;
   }

@@ -25,6 +25,12 @@ Event as_open(const Event& event) {
   return open;
 }
 
+/// By the bracket of its `began`; a doubt holds from the first instant on that is not decided.
+std::chrono::nanoseconds start_of(const Event& began) {
+  if (began.doubt == Doubt::none) return happened(began);
+  return began.world_time - std::chrono::nanoseconds(std::llround(began.bracket_low_s * 1e9));
+}
+
 /// News of a contact under the names that it was told with: a shard too large to carry names left them out.
 Event named_as(const Event& told, Event news) {
   news.a = told.a;
@@ -132,7 +138,7 @@ void WatchState::apply_began(const Event& event) {
   }
   end_namesake(event);
   Event began = event;
-  began.began = began.world_time;
+  began.began = start_of(event);
   hold(as_open(began));
   emit_(began);
 }
@@ -175,7 +181,7 @@ void WatchState::apply_ended(const Event& event) {
     end_namesake(event);
     emit_missed(event, What::began, Why::none, event.sequence);
     Event contact = as_open(event);
-    contact.began = event.world_time;  // since when it held was missed
+    contact.began = happened(event);  // since when it held was missed
     hold(contact);
     held = held_.find(pair_of(event));
   }
@@ -326,7 +332,7 @@ WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
       state.erase(pair_of(entry.event));
     } else if (entry.event.what == What::began) {
       Event contact = as_open(entry.event);
-      contact.began = contact.world_time;
+      contact.began = start_of(entry.event);
       state.insert_or_assign(pair_of(entry.event), contact);
     }
   }

@@ -171,7 +171,7 @@ json event_text(const Event& event) {
             {"episode", event.episode}};
   if (event.what == What::ended) {
     text["why"] = name_of(event.why);
-    text["after"] = seconds(event.world_time - event.began);
+    text["after"] = seconds(lasted(event));
   } else if (event.doubt == Doubt::none) {
     text["point"] = numbers(event.point);
     text["normal"] = numbers(event.normal);

@@ -149,7 +149,7 @@ TEST_F(Fields, OfAnEventAreTheServersOwn) {
   began["first_ns"] = 17'500'000'000;
   began["last_ns"] = 18'500'000'000;
   EXPECT_EQ(all[1], began);
-  EXPECT_EQ(all[3], json::parse(R"({"time":8.5,"time_ns":8500000000,"first_ns":17500000000,"last_ns":18500000000,"what":"ended","a":"x","b":"y","after":0.25,"why":"teleported","a_triangle":3,"b_triangle":4,"resync":true,
+  EXPECT_EQ(all[3], json::parse(R"({"time":8.5,"time_ns":8500000000,"first_ns":17500000000,"last_ns":18500000000,"what":"ended","a":"x","b":"y","after":10.25,"why":"teleported","a_triangle":3,"b_triangle":4,"resync":true,
                                     "sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})"));
 }
 
@@ -170,7 +170,7 @@ TEST_F(Fields, ADoubtIsToldWithItsReasonAndNothingThatNobodyKnows) {
                                                "b_triangle":4,"resync":true,"sequence":6,"episode":7,"bracket_low":-9,"bracket_high":-10,"epoch":5})"));
   EXPECT_EQ(json::parse(second)["doubt"], "numeric");
   EXPECT_EQ(json::parse(second)["why"], "decided");
-  EXPECT_EQ(json::parse(second)["after"], 0.25);
+  EXPECT_EQ(json::parse(second)["after"], 10.25);
   fake::server().events = {began};
   const std::string text = at_terminal("watch -n 1").out;
   EXPECT_NE(text.find("began  x x y  in doubt (cost_limit)  seq 6"), std::string::npos) << text;

@@ -68,7 +68,9 @@ TEST_F(Options, OfAQuestionReachTheServerEachForItself) {
   EXPECT_EQ(as_of("-2s"), std::pair(Instant::Kind::back, std::int64_t{2'000'000'000}));
   EXPECT_EQ(as_of("2026-11-22T12:03:10.5Z"), std::pair(Instant::Kind::at, std::int64_t{1'795'348'990'500'000'000}));
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --as-of +2s").code, 2);
-  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --as-of soon").code, 2);
+  const Ran soon = collide("ray 0 0 5 0 0 -1 --as-of soon");
+  EXPECT_EQ(soon.code, 2);
+  EXPECT_EQ(soon.err, "error: ray: --as-of 'soon' is no time\n       latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970\n");
   EXPECT_TRUE(ray_options("--fresh").fresh);
   EXPECT_FALSE(ray_options("").fresh) << "not the next time";
 }

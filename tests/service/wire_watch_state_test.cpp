@@ -562,8 +562,8 @@ Event with_numbers(Event event, double from) {
   event.b_triangle = static_cast<std::uint32_t>(from) + 1;
   event.world_time = std::chrono::seconds(static_cast<int>(from) + 2);
   event.began = event.what == What::open ? event.world_time : std::chrono::nanoseconds(0);
-  event.bracket_low_s = from + 3;
-  event.bracket_high_s = from + 4;
+  event.bracket_low_s = from / 64;
+  event.bracket_high_s = from / 128;
   event.point = {from + 5, from + 6, from + 7};
   event.normal = {from + 8, from + 9, from + 10};
   event.depth_m = from + 11;
@@ -571,6 +571,7 @@ Event with_numbers(Event event, double from) {
   event.relative_velocity = {from + 13, from + 14, from + 15};
   return event;
 }
+constexpr std::chrono::nanoseconds kFirstTouch{102'000'000'000 - 781'250'000};  // of with_numbers(began, 100)
 HeardFrame with_numbers(HeardFrame frame, double from) {
   frame.entries.front().event = with_numbers(frame.entries.front().event, from);
   return frame;
@@ -606,7 +607,7 @@ TEST_F(WatchStateTest, AnEventIsToldWithItsOwnNumbersAndTheTimeAtWhichItBegan) {
   const int times_s[] = {102, 202, 302};
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(events_[i].world_time, std::chrono::seconds(times_s[i]));
-    EXPECT_EQ(events_[i].began, std::chrono::seconds(102));
+    EXPECT_EQ(events_[i].began, kFirstTouch) << "where its own bracket ends";
     EXPECT_EQ(events_[i].epoch, 9u);
     EXPECT_EQ(events_[i].episode, 1u);
     EXPECT_FALSE(events_[i].resync);
@@ -616,6 +617,17 @@ TEST_F(WatchStateTest, AnEventIsToldWithItsOwnNumbersAndTheTimeAtWhichItBegan) {
   EXPECT_EQ(events_[2].sequence, 2u);
   EXPECT_EQ(events_[0].why, Why::none);
   EXPECT_EQ(events_[2].why, Why::removed);
+  EXPECT_EQ(lasted(events_[2]), std::chrono::nanoseconds(302'000'000'000 - 2'343'750'000) - kFirstTouch);
+}
+
+TEST_F(WatchStateTest, ADoubtBeginsWithTheFirstInstantThatIsNotDecided) {
+  Model server(9);
+  hear(server.bookmark());
+  HeardFrame began = with_numbers(server.began({1, 2}), 100);
+  began.entries.front().event.doubt = Doubt::numeric;
+  hear(began);
+  ASSERT_EQ(events_.size(), 1u);
+  EXPECT_EQ(events_[0].began, std::chrono::nanoseconds(102'000'000'000 - 1'562'500'000));
 }
 
 // What was missed is told as it was told last, or as the shard has it, with the time and the number of the bookmark.
@@ -641,7 +653,7 @@ TEST_F(WatchStateTest, WhatWasMissedIsToldAsFarAsItIsKnown) {
   EXPECT_EQ(ended.what, What::ended);
   expect_numbers(ended, began.entries[0].event);
   EXPECT_EQ(ended.world_time, std::chrono::seconds(777));
-  EXPECT_EQ(ended.began, std::chrono::seconds(102));
+  EXPECT_EQ(ended.began, kFirstTouch);
   EXPECT_EQ(ended.sequence, 4u);
   EXPECT_EQ(ended.episode, 1u);
   EXPECT_EQ(ended.epoch, 9u);
@@ -670,7 +682,7 @@ TEST_F(WatchStateTest, AContactThatGoesOnOverARestartKeepsItsBeginning) {
   EXPECT_EQ(told(), Lines{});
   HeardFrame ended = redefined(with_numbers(second.ended({1, 2}), 600), 2002, 2003, true);
   hear(ended);
-  EXPECT_EQ(events_.back().began, std::chrono::seconds(102));
+  EXPECT_EQ(events_.back().began, kFirstTouch);
   EXPECT_EQ(events_.back().world_time, std::chrono::seconds(602));
   EXPECT_EQ(events_.back().epoch, 2u);
   EXPECT_EQ(events_.back().a_id, 2002u);

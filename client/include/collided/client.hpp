@@ -330,6 +330,9 @@ inline std::chrono::nanoseconds happened(const Event& event) {
   return event.world_time - std::chrono::nanoseconds(std::llround(event.bracket_high_s * 1e9));
 }
 
+/// From when the two first touched to when they had parted, of an `ended`.
+inline std::chrono::nanoseconds lasted(const Event& ended) { return happened(ended) - ended.began; }
+
 struct WatchOptions {
   std::string only = {};       // either name must match; empty: everything
   std::string skip = {};       // neither name may match
