@@ -69,8 +69,8 @@ inline constexpr const char* kProbe = "probe";
 /// triangle, point, normal}], version
 inline constexpr const char* kProbes = "probes";
 
-/// a, b (names), certificate, triangles, most (triangle pairs told; 10,000)
-/// -> answer (hit, miss, undecided), version, and
+/// a, b (names), certificate, triangles, most (triangle pairs told; 10,000), as_of (as idl/instant.hpp; absent: latest)
+/// -> answer (hit, miss, undecided), version, stale (true: one of the two is where it was heard of last; absent: neither), and
 ///    hit:  depth, error, normal (from a to b), point, a_triangle, b_triangle, manifold [[point 3, depth, bound, a_triangle,
 ///          b_triangle]]
 ///    miss: distance, error, normal, on_a, on_b, point_error, contained ("", "a", "b": in the other's closed mesh)

@@ -28,6 +28,8 @@ Importance parse_importance(const std::string& text) {
   throw bad_use("--importance " + text + " is not known; allowed: low, normal, high");
 }
 
+}  // namespace
+
 Instant parse_instant(const std::string& text) {
   if (text.empty() || text == "latest") return {};
   if (text == "settled") return {.kind = Instant::Kind::settled};
@@ -37,8 +39,6 @@ Instant parse_instant(const std::string& text) {
   if (time.since == RunTime::Since::end) return {.kind = Instant::Kind::back, .time = -time.offset};
   return {.kind = Instant::Kind::at, .time = time.offset};
 }
-
-}  // namespace
 
 AskOptions ask_options_of(const AskTexts& texts, const Globals& globals) {
   AskOptions options;

@@ -25,6 +25,9 @@ struct AskTexts {
   bool fresh = false;
 };
 
+/// latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970; throws Failure.
+Instant parse_instant(const std::string& text);
+
 void declare_ask_options(CLI::App& app, AskTexts& texts);
 AskOptions ask_options_of(const AskTexts& texts, const Globals& globals);
 

@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/cli/answer_output.hpp"
+#include "client/cli/ask_options.hpp"
 #include "client/cli/command.hpp"
 #include "client/cli/number.hpp"
 
@@ -38,6 +40,7 @@ Record pair_record(const PairAnswer& pair, const Value& proof) {
   const bool apart = pair.verdict == Verdict::miss;
   const bool known = touching || apart;
   return {{"answer", word_of(pair.verdict)},
+          {"reason", known ? none : Value(name_of(pair.reason))},
           {"distance", apart ? Value(pair.distance_m) : none},
           {"depth", touching ? Value(pair.depth_m) : none},
           {"error", known ? Value(pair.error_m) : none},
@@ -50,12 +53,13 @@ Record pair_record(const PairAnswer& pair, const Value& proof) {
           {"contained", apart ? Value(word_of(pair.contained)) : none},
           {"manifold", touching ? Value(manifold_json(pair)) : none},
           {"certificate", proof},
+          {"stale", pair.stale ? Value(true) : none},
           {"world", pair.version}};
 }
 
 void print_text(Printer& printer, const PairAnswer& pair) {
   if (pair.verdict == Verdict::undecided) {
-    printer.line(printer.paint(Paint::doubt, "undecided") + "  both answers are consistent with the input");
+    printer.line(fmt::format("{}: {}", printer.paint(Paint::doubt, "undecided"), explain(pair.reason)));
   } else if (pair.verdict == Verdict::miss) {
     printer.line(fmt::format("{}  {} ±{}  nearest {} | {}", printer.paint(Paint::good, "apart"), format_length(pair.distance_m),
                              format_bound(pair.error_m), format_vector(pair.on_a), format_vector(pair.on_b)));
@@ -68,6 +72,7 @@ void print_text(Printer& printer, const PairAnswer& pair) {
       printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m), format_bound(p.error_m)));
     }
   }
+  if (pair.stale && pair.verdict != Verdict::undecided) printer.line("  stale: one of them is where it was heard of last, and moved then");
 }
 
 class PairCommand : public Command {
@@ -76,6 +81,7 @@ class PairCommand : public Command {
     app.add_option("names", names_, "The two objects");
     app.add_flag("--triangles", triangles_, "Every pair of triangles that meet, with the segment that they share");
     app.add_option("--most", most_, "At most so many pairs of triangles (10000, up to 100000)");
+    app.add_option("--as-of", as_of_, "Both at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its newest pose)");
     app.add_flag("--certificate", certificate_, "Ask for a proof and check it here, by exact arithmetic of its own");
   }
 
@@ -84,6 +90,7 @@ class PairCommand : public Command {
     const PairOptions options{.certificate = certificate_,
                               .triangles = triangles_,
                               .most_triangle_pairs = static_cast<std::uint32_t>(std::min<std::uint64_t>(parse_count(most_, 1), 1 << 30)),
+                              .as_of = parse_instant(as_of_),
                               .timeout = timeout_of(globals, std::chrono::seconds(30))};
     const PairAnswer pair = take(session.client(globals).pair(names_[0], names_[1], options));
     const bool fits = pair.certificate && pair.certificate->touches == (pair.verdict == Verdict::hit);
@@ -133,6 +140,7 @@ class PairCommand : public Command {
   bool triangles_ = false;
   bool certificate_ = false;
   std::string most_ = "10000";
+  std::string as_of_;
 };
 
 }  // namespace

@@ -54,10 +54,6 @@ std::optional<Error> options_fault(const Request& request, const AskOptions& opt
   return std::nullopt;
 }
 
-wire_contract::AskedInstant instant_of(const Instant& instant) {
-  return {.kind = static_cast<wire_contract::AskedInstant::Kind>(instant.kind), .ns = instant.time.count()};
-}
-
 // Everything but the questions; the slot's sample may hold what another request left.
 void fill_header(wire::Query& query, const Request& request, const AskOptions& options, const Fence& fence) {
   query.chunk_count =

@@ -99,7 +99,8 @@ std::map<std::uint64_t, ComparedAnswer> ComparedAnswers::take() {
     answer.erase("version");
     const auto verdict = answer.find("answer");
     answers_[0] = {.bytes = answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
-                   .words = verdict != answer.end() && verdict->is_string() ? verdict->get<std::string>() : "an answer"};
+                   .words = verdict != answer.end() && verdict->is_string() ? verdict->get<std::string>() : "an answer",
+                   .by_clock = answer.contains("stale")};
   }
   return std::exchange(answers_, {});
 }

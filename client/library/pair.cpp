@@ -5,7 +5,9 @@
 #include <limits>
 
 #include "client/library/command.hpp"
+#include "client/library/errors.hpp"
 #include "client/library/json_reading.hpp"
+#include "client/library/question_encoding.hpp"
 #include "idl/commands.hpp"
 
 namespace collided::client {
@@ -96,6 +98,8 @@ PairAnswer read(const json& answer) {
   PairAnswer pair;
   const std::string word = answer.at("answer");
   pair.verdict = word == "hit" ? Verdict::hit : word == "miss" ? Verdict::miss : Verdict::undecided;
+  pair.stale = answer.value("stale", false);
+  if (pair.verdict == Verdict::undecided) pair.reason = pair.stale ? Undecided::stale_object : Undecided::numeric;
   pair.version = answer.at("version");
   if (pair.verdict != Verdict::undecided) {
     pair.normal = vector_of(answer.at("normal"));
@@ -124,11 +128,15 @@ PairAnswer read(const json& answer) {
 }  // namespace
 
 Result<PairAnswer> pair(Connection& connection, const std::string& a, const std::string& b, const PairOptions& options) {
+  if (options.as_of.time.count() < 0) {
+    return bad_input("pair: the instant is " + std::to_string(options.as_of.time.count()) + " ns; allowed 0 or more");
+  }
   const json arguments{{"a", a},
                        {"b", b},
                        {"certificate", options.certificate},
                        {"triangles", options.triangles},
-                       {"most", options.most_triangle_pairs}};
+                       {"most", options.most_triangle_pairs},
+                       {"as_of", wire_contract::text_of(instant_of(options.as_of))}};
   return read_answer(command(connection, wire_contract::command::kPair, arguments, options.timeout), "pair", read);
 }
 

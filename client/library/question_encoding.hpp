@@ -7,9 +7,14 @@
 #include <vector>
 
 #include "collided/client.hpp"
+#include "idl/instant.hpp"
 #include "idl/topics.hpp"
 
 namespace collided::client {
+
+inline wire_contract::AskedInstant instant_of(const Instant& instant) {
+  return {.kind = static_cast<wire_contract::AskedInstant::Kind>(instant.kind), .ns = instant.time.count()};
+}
 
 /// What a kind of question is on the wire.
 template <class Question>

@@ -323,6 +323,7 @@ std::string ray_answer_text(double id, const RayQuestion& asked, const Result<An
 std::string pair_answer_text(double id, const std::string& a, const std::string& b, const Result<PairAnswer>& answer) {
   if (!answer) return refused_text(id, answer.error().message);
   json text{{"type", "answer"}, {"ask", "pair"}, {"id", id}, {"a", a}, {"b", b}, {"answer", name_of(answer->verdict)}, {"error", number(answer->error_m)}};
+  if (answer->verdict == Verdict::undecided) text["reason"] = name_of(answer->reason);
   if (answer->verdict == Verdict::hit) {
     text["depth"] = number(answer->depth_m);
     text["point"] = numbers(answer->point);

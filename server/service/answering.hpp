@@ -69,6 +69,7 @@ class Answering {
   /// Answers what is in, then ends.
   void stop();
   std::size_t clients() const { return clients_.size(); }
+  PastStates& past_states() { return past_states_; }
   /// Too much waits, or some was turned away since the last call. One thread.
   bool was_pressed();
 

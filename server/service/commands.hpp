@@ -99,6 +99,7 @@ class Commands {
   void menu_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json menu(std::uint32_t questions, std::uint64_t seed) const;
   void pair_later(CommandAsk ask, const Arguments& arguments);
+  std::shared_ptr<const Snapshot> past_state(const std::string& text, const Snapshot& newest) const;
   void tell_flight_recorder(const CommandAsk& ask);
   void recording_later(CommandAsk ask, const Arguments& arguments);
   nlohmann::json write_recording(std::int64_t last_ns);

@@ -91,6 +91,7 @@ json described(const PairReport& report, const PairAsk& ask) {
   json answer{{"answer", kAnswers[static_cast<std::size_t>(report.touches)]}};
   if (report.touches == Decision::yes) describe_touching(report, answer);
   if (report.touches == Decision::no) describe_apart(report, answer);
+  if (report.is_stale) answer["stale"] = true;
   if (ask.triangles) {
     answer["pair_count"] = report.crossing_count;
     answer["cut"] = report.crossing_count > report.crossings.size();
@@ -122,10 +123,22 @@ bool has_parts(const ObjectInfo& info) {
 
 }  // namespace
 
+/// Nothing for the latest.
+std::shared_ptr<const Snapshot> Commands::past_state(const std::string& text, const Snapshot& newest) const {
+  const std::optional<wire_contract::AskedInstant> instant = wire_contract::asked_instant(text);
+  if (!instant) throw BadCommand(fmt::format("pair: as_of {} is no instant", printable(text)));
+  if (instant->kind == wire_contract::AskedInstant::Kind::latest) return nullptr;
+  auto past = answering_->past_states().at(*instant, newest);
+  if (const auto* why_not = std::get_if<std::string>(&past)) throw BadCommand("pair: " + *why_not);
+  return std::get<std::shared_ptr<const Snapshot>>(std::move(past));
+}
+
 void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
   const auto work = [this](const Arguments& asked) -> json {
     if (stopping_.load()) throw BadCommand("pair: the server is stopping");
-    const SnapshotRing::Lease state = loop_.world().newest();
+    const SnapshotRing::Lease newest = loop_.world().newest();
+    const std::shared_ptr<const Snapshot> past = past_state(asked.text("as_of"), *newest);
+    const Snapshot* const state = past ? past.get() : &*newest;
     const ObjectId a = find_shown(*state, asked.text("a"));
     const ObjectId b = find_shown(*state, asked.text("b"));
     if (a == b) throw BadCommand(fmt::format("pair: both are {}", printable(asked.text("a"))), "two objects are needed");
@@ -141,7 +154,7 @@ void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
     return answer;
   };
   try {
-    arguments.allow_only({"a", "b", "certificate", "triangles", "most"});
+    arguments.allow_only({"a", "b", "certificate", "triangles", "most", "as_of"});
     make_room("pair", pair_jobs_);
   } catch (const BadCommand& bad) {
     answering_->send_text(ask.client, ask.request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));

@@ -5,6 +5,7 @@
 
 #include "server/geometry/float_environment.hpp"
 #include "server/world/indexed_mesh.hpp"
+#include "server/world/stale_reach.hpp"
 
 namespace collided {
 namespace {
@@ -14,17 +15,25 @@ struct Standing {
   ObjectInfo own;
   Frame frame;
   Placed placed;
+  Aabb reach;             // where it may be
+  bool is_stale = false;  // and nobody knows where in it
 
   Standing(const Snapshot& snapshot, ObjectId id) {
     const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
     frame = snapshot.frames[slot_of(id)];
     placed = {.info = &info, .frame = &frame, .bounds = snapshot.bounds[slot_of(id)]};
+    reach = placed.bounds;
+    if (const std::optional<Aabb> region = unknown_region(snapshot, id)) {
+      reach.extend(*region);
+      is_stale = true;
+    }
     if (info.scene_part == kNoScenePart) return;
     Shape shape;
     shape.mesh = mesh_of_part(snapshot, info);
     own = without_world(shape);
     frame = Frame();
     placed = {.info = &own, .frame = &frame, .bounds = bounds_of(own, frame)};
+    reach = placed.bounds;
   }
   Standing(const Standing&) = delete;
   Standing& operator=(const Standing&) = delete;
@@ -71,12 +80,16 @@ void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairRe
   }
 }
 
-PairReport report_in_order(const Placed& a, const Placed& b, const PairAsk& ask) {
+PairReport report_in_order(const Standing& first, const Standing& second, const PairAsk& ask) {
+  const Placed& a = first.placed;
+  const Placed& b = second.placed;
   PairReport report;
+  report.is_stale = first.is_stale || second.is_stale;
   WalkCost cost;
   Touch touch;
   touch_objects(a, b, touch, cost);
   report.touches = decision_of(touch);
+  if (report.is_stale && report.touches == Decision::no && overlaps(first.reach, second.reach)) report.touches = Decision::undecided;
   if (touch.yes) {
     report.contact = touch.contact;
     report.a_triangle = touch.a_triangle;
@@ -119,7 +132,7 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
   const Standing second(snapshot, turned ? a : b);
   PairAsk without_proof = ask;
   without_proof.certificate = ask.certificate && !turned;
-  PairReport report = report_in_order(first.placed, second.placed, without_proof);
+  PairReport report = report_in_order(first, second, without_proof);
   if (!turned) return report;
   turn_round(report);
   if (ask.certificate && report.touches != Decision::undecided) {

@@ -31,6 +31,8 @@ enum class Contained : std::uint8_t { none, a_in_b, b_in_a };
 /// How two objects stand to each other. Told alike whichever is named first, but for the normal, which turns round.
 struct PairReport {
   Decision touches = Decision::no;
+  // One of the two is where it was heard of last, and moved then. Apart is said only where neither can have come to the other.
+  bool is_stale = false;
   // yes: the deepest pair of parts, as the events tell it. A depth of two meshes is that of two of their triangles: the
   // shortest way that parts these, not the whole.
   Contact contact;

@@ -85,6 +85,13 @@ bool could_change(const Questions& asked, const double* n, std::span<const Answe
 
 }  // namespace
 
+std::optional<Aabb> unknown_region(const Snapshot& snapshot, ObjectId id) {
+  for (const StaleObject& object : snapshot.stale_objects) {
+    if (object.id == id && object.speed_mps > 0) return region_of(object, snapshot.world_time_ns);
+  }
+  return std::nullopt;
+}
+
 void doubt_where_stale_objects_reach(const Snapshot& snapshot, const Questions& questions, Answers& answers) {
   const std::uint32_t stride = wire_contract::numbers_of(questions.kind);
   for (const StaleObject& object : snapshot.stale_objects) {

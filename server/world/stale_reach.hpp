@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "server/world/query.hpp"
 
 namespace collided {
@@ -12,6 +14,9 @@ namespace collided {
 /// answers  of these questions on this snapshot; the age counts up to kAgeSlackNs after the snapshot's time, so that a
 ///          state this young says enough and the same question on the same state has the same answer
 void doubt_where_stale_objects_reach(const Snapshot& snapshot, const Questions& questions, Answers& answers);
+
+/// Where the object may be by now where nobody knows: it is stale and moved when it was last heard of; else nothing.
+std::optional<Aabb> unknown_region(const Snapshot& snapshot, ObjectId id);
 
 inline constexpr std::int64_t kAgeSlackNs = 500'000'000;
 

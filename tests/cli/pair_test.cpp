@@ -55,6 +55,32 @@ TEST_F(PairVerb, TouchingTellsWhereTheyBear) {
   EXPECT_EQ(collide("pair crate shelf").code, 3);
 }
 
+TEST_F(PairVerb, BothAreAskedForAtOneInstant) {
+  collide("pair crate shelf");
+  EXPECT_EQ(last_options.as_of.kind, Instant::Kind::latest);
+  collide("pair crate shelf --as-of settled");
+  EXPECT_EQ(last_options.as_of.kind, Instant::Kind::settled);
+  collide("pair crate shelf --as-of -2s");
+  EXPECT_EQ(last_options.as_of.kind, Instant::Kind::back);
+  EXPECT_EQ(last_options.as_of.time, std::chrono::seconds(2));
+  const Ran noon = collide("pair crate shelf --as-of noon");
+  EXPECT_EQ(noon.code, 2);
+  EXPECT_EQ(noon.err, "error: pair: --as-of 'noon' is no time\n       latest, settled, -2s, 2026-11-22T12:03:10.5Z or seconds since 1970\n");
+}
+
+TEST_F(PairVerb, WhatIsNotKnownOfALostObjectShows) {
+  next.stale = true;
+  EXPECT_EQ(at_terminal("pair crate shelf").out,
+            "apart  12.4 mm ±1e-13  nearest 1 0 0 | 1.0124 0 0\n  stale: one of them is where it was heard of last, and moved then\n");
+  next.verdict = Verdict::undecided;
+  next.reason = Undecided::stale_object;
+  EXPECT_EQ(at_terminal("pair crate shelf").out, "undecided: stale_object; an object that decides has not been heard of lately\n");
+  EXPECT_EQ(collide("pair crate shelf --fields answer,reason,stale").out, "undecided\tstale_object\ttrue\n");
+  next.reason = Undecided::numeric;
+  next.stale = false;
+  EXPECT_EQ(at_terminal("pair crate shelf").out, "undecided: numeric; both answers are consistent with the input\n");
+}
+
 TEST_F(PairVerb, ACertificateIsCheckedHere) {
   next.certificate = Certificate{.a = {ball(0, 1)}, .b = {ball(3, 1)}, .steps = {{.normal = {1, 0, 0}, .point = {1.5, 0, 0}}}};
   const Ran ran = collide("pair crate shelf --certificate --fields answer,certificate");

@@ -35,6 +35,7 @@ TEST_F(ServerInstants, MoversOfTwoPublishersAreAskedForAtOneInstant) {
   Publisher other = publish(client, "other");
   const Publisher::Object a = add_ball(one, "a", at(0, 40, 20));
   const Publisher::Object b = add_ball(other, "b", at(30, 40, 20));
+  add_ball(one, "post", at(15, 40, 20));
   const nanoseconds began = now();
   say(one, a, 0, began);
   say(other, b, 30, began + 1ms);
@@ -53,6 +54,21 @@ TEST_F(ServerInstants, MoversOfTwoPublishersAreAskedForAtOneInstant) {
   EXPECT_EQ(met(client, 10, instant(began + 750ms)), "nothing");
   EXPECT_EQ(met(client, 10, {}), "a") << "latest";
   EXPECT_EQ(met(client, 20, {.kind = Instant::Kind::settled}), "b");
+  const auto gap = [&](const Instant& as_of) {
+    const Result<PairAnswer> pair = client.pair("a", "b", {.as_of = as_of});
+    EXPECT_TRUE(pair) << pair.error().message;
+    return pair && pair->verdict == Verdict::miss && !pair->stale ? pair->distance_m : -1;
+  };
+  EXPECT_NEAR(gap(instant(began + 750ms)), 20 - 0.2, 1e-9);
+  EXPECT_NEAR(gap({}), 10 - 0.2, 1e-9) << "latest";
+  // Only one has spoken of that instant; the other's went at 10 m/s when it was last heard of.
+  std::this_thread::sleep_until(std::chrono::system_clock::time_point(std::chrono::duration_cast<std::chrono::system_clock::duration>(began + 1800ms)));
+  ASSERT_TRUE(one.flush(began + 1800ms));
+  ASSERT_TRUE(one.wait_applied(5s));
+  const Result<PairAnswer> later = client.pair("post", "b", {.as_of = instant(began + 1800ms)});
+  ASSERT_TRUE(later) << later.error().message;
+  EXPECT_EQ(later->verdict, Verdict::undecided);
+  EXPECT_EQ(later->reason, Undecided::stale_object);
   AskOptions settled;
   settled.as_of.kind = Instant::Kind::settled;
   const std::vector<RayQuestion> one_question{down(20)};
@@ -94,6 +110,12 @@ TEST_F(ServerInstants, WhatNobodyRemembersIsRefusedInWords) {
   const Result<Answer> answer = client.ask(down(0), options);
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.error().message, "ray: the instant is -1 ns; allowed 0 or more");
+  const Result<PairAnswer> pair = client.pair("a", "b", {.as_of = options.as_of});
+  ASSERT_FALSE(pair);
+  EXPECT_EQ(pair.error().message, "pair: the instant is -1 ns; allowed 0 or more");
+  const Result<PairAnswer> old = client.pair("a", "b", {.as_of = instant(now() - 60s)});
+  ASSERT_FALSE(old);
+  EXPECT_NE(old.error().message.find("this server remembers poses of the last"), std::string::npos) << old.error().message;
 }
 
 TEST_F(ServerInstants, AServerWithoutMemorySaysSo) {

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "server/world/indexed_mesh.hpp"
+#include "server/world/pair_report.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
 
@@ -66,6 +67,36 @@ TEST(StaleReach, AMissWithinReachIsUndecidedAndOneBeyondIsNot) {
   EXPECT_EQ(lost.ask(QueryKind::box, {0, 0, 13, 1, 1, 1, 1, 0, 0, 0}).answers[0], Answer::miss);
   expect_stale(lost.ask(QueryKind::near, {0, 0, 20, 9.1}));
   EXPECT_EQ(lost.ask(QueryKind::near, {0, 0, 20, 8.9}).answers[0], Answer::miss);
+}
+
+// Apart is where it cannot have come to the other; where it was when it was heard of last shows, and is marked.
+TEST(StaleReach, APairIsApartOnlyWhereTheLostOneCannotHaveComeToTheOther) {
+  LostBall lost({0, 0, 0}, {1, 0, 0});
+  const ObjectId near = std::get<ObjectId>(lost.world.define(ball("near", {0, 0, 11.4})));
+  const ObjectId far = std::get<ObjectId>(lost.world.define(ball("far", {0, 0, 14})));
+  const ObjectId met = std::get<ObjectId>(lost.world.define(ball("met", {1.5, 0, 0})));
+  lost.step(11 * kSecond);
+  EXPECT_EQ(report_pair(*lost.world.newest(), lost.id, near, {}).touches, Decision::no) << "no time has gone by";
+  lost.step(21 * kSecond);
+  for (const bool turned : {false, true}) {
+    const auto report = [&](ObjectId other) {
+      return report_pair(*lost.world.newest(), turned ? other : lost.id, turned ? lost.id : other, {.certificate = true});
+    };
+    EXPECT_EQ(report(near).touches, Decision::undecided);
+    EXPECT_TRUE(report(near).is_stale);
+    EXPECT_FALSE(report(near).proof);
+    EXPECT_EQ(report(far).touches, Decision::no);
+    EXPECT_TRUE(report(far).is_stale) << "its distance is of where it was";
+    EXPECT_NEAR(report(far).separation.distance_m, std::sqrt(197.0) - 1, 1e-12);
+    EXPECT_EQ(report(met).touches, Decision::yes);
+    EXPECT_TRUE(report(met).is_stale);
+  }
+  EXPECT_FALSE(report_pair(*lost.world.newest(), near, far, {}).is_stale);
+  LostBall still({1, 0, 0}, {1, 0, 0});
+  const ObjectId beside = std::get<ObjectId>(still.world.define(ball("beside", {2.5, 0, 0})));
+  still.step(21 * kSecond);
+  EXPECT_EQ(report_pair(*still.world.newest(), still.id, beside, {}).touches, Decision::no) << "what stood still is where it was";
+  EXPECT_FALSE(report_pair(*still.world.newest(), still.id, beside, {}).is_stale);
 }
 
 TEST(StaleReach, TheReachGrowsWithTheAge) {

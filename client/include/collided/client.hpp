@@ -184,6 +184,7 @@ struct PairOptions {
   bool certificate = false;
   bool triangles = false;
   std::uint32_t most_triangle_pairs = 10'000;  // that are told, at most 100,000
+  Instant as_of = {};                          // both at one instant; latest: each at its newest pose
   std::chrono::nanoseconds timeout{10'000'000'000};
 };
 
@@ -215,6 +216,10 @@ enum class Containment { none, a_in_b, b_in_a };
 /// numbers are the same, and the normal is turned round.
 struct PairAnswer {
   Verdict verdict = Verdict::miss;
+  Undecided reason = Undecided::none;  // numeric: both answers are consistent with the input; stale_object: see stale
+  /// One of the two moved when it was last heard of (its publisher is lost, or has not come to the instant asked for): the
+  /// numbers are those of where it was then. A miss is said only where it cannot have come to the other since.
+  bool stale = false;
   std::uint64_t version = 0;
   Vec3 normal = Vec3::Zero();     // unit, from a to b
   double distance_m = 0;          // miss; |truth - distance_m| <= error_m
