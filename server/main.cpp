@@ -21,7 +21,7 @@
 
 namespace {
 
-using namespace collided::service;
+using namespace collided::engine::service;
 
 /// Blocked before any thread is made, so that only the waiting main thread gets them.
 sigset_t block_signals() {

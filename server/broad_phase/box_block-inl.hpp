@@ -11,7 +11,7 @@
 #include "server/broad_phase/box_block.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::HWY_NAMESPACE {
+namespace collided::engine::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// A box that is compared with others, each bound in every lane.
@@ -49,7 +49,7 @@ class AskedBox {
   hn::Vec<Doubles> high_[3];
 };
 
-}  // namespace collided::HWY_NAMESPACE
+}  // namespace collided::engine::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

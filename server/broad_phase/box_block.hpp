@@ -4,7 +4,7 @@
 
 #include "server/geometry/aabb.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Eight boxes axis by axis, so that one is compared with all of them in six SIMD comparisons. Where there is no box
 /// all are NaN, which compares as apart from everything.
@@ -22,4 +22,4 @@ struct alignas(64) BoxBlock {
   }
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -12,7 +12,7 @@
 #include "server/broad_phase/bsp_split.hpp"
 #include "server/broad_phase/bsp_threads.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 /// A subtree smaller than this is not worth handing to another thread.
@@ -366,4 +366,4 @@ Layout build_layout(const TriangleMesh& mesh, const BspOptions& options, BspRepo
   return layout;
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

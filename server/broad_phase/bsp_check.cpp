@@ -12,7 +12,7 @@
 #include "server/broad_phase/bsp_primitive.hpp"
 #include "server/broad_phase/bsp_threads.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -242,4 +242,4 @@ std::string flaw_of(const Layout& layout, const TriangleMesh& mesh, unsigned thr
   return std::string(Check(layout, mesh, threads).run(report));
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -6,7 +6,7 @@
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/mesh.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// Whether a tree of unknown origin is one that a build could have made of the mesh, as far as answers and safety go:
 /// every reference leads forward to a node or leaf of its own, no path is deeper than the walks' stacks, every box
@@ -20,4 +20,4 @@ namespace collided::bsp {
 /// tests     BroadTampered, fuzz_saved_index
 std::string flaw_of(const Layout& layout, const TriangleMesh& mesh, unsigned threads, BspReport& report);
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -5,7 +5,7 @@
 
 #include "server/broad_phase/bsp_threads.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 constexpr std::size_t kRunBytes = std::size_t{1} << 20;
@@ -50,4 +50,4 @@ std::uint64_t checksum(std::span<const std::byte> bytes, unsigned threads) {
 
 std::uint64_t joined_checksum(std::uint64_t first, std::uint64_t second) { return mixed(mixed(1, first), second); }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 /// Cut by the surface-area heuristic at most so often below each other, then by count.
@@ -78,4 +78,4 @@ void Collapse::gather(int part, int room, int at, int (&out)[kWidth], Cut (&cuts
   gather(of.right, room - to_left, place, out, cuts, count);
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

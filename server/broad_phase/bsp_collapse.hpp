@@ -8,7 +8,7 @@
 #include "server/broad_phase/bsp_layout.hpp"
 #include "server/broad_phase/bsp_split.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// A cut that made a node's children: child `left` was cut along an axis, its upper part became `right`.
 struct Cut {
@@ -54,4 +54,4 @@ class Collapse {
   std::vector<Part> parts_;
 };
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <limits>
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 constexpr std::size_t kHugePage = std::size_t{2} << 20;
@@ -85,4 +85,4 @@ void free_pages(void* memory, std::size_t bytes) {
   }
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

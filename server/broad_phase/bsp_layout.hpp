@@ -11,7 +11,7 @@
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/aabb.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 inline constexpr int kWidth = 8;
 
@@ -143,4 +143,4 @@ struct Layout {
   std::shared_ptr<const void> keeper;  // of the memory that nodes and leaves were borrowed from
 };
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

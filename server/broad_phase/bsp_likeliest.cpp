@@ -8,7 +8,7 @@
 
 #include "server/broad_phase/bsp_threads.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 /// Leaves that a thread takes at once.
@@ -127,4 +127,4 @@ void set_likeliest_orders(Layout& layout, unsigned threads) {
   likeliest.order_nodes();
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

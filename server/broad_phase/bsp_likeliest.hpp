@@ -2,7 +2,7 @@
 
 #include "server/broad_phase/bsp_layout.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// Gives every node of a finished tree the order in which a ray that any triangle stops is likeliest to be stopped
 /// soonest: children by the chance that a ray through their box meets a triangle there, over what it costs to see.
@@ -12,4 +12,4 @@ namespace collided::bsp {
 ///         Crofton's formula
 void set_likeliest_orders(Layout& layout, unsigned threads);
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -9,7 +9,7 @@
 #include "server/broad_phase/bsp_walk-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::bsp::HWY_NAMESPACE {
+namespace collided::engine::bsp::HWY_NAMESPACE {
 
 /// Beyond this ratio of sizes only the larger of two nodes is opened: eight against one settles more than both at once.
 constexpr float kMuchLarger = 2;
@@ -436,11 +436,11 @@ void WalkPairs(const Layout& a, const Layout& b, const PairFrame& frame, bool sw
   PairWalk(a, b, frame, swapped, candidate, context, cost).run();
 }
 
-}  // namespace collided::bsp::HWY_NAMESPACE
+}  // namespace collided::engine::bsp::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 HWY_EXPORT(WalkPairs);
 
@@ -449,5 +449,5 @@ void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool s
   HWY_DYNAMIC_DISPATCH(WalkPairs)(a, b, frame, swapped, candidate, context, cost);
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp
 #endif

@@ -3,7 +3,7 @@
 #include "server/broad_phase/bsp_layout.hpp"
 #include "server/broad_phase/bsp_tree.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// Two trees made ready for the simultaneous walk: "a" the larger one, "b" the smaller one. Places are told along a's
 /// axes in a's local unit, from b's local origin (so that floats resolve the smaller mesh, wherever it is in the larger
@@ -34,4 +34,4 @@ PairCase prepare_pairs(const Layout& a, const Layout& b, const Mat3& rotation, c
 void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped,
                 BspTree::PairCandidate candidate, void* context, WalkCost& cost);
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

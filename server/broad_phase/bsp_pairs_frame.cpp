@@ -3,7 +3,7 @@
 
 #include "server/broad_phase/bsp_pairs.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 /// b no smaller than this in a: there a double resolves little of it, and a float's cubes are near their end.
@@ -79,4 +79,4 @@ PairCase prepare_pairs(const Layout& a, const Layout& b, const Mat3& rotation, c
   return PairCase::near;
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

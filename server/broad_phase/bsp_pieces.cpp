@@ -5,7 +5,7 @@
 
 #include "server/broad_phase/bsp_threads.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 /// By how much a box is larger than the part it covers, in local units. A cut's points are off by at most 2^-50 each,
@@ -171,4 +171,4 @@ std::vector<Split> worth_splitting(const TriangleMesh& mesh, const LocalFrame& f
   return splits;
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

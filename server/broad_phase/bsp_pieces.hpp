@@ -6,7 +6,7 @@
 
 #include "server/broad_phase/bsp_primitive.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// Clipped splits: a long, slanted triangle enters the build as several boxes that together cover it, each around a
 /// part of it, so that a large box does not spoil every node above it.
@@ -25,4 +25,4 @@ std::uint32_t cover(const TriangleMesh& mesh, const LocalFrame& frame, std::uint
 std::vector<Split> worth_splitting(const TriangleMesh& mesh, const LocalFrame& frame, std::span<const Primitive> whole,
                                    unsigned threads);
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

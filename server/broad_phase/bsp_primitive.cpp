@@ -5,7 +5,7 @@
 
 #include "server/broad_phase/bsp_threads.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 Primitive local_primitive(const TriangleMesh& mesh, const LocalFrame& frame, std::uint32_t number) {
   const Triangle world = mesh.triangle(number);
@@ -62,4 +62,4 @@ MeshFrame mesh_frame(const TriangleMesh& mesh, unsigned threads) {
   return found;
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

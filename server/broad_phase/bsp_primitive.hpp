@@ -6,7 +6,7 @@
 #include "server/broad_phase/bsp_split.hpp"
 #include "server/geometry/mesh.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// What the tree says of one triangle, as a function of the mesh and the frame alone: the build writes it, the check
 /// of a saved tree computes it again.
@@ -25,4 +25,4 @@ struct MeshFrame {
 };
 MeshFrame mesh_frame(const TriangleMesh& mesh, unsigned threads);
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -14,7 +14,7 @@
 // T is compared with t |det| for t in [0, C] (the largest component of d is at least 1), which adds C times det's
 // error and one rounding: E^2 u C (48 D + 12) and 24 s C D (E + s). Second orders and the roundings of the slack
 // itself are below a hundredth (kRaise); products that underflow are below kTiny.
-namespace collided::bsp::ray_detail {
+namespace collided::engine::bsp::ray_detail {
 namespace {
 
 /// Beyond it products of coordinates could overflow: nothing is known about the axis.
@@ -141,4 +141,4 @@ bool prepare_any_ray(const Layout& layout, const Ray& ray, double slack_m, RayFr
   return true;
 }
 
-}  // namespace collided::bsp::ray_detail
+}  // namespace collided::engine::bsp::ray_detail

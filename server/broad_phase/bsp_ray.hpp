@@ -10,7 +10,7 @@
 #include "server/broad_phase/bsp_layout.hpp"
 #include "server/geometry/ray.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// A ray made ready for the float walk: local coordinates, its start moved up to the scene, its largest direction
 /// component in [1, 2), and every rounding on the way turned into slack. All slack is outward: the walk may visit
@@ -195,4 +195,4 @@ inline float RayFrame::sure_limit(double limit) const {
   return is_moved ? -1 : local_limit(limit) * (1 - 0x1p-20f) - static_cast<float>(4 * ray_detail::kTiny);
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -7,7 +7,7 @@
 #include "server/broad_phase/bsp_primitive.hpp"
 #include "server/broad_phase/bsp_threads.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 constexpr char kMagic[8] = {'C', 'B', 'S', 'P', 'T', 'R', 'E', 'E'};
@@ -148,4 +148,4 @@ std::string load(const TriangleMesh& mesh, std::span<const std::byte> bytes, std
   return flaw_of(layout, mesh, threads, report);
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -9,7 +9,7 @@
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/mesh.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// A tree as bytes: a header of 192, the nodes, the leaves, the split triangles. Written as they lie in memory, so that
 /// they are used where a file is mapped; the header says for which kind of machine, and of which mesh.
@@ -25,4 +25,4 @@ void seal(std::span<std::byte> saved, const TriangleMesh& mesh);
 std::string load(const TriangleMesh& mesh, std::span<const std::byte> bytes, std::shared_ptr<const void> keeper,
                  unsigned threads, Layout& layout, BspReport& report);
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 namespace {
 
 constexpr int kBins = 16;
@@ -118,4 +118,4 @@ int split(std::span<Primitive> primitives, const Range& range, bool by_count, Ra
   return plane.axis;
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// Four floats: x, y, z and a passenger.
 using Float4 = Eigen::Array4f;
@@ -56,4 +56,4 @@ struct Range {
 /// returns the axis along which the right range lies above the left one
 int split(std::span<Primitive> primitives, const Range& range, bool by_count, Range& left, Range& right);
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 inline unsigned thread_count(unsigned asked) {
   return asked != 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
@@ -47,4 +47,4 @@ void in_runs(unsigned threads, std::size_t size, std::size_t run, const Work& wo
               [&](std::size_t i, bool) { work(i * run, std::min((i + 1) * run, size)); });
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

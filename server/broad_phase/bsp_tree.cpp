@@ -12,7 +12,7 @@
 #include "server/broad_phase/bsp_threads.hpp"
 #include "server/broad_phase/bsp_walk.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 struct BspTree::Storage {
   bsp::Layout layout;
@@ -202,4 +202,4 @@ void BspTree::pair_all(const BspTree& other, const Mat3& rotation, const Vec3& p
   walk_box(near, outer, &all, cost);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

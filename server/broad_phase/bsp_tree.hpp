@@ -13,7 +13,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/ray.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What a walk touched; added to, never reset.
 struct WalkCost {
@@ -144,4 +144,4 @@ class BspTree {
   std::unique_ptr<Storage> storage_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

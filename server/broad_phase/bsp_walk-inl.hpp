@@ -15,7 +15,7 @@
 #include "server/broad_phase/bsp_tree.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::bsp::HWY_NAMESPACE {
+namespace collided::engine::bsp::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Eight lanes where the machine has them, else two halves of four (or fewer).
@@ -501,6 +501,6 @@ HWY_INLINE bool prepare_ray(const Layout& layout, const Ray& ray, double slack_m
   return is_usual || ray_detail::prepare_any_ray(layout, ray, slack_m, out);
 }
 
-}  // namespace collided::bsp::HWY_NAMESPACE
+}  // namespace collided::engine::bsp::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

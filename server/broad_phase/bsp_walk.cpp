@@ -9,7 +9,7 @@
 #include "server/broad_phase/bsp_walk.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::bsp::HWY_NAMESPACE {
+namespace collided::engine::bsp::HWY_NAMESPACE {
 /// A leaf's triangles as boxes.
 struct Boxes {
   Lanes low[3];
@@ -291,11 +291,11 @@ void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bs
   }
 }
 
-}  // namespace collided::bsp::HWY_NAMESPACE
+}  // namespace collided::engine::bsp::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 HWY_EXPORT(WalkBox);
 HWY_EXPORT(WalkNear);
@@ -317,5 +317,5 @@ void walk_near(const Layout& layout, const LocalPoint& point, double limit_m2, B
   HWY_DYNAMIC_DISPATCH(WalkNear)(layout, point, limit_m2, candidate, context, cost);
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp
 #endif

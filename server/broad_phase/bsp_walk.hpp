@@ -3,7 +3,7 @@
 #include "server/broad_phase/bsp_layout.hpp"
 #include "server/broad_phase/bsp_tree.hpp"
 
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 /// The walks in SIMD, each compiled for every instruction set and chosen at run time. The layout is not empty and
 /// limits are not negative.
@@ -49,4 +49,4 @@ struct LocalPoint {
 void walk_near(const Layout& layout, const LocalPoint& point, double limit_m2, BspTree::NearCandidate candidate,
                void* context, WalkCost& cost);
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp

@@ -10,7 +10,7 @@
 #include "server/broad_phase/bsp_walk.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::bsp::HWY_NAMESPACE {
+namespace collided::engine::bsp::HWY_NAMESPACE {
 
 using Goal = BspTree::RayGoal;
 
@@ -235,11 +235,11 @@ void WalkPackets(const Layout& layout, std::span<BspTree::RayTask> tasks, const 
   }
 }
 
-}  // namespace collided::bsp::HWY_NAMESPACE
+}  // namespace collided::engine::bsp::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 HWY_EXPORT(WalkPackets);
 
@@ -280,5 +280,5 @@ void walk_rays(const Layout& layout, std::span<BspTree::RayTask> tasks, const Tr
   }
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp
 #endif

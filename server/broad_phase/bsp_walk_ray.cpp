@@ -7,7 +7,7 @@
 #include "server/broad_phase/bsp_walk.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::bsp::HWY_NAMESPACE {
+namespace collided::engine::bsp::HWY_NAMESPACE {
 
 using Goal = BspTree::RayGoal;
 
@@ -94,11 +94,11 @@ std::uint32_t MeetRay(const Layout& layout, const Ray& ray, double limit, const 
   return walk_any<Goal::any>(layout, ray, limit, 0, TriangleCall{candidate, context, mesh, layout.frame}, cost);
 }
 
-}  // namespace collided::bsp::HWY_NAMESPACE
+}  // namespace collided::engine::bsp::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 HWY_EXPORT(WalkRay);
 HWY_EXPORT(WalkRayTriangles);
@@ -125,5 +125,5 @@ std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const
   return HWY_DYNAMIC_DISPATCH(MeetRay)(layout, ray, limit, mesh, candidate, context, cost);
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp
 #endif

@@ -7,7 +7,7 @@
 #include "server/broad_phase/bsp_walk.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::bsp::HWY_NAMESPACE {
+namespace collided::engine::bsp::HWY_NAMESPACE {
 
 /// How many rays are on their way at once: enough that one's memory has come when its turn comes again, few enough
 /// that their stacks stay in the nearest cache.
@@ -202,11 +202,11 @@ void WalkRays(const Layout& layout, std::span<BspTree::RayTask> tasks, const Tri
   walk_rays_for<Goal::every>(layout, tasks, mesh, candidate);
 }
 
-}  // namespace collided::bsp::HWY_NAMESPACE
+}  // namespace collided::engine::bsp::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace collided::bsp {
+namespace collided::engine::bsp {
 
 HWY_EXPORT(WalkRays);
 
@@ -215,5 +215,5 @@ void walk_rays_in_turn(const Layout& layout, std::span<BspTree::RayTask> tasks, 
   HWY_DYNAMIC_DISPATCH(WalkRays)(layout, tasks, mesh, goal, candidate);
 }
 
-}  // namespace collided::bsp
+}  // namespace collided::engine::bsp
 #endif

@@ -3,7 +3,7 @@
 #include "server/broad_phase/grid_levels.hpp"
 #include "server/broad_phase/grid_walk.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 struct Grid::Storage {
   grid::Levels levels;
@@ -36,4 +36,4 @@ void Grid::walk_near(const Vec3& point, double limit_m2, NearFound found, void* 
   grid::walk_near(storage_->levels, point, limit_m2, found, context, cost);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

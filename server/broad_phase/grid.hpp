@@ -8,7 +8,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/ray.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Multi-level hashed grid over bounding boxes: a box goes to the level of its size, so one giant among dust costs
 /// nothing. A few boxes are swept along one axis instead (sweep_and_prune.hpp). Unbounded coordinates. Generous, never misses; each box is called at most once a walk.
@@ -50,4 +50,4 @@ class Grid {
   std::unique_ptr<Storage> storage_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace collided::grid {
+namespace collided::engine::grid {
 
 void Axis::set(Cell first, Cell last) {
   first_ = first;
@@ -47,4 +47,4 @@ std::size_t Axis::bytes() const {
   return distinct_.capacity() * sizeof(distinct_[0]) + ranks_.capacity() * sizeof(ranks_[0]);
 }
 
-}  // namespace collided::grid
+}  // namespace collided::engine::grid

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace collided::grid {
+namespace collided::engine::grid {
 
 using Cell = std::int64_t;
 /// A cell as one number: z, y, x of its column from the high bits down.
@@ -54,4 +54,4 @@ class Axis {
   std::vector<std::uint64_t> ranks_;  // of distinct_; one apart where the cells are, else two
 };
 
-}  // namespace collided::grid
+}  // namespace collided::engine::grid

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace collided::grid {
+namespace collided::engine::grid {
 namespace {
 
 constexpr int kLeastExponent = -1000;
@@ -309,4 +309,4 @@ std::size_t Levels::bytes() const {
   return bytes;
 }
 
-}  // namespace collided::grid
+}  // namespace collided::engine::grid

@@ -12,7 +12,7 @@
 #include "server/broad_phase/sweep_and_prune.hpp"
 #include "server/geometry/aabb.hpp"
 
-namespace collided::grid {
+namespace collided::engine::grid {
 
 inline constexpr std::uint32_t kBlock = BoxBlock::kSize;
 
@@ -142,4 +142,4 @@ struct Levels {
   std::vector<Keyed> other_keyed_;
 };
 
-}  // namespace collided::grid
+}  // namespace collided::engine::grid

@@ -10,8 +10,8 @@
 #include "server/broad_phase/grid_walk.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::grid::HWY_NAMESPACE {
-using Asked = collided::HWY_NAMESPACE::AskedBox;
+namespace collided::engine::grid::HWY_NAMESPACE {
+using Asked = engine::HWY_NAMESPACE::AskedBox;
 constexpr unsigned kAllLanes = (1u << kBlock) - 1;
 
 constexpr int kWindows = 5;
@@ -183,11 +183,11 @@ void FindPairs(const Levels& levels, Grid::PairFound found, void* context, WalkC
   }
 }
 
-}  // namespace collided::grid::HWY_NAMESPACE
+}  // namespace collided::engine::grid::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace collided::grid {
+namespace collided::engine::grid {
 
 HWY_EXPORT(FindPairs);
 
@@ -213,5 +213,5 @@ void find_pairs(const Levels& levels, Grid::PairFound found, void* context, Walk
   HWY_DYNAMIC_DISPATCH(FindPairs)(levels, found, context, cost);
 }
 
-}  // namespace collided::grid
+}  // namespace collided::engine::grid
 #endif

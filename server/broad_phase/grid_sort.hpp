@@ -7,7 +7,7 @@
 
 #include "server/broad_phase/grid_key.hpp"
 
-namespace collided::grid {
+namespace collided::engine::grid {
 
 /// A box and its cell in one word, where the key has at most 32 bits.
 struct Packed {
@@ -57,4 +57,4 @@ void radix_sort(std::vector<Element>& values, std::vector<Element>& other, int b
   }
 }
 
-}  // namespace collided::grid
+}  // namespace collided::engine::grid

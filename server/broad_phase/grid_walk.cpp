@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace collided::grid {
+namespace collided::engine::grid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -280,4 +280,4 @@ void walk_near(const Levels& levels, const Vec3& point, double limit_m2, Grid::N
   }
 }
 
-}  // namespace collided::grid
+}  // namespace collided::engine::grid

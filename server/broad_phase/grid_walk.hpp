@@ -5,7 +5,7 @@
 #include "server/broad_phase/grid.hpp"
 #include "server/broad_phase/grid_levels.hpp"
 
-namespace collided::grid {
+namespace collided::engine::grid {
 
 /// The walks of Grid over its levels; pairs and boxes in SIMD, chosen at run time.
 void find_pairs(const Levels& levels, Grid::PairFound found, void* context, WalkCost& cost);
@@ -86,4 +86,4 @@ bool for_each_in(const Levels& levels, const Level& level, const CellRange& cell
   return true;
 }
 
-}  // namespace collided::grid
+}  // namespace collided::engine::grid

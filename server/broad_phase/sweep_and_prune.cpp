@@ -5,7 +5,7 @@
 
 #include "server/broad_phase/sweep_pairs.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// An insertion costs about as much as so many steps of a sort from nothing for each box; beyond, that is cheaper.
@@ -100,4 +100,4 @@ std::size_t SweepAndPrune::bytes() const {
          numbers_.capacity() * sizeof(std::uint32_t);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/aabb.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Sweep-and-prune along one axis: boxes in the order of their low ends there, kept from frame to frame, so that where
 /// little moves little is sorted again. Generous, never misses. Worth it where the boxes are few or lie along a line:
@@ -58,4 +58,4 @@ class SweepAndPrune {
   Report report_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/broad_phase/sweep_pairs.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::sweep::HWY_NAMESPACE {
+namespace collided::engine::sweep::HWY_NAMESPACE {
 
 constexpr std::uint32_t kBlock = BoxBlock::kSize;
 
@@ -18,7 +18,7 @@ void FindPairs(const Ordered& ordered, SweepAndPrune::PairFound found, void* con
   const std::uint32_t* numbers = ordered.numbers.data();
   for (std::uint32_t place = 0; place < ordered.count; ++place) {
     const BoxBlock& own = ordered.blocks[place / kBlock];
-    const collided::HWY_NAMESPACE::AskedBox asked(own, place % kBlock);
+    const engine::HWY_NAMESPACE::AskedBox asked(own, place % kBlock);
     const double end = own.high[ordered.axis][place % kBlock];
     // Those behind the box in its own block, then whole blocks.
     unsigned wanted = 0xfeu << place % kBlock & 0xffu;
@@ -34,11 +34,11 @@ void FindPairs(const Ordered& ordered, SweepAndPrune::PairFound found, void* con
   }
 }
 
-}  // namespace collided::sweep::HWY_NAMESPACE
+}  // namespace collided::engine::sweep::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace collided::sweep {
+namespace collided::engine::sweep {
 
 HWY_EXPORT(FindPairs);
 
@@ -46,5 +46,5 @@ void find_pairs(const Ordered& ordered, SweepAndPrune::PairFound found, void* co
   HWY_DYNAMIC_DISPATCH(FindPairs)(ordered, found, context, cost);
 }
 
-}  // namespace collided::sweep
+}  // namespace collided::engine::sweep
 #endif

@@ -5,7 +5,7 @@
 
 #include "server/broad_phase/sweep_and_prune.hpp"
 
-namespace collided::sweep {
+namespace collided::engine::sweep {
 
 /// Boxes in the order of their low ends on an axis; behind the last the block is NaN.
 struct Ordered {
@@ -17,4 +17,4 @@ struct Ordered {
 
 void find_pairs(const Ordered& ordered, SweepAndPrune::PairFound found, void* context, WalkCost& cost);
 
-}  // namespace collided::sweep
+}  // namespace collided::engine::sweep

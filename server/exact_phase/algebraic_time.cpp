@@ -7,7 +7,7 @@
 #include "server/exact_phase/rounded_outward.hpp"
 #include "server/exact_phase/time_between.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 TimePolynomial common_divisor(TimePolynomial a, TimePolynomial b) {
@@ -124,4 +124,4 @@ std::vector<AlgebraicTime> roots_between(TimePolynomial polynomial, const Dyadic
   return roots;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

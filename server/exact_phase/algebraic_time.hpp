@@ -6,7 +6,7 @@
 #include "server/exact_phase/polynomial.hpp"
 #include "server/exact_phase/time_of_contact.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 using TimePolynomial = Polynomial<Dyadic>;
 
@@ -45,4 +45,4 @@ double guessed_root(const std::array<double, 4>& coefficient, double low, double
 /// source  Descartes' rule of signs with bisection (Collins, Akritas, 1976)
 std::vector<AlgebraicTime> roots_between(TimePolynomial polynomial, const Dyadic& low, const Dyadic& high);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

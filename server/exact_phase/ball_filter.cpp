@@ -6,7 +6,7 @@
 #include "server/exact_phase/plain_range.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 Decision quickly_overlaps(const Sphere& ball, const Box& box) {
   const Vec3 way = ball.center - box.center;
   const Vec3 local = (box.axes.transpose() * way).cwiseMax(-box.half_m).cwiseMin(box.half_m);
@@ -51,4 +51,4 @@ bool surely_apart(const MovingSphere& mover, const Sphere& other) {
          distance_m2 - reach_m * reach_m > kBallsApartSlack * largest_m2;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

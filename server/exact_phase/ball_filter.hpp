@@ -4,7 +4,7 @@
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Whether a ball on its straight way certainly never meets another that rests: the distance of a point from a segment
 /// in plain double with one bound for all its roundings. False says nothing.
@@ -19,4 +19,4 @@ bool surely_apart(const MovingSphere& mover, const Sphere& other);
 Decision quickly_overlaps(const Sphere& ball, const Box& box);
 Decision quickly_overlaps(const Sphere& ball, const Capsule& capsule);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

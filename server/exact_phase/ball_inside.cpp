@@ -7,7 +7,7 @@
 #include "server/exact_phase/number.hpp"
 #include "server/exact_phase/triple.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 /// Errors on a face with edges of at most E and corners of at most M by largest coordinate, as for kSeparationError: the
@@ -62,4 +62,4 @@ bool surely_holds_ball(const DifferencePoint* corner, double radius_m) {
   return quickly_holds_ball(plain, radius_m) || ball_inside(corner) > radius_m;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -4,7 +4,7 @@
 
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 BodyWay::BodyWay(const Frame& first, const Frame& last) : from(first), to(last), travel(last.position - first.position) {
   if (first.rotation == last.rotation) return;
@@ -38,4 +38,4 @@ BodyWay::PointVelocity BodyWay::velocity(const Vec3& point, double t, double way
   return {.mps = way / way_s, .error_mps = (off_m / way_s) * (1 + 0x1p-40)};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/geometry/pose.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A body on its way from one pose to the next while time runs from 0 to 1: its frame's origin goes straight at even
 /// speed, and the body turns at even angular speed about a fixed axis through that origin, the short way round (after
@@ -34,4 +34,4 @@ struct BodyWay {
   PointVelocity velocity(const Vec3& point, double t, double way_s, double slack_s) const;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/triangle_kernel.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// A box as the parallelepiped that its doubles describe; nothing here assumes perpendicular or unit axes.
 template <class N>
@@ -193,4 +193,4 @@ Decision segment_near_solid(const Segment<N>& s, const Solid<N>& box, const N& R
   return any.result();
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

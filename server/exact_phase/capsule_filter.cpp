@@ -6,7 +6,7 @@
 #include "server/exact_phase/plain_range.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 /// Projections from a box to a segment and back; what is not near enough by then is left to the ladder.
@@ -75,4 +75,4 @@ Decision quickly_overlaps(const Box& box, const Capsule& capsule) {
   return Decision::undecided;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

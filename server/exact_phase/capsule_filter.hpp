@@ -3,7 +3,7 @@
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Whether a capsule meets another or a box, where plain double leaves no doubt; else undecided. A point of each core
 /// proves a yes; a plane across the way between them that has all of the other's corners behind it proves a no. So a
@@ -17,4 +17,4 @@ namespace collided::kernel {
 Decision quickly_overlaps(const Capsule& a, const Capsule& b);
 Decision quickly_overlaps(const Box& box, const Capsule& capsule);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -6,7 +6,7 @@
 #include "server/exact_phase/general_shapes.hpp"
 #include "server/exact_phase/half_space.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace kernel {
 
 Vec3 nearest_face_normal(const Vec3& point, const Box& box) {
@@ -38,4 +38,4 @@ Closest closest(const Vec3& point, const Primitive& primitive) {
   return std::visit([&](const auto& shape) { return closest(point, shape); }, primitive);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

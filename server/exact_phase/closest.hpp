@@ -2,7 +2,7 @@
 
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Nearest point of a closed set. |true distance - distance_m| <= distance_error_m; 0 inside a solid.
 struct Closest {
@@ -19,4 +19,4 @@ Closest closest(const Vec3& point, const Capsule& capsule);
 Closest closest(const Vec3& point, const Triangle& triangle);
 Closest closest(const Vec3& point, const Primitive& primitive);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/exact_phase/nearest_value.hpp"
 #include "server/exact_phase/overlap_kernel.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 inline Closest inside_at(const Vec3& point, const Vec3& normal) { return {0, 0, point, normal, 0}; }
 
@@ -61,4 +61,4 @@ Closest closest_by(const Vec3& point, const Triangle& triangle) {
   return result;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -12,7 +12,7 @@
 #include "server/exact_phase/nearest_value.hpp"
 #include "server/exact_phase/overlap.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace kernel;
@@ -266,4 +266,4 @@ Contact contact(const Primitive& a, const Triangle& b) {
   return std::visit([&](const auto& solid) { return contact(solid, b); }, a);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// One touching of A and B. Moving B by depth_m along the normal parts them (to depth_error_m).
 /// |true depth - depth_m| <= depth_error_m, where the depth is the shortest translation that parts the two sets.
@@ -29,4 +29,4 @@ Contact contact(const Triangle& a, const Triangle& b);
 Contact contact(const Primitive& a, const Primitive& b);
 Contact contact(const Primitive& a, const Triangle& b);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/stable_length.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 /// About the farthest point of the disc of radius 1 across the axis. Made perpendicular twice, since the first time
@@ -128,4 +128,4 @@ Bounded push_along(const Vec3& n, const Convex& a, const Convex& b) {
   return forward / sqrt(square(Vector<Bounded>(n)));
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

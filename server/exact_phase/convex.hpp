@@ -5,7 +5,7 @@
 #include "server/geometry/pose.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// What all convex shapes are: the hull of a few points (carriers), of which those from first_disc on carry a disc, plus
 /// a box or an ellipsoid and a ball. For solvers that know a set by how far it reaches along a direction.
@@ -133,4 +133,4 @@ Bounded reach_value(const Convex& set, const Vec3& n, int side, const Vec3& orig
 /// How far b must move along n, of any length, until the sets only touch, as a length; negative: they are parted.
 Bounded push_along(const Vec3& n, const Convex& a, const Convex& b);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

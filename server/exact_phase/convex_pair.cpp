@@ -10,7 +10,7 @@
 #include "server/exact_phase/simplex_search.hpp"
 #include "server/exact_phase/value.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 double reach_of(const ConvexPair& pair) {
@@ -152,4 +152,4 @@ Separation separation_of(const ConvexPair& pair) {
   return result;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -5,7 +5,7 @@
 #include "server/exact_phase/separation.hpp"
 #include "server/exact_phase/verdict.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Two convex sets, and how to ask whether both hold a point.
 struct ConvexPair {
@@ -36,4 +36,4 @@ Contact contact_of(const ConvexPair& pair);
 /// Of two sets that do not overlap.
 Separation separation_of(const ConvexPair& pair);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

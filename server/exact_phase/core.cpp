@@ -8,7 +8,7 @@
 #include "server/exact_phase/nearest_value.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 int edge_directions(const Core& core, EdgeDirection* edges) {
@@ -230,4 +230,4 @@ WitnessPair nearest_witnesses(const Core& a, const Core& b) {
   return best;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

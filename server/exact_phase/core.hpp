@@ -3,7 +3,7 @@
 #include "server/exact_phase/number.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// The part of a shape that is left when its radius is taken off: the hull of up to three points, or a box.
 struct Core {
@@ -89,4 +89,4 @@ struct WitnessPair {
 };
 WitnessPair nearest_witnesses(const Core& a, const Core& b);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

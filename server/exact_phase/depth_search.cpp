@@ -7,7 +7,7 @@
 #include "server/exact_phase/value.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 constexpr int kMostCorners = 128;
@@ -272,4 +272,4 @@ DepthProposal depth_proposal(const Convex& a, const Convex& b, const Proposal& s
   return result;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace collided {
+namespace collided::engine {
 
 /// An exact rational whose denominator is a power of two: mantissa * 2^exponent. Sums, differences and products of
 /// doubles never leave this set, so no common divisor is ever sought. Not finite: answers nothing.
@@ -86,4 +86,4 @@ class Dyadic {
   bool finite_ = true;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

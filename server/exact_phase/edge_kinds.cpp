@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/number.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::Vector;
@@ -90,4 +90,4 @@ std::vector<std::uint8_t> edge_kinds(const TriangleMesh& mesh, const EdgeTable& 
   return result;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 
 #include "server/geometry/edge_table.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What an edge is; one may be several of these.
 enum EdgeKind : std::uint8_t {
@@ -36,4 +36,4 @@ struct EdgeView {
 /// threads   pure
 std::vector<std::uint8_t> edge_kinds(const TriangleMesh& mesh, const EdgeTable& table, const EdgeView& view);
 
-}  // namespace collided
+}  // namespace collided::engine

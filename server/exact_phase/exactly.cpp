@@ -12,7 +12,7 @@
 #include "server/exact_phase/ray_round_kernel.hpp"
 #include "server/exact_phase/ray_triangle_kernel.hpp"
 
-namespace collided::exactly {
+namespace collided::engine::exactly {
 
 using kernel::cast_facet;
 using kernel::cast_quadric;
@@ -72,7 +72,7 @@ Decision cast_ray(const Ray& ray, const Primitive& primitive, RayHit& hit) {
   return std::visit(
       [&](const auto& solid) {
         using Solid = std::decay_t<decltype(solid)>;
-        if constexpr (std::is_same_v<Solid, Hull>) return collided::cast_ray(ray, solid, hit).decision;
+        if constexpr (std::is_same_v<Solid, Hull>) return engine::cast_ray(ray, solid, hit).decision;
         else if constexpr (std::is_same_v<Solid, HalfSpace>) return kernel::cast_half_space<RationalsAlone>(ray, solid, hit).decision;
         else if constexpr (General<Solid>) return cast_quadric<RationalsAlone>(ray, solid, hit).decision;
         else return cast_solid<RationalsAlone>(ray, solid, hit).decision;
@@ -89,10 +89,10 @@ Closest closest(const Vec3& point, const Primitive& primitive) {
       [&](const auto& solid) {
         using Solid = std::decay_t<decltype(solid)>;
         if constexpr (std::is_same_v<Solid, HalfSpace>) return kernel::closest_half_space<RationalsAlone>(point, solid);
-        else if constexpr (General<Solid>) return collided::closest(point, solid);
+        else if constexpr (General<Solid>) return engine::closest(point, solid);
         else return closest_by<RationalsAlone>(point, solid);
       },
       primitive);
 }
 
-}  // namespace collided::exactly
+}  // namespace collided::engine::exactly

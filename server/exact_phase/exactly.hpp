@@ -14,7 +14,7 @@
 /// returns  undecided only for boxes whose axes do not span space, and round shapes that nearly touch
 /// cost     3 to 300 us; allocates
 /// threads  pure; the thread's Precision is not asked
-namespace collided::exactly {
+namespace collided::engine::exactly {
 
 Decision overlaps(const Sphere& a, const Sphere& b);
 Decision overlaps(const Sphere& a, const Box& b);
@@ -42,4 +42,4 @@ Closest closest(const Vec3& point, const Capsule& capsule);
 Closest closest(const Vec3& point, const Triangle& triangle);
 Closest closest(const Vec3& point, const Primitive& primitive);
 
-}  // namespace collided::exactly
+}  // namespace collided::engine::exactly

@@ -7,7 +7,7 @@
 #include "server/exact_phase/membership_kernel.hpp"
 #include "server/exact_phase/polytope_kernel.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::Convex;
@@ -95,4 +95,4 @@ Closest closest_in_general(const Vec3& point, const ShapeView& shape) {
   return result;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Shapes whose pairs have no closed form here: they go through one search with certificates (convex_pair.hpp).
 template <class Shape>
@@ -47,4 +47,4 @@ Closest closest(const Vec3& point, const Shape& shape) {
   return closest_in_general(point, &shape);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "server/exact_phase/convex.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// One part going down to one plane.
@@ -67,4 +67,4 @@ bool surely_stays_above(const BodyWay& way, double reach_m, const HalfSpace& gro
   return height_m > reach_m + way.length_m(reach_m) / 2 + way.error_m(reach_m) + size_m * 0x1p-40;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

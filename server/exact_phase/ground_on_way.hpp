@@ -3,7 +3,7 @@
 #include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/part_on_way.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// As first_contact of two parts on their ways, for a half-space that rests: the way is halved until no piece is left
 /// whose middle is farther from the plane than its ends can be from it.
@@ -12,4 +12,4 @@ Verdict first_contact(const PartOnWay& part, const HalfSpace& ground, TimeSpan s
 /// Whether no point within reach_m of the frame's origin comes to the half-space on the way; false says nothing.
 bool surely_stays_above(const BodyWay& way, double reach_m, const HalfSpace& ground);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include "server/exact_phase/half_space_kernel.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace kernel;
@@ -85,4 +85,4 @@ Verdict cast_ray(const Ray& ray, const HalfSpace& half_space, RayHit& hit) {
   return cast_half_space<WholeLadder>(ray, half_space, hit);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/exact_phase/general_shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Half-spaces against everything: one reach along one normal decides, and the depth is along that normal.
 /// The same promises as in overlap.hpp, contact.hpp and closest.hpp.
@@ -44,4 +44,4 @@ Decision overlaps_half_space_by_rationals(const A& a, const B& b) {
   else return half_space_by_rationals(b, &a);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

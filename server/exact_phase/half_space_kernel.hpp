@@ -8,7 +8,7 @@
 #include "server/exact_phase/ray_hit_value.hpp"
 #include "server/exact_phase/ray_kernel.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Whether the convex set lies wholly ahead of the plane.
 template <class N>
@@ -95,4 +95,4 @@ Closest closest_half_space(const Vec3& point, const HalfSpace& h) {
   return result;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -9,7 +9,7 @@
 #include "server/exact_phase/implicit_kernel.hpp"
 #include "server/exact_phase/real_root.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 ExactRayPolynomial linear(const Dyadic& at_zero, const Dyadic& slope) {
@@ -161,4 +161,4 @@ Decision first_meeting_exactly(const Ray& ray, const ImplicitSurface& surface, d
   return Decision::yes;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -2,9 +2,9 @@
 
 #include "server/exact_phase/implicit_ray.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// First meeting by rationals alone; undecided only when out of steps.
 Decision first_meeting_exactly(const Ray& ray, const ImplicitSurface& surface, double relative_width, ImplicitHit& hit);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 using Along = RayPolynomial<Bounded>;
@@ -272,4 +272,4 @@ FilteredMeeting first_meeting(const Ray& ray, const ImplicitSurface& surface) {
   return result;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

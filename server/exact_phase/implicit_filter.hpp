@@ -3,7 +3,7 @@
 #include "server/exact_phase/implicit_kernel.hpp"
 #include "server/geometry/ray.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Where a ray first meets an implicit surface, as far as double can tell.
 struct FilteredMeeting {
@@ -18,4 +18,4 @@ struct FilteredMeeting {
 /// cost  about 0.5 us; no allocation
 FilteredMeeting first_meeting(const Ray& ray, const ImplicitSurface& surface);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

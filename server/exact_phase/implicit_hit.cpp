@@ -5,7 +5,7 @@
 
 #include "server/exact_phase/ray_hit_value.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -23,7 +23,7 @@ Scaled length_of_direction(const Ray& ray) {
     const Bounded c(std::ldexp(component, -power));
     sum = sum + c * c;
   }
-  return {collided::sqrt(sum + Bounded(0, 0x1p-900)), power};
+  return {engine::sqrt(sum + Bounded(0, 0x1p-900)), power};
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ void set_place(const Ray& ray, double low, double high, ImplicitHit& hit) {
 }
 
 double set_normal(const Vector<Bounded>& slope, ImplicitHit& hit) {
-  const Bounded length = collided::sqrt(square(slope));
+  const Bounded length = engine::sqrt(square(slope));
   const Bounded unit[3] = {slope.x / length, slope.y / length, slope.z / length};
   const double error = or_infinite((unit[0].bound() + unit[1].bound() + unit[2].bound()) * (1 + kBoundSlack));
   const bool known = error < 1;
@@ -65,4 +65,4 @@ bool narrow_enough(const Ray& ray, double low, double high, double relative_widt
   return reach.value + reach.bound() <= 2 * precision.error_asked_m;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

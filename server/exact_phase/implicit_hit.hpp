@@ -3,7 +3,7 @@
 #include "server/exact_phase/implicit_ray.hpp"
 #include "server/exact_phase/value.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Distance and point from the bracket.
 void set_place(const Ray& ray, double low, double high, ImplicitHit& hit);
@@ -15,4 +15,4 @@ double set_normal(const Vector<Bounded>& slope, ImplicitHit& hit);
 /// What a bracket may be wide: as asked for, or what the thread's precision is content with.
 bool narrow_enough(const Ray& ray, double low, double high, double relative_width);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

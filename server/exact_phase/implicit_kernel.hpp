@@ -7,7 +7,7 @@
 #include "server/exact_phase/polynomial.hpp"
 #include "server/geometry/implicit_surface.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// f along a ray, in the ray's parameter.
 template <class N>
@@ -124,4 +124,4 @@ std::array<Ring, 3> gradient(const ImplicitSurface& surface, Ring x, Ring y, Rin
       evaluate(surface, coordinate(std::move(x), 0), coordinate(std::move(y), 1), coordinate(std::move(z), 2)).slope);
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

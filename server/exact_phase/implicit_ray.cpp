@@ -6,7 +6,7 @@
 #include "server/exact_phase/implicit_filter.hpp"
 #include "server/exact_phase/implicit_hit.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace kernel;
@@ -55,4 +55,4 @@ Verdict side_of(const Vec3& point, const ImplicitSurface& surface, Side& side) {
   });
 }
 
-}  // namespace collided
+}  // namespace collided::engine

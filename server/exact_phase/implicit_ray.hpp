@@ -4,7 +4,7 @@
 #include "server/geometry/implicit_surface.hpp"
 #include "server/geometry/ray.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Relative width of a hit's bracket when nothing else is asked: eight neighbouring doubles at most.
 inline constexpr double kBracketAsked = 0x1p-50;
@@ -54,4 +54,4 @@ Verdict side_of(const Vec3& point, const ImplicitSurface& surface, Side& side);
 Verdict cast_ray_by_rationals(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit,
                               double relative_width = kBracketAsked);
 
-}  // namespace collided
+}  // namespace collided::engine

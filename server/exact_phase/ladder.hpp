@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/value.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 // A question is written once over its rungs, `Climb` says which of them it may stand on.
 
@@ -51,4 +51,4 @@ inline Verdict joined(const Verdict& a, const Verdict& b) {
   return {either(a.decision, b.decision), std::max(a.level, b.level)};
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

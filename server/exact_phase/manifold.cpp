@@ -11,7 +11,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::Vector;
@@ -336,4 +336,4 @@ void keep_extremes(const Vec3& normal, std::vector<ManifoldPoint>& points) {
   points = std::move(kept);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

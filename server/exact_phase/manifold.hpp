@@ -5,7 +5,7 @@
 
 #include "server/exact_phase/part.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A point that carries a contact, in the middle between the two surfaces.
 /// depth_m: how far they overlap there along the contact's normal, |truth - depth_m| <= depth_error_m, where each surface
@@ -33,4 +33,4 @@ void append_manifold(const ConvexPart& a, const ConvexPart& b, const Contact& co
 /// once.
 void keep_extremes(const Vec3& normal, std::vector<ManifoldPoint>& points);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/exact_phase/overlap_kernel.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 // Whether a closed set holds a point, over any number type.
 
@@ -61,4 +61,4 @@ Decision holds_point(const Shape& shape, const Vec3& point) {
   return sets_meet<N>(Sphere{point, 0}, shape);
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -6,7 +6,7 @@
 #include "server/exact_phase/time_between.hpp"
 #include "server/exact_phase/time_of_contact.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Brackets the first contact from a question that is false, then true for ever: "has it touched by t?"
 /// (`touched_by(t)`, a Verdict). Exact answers keep a proved bracket; `guess()`, asked only if there is a contact after
@@ -49,4 +49,4 @@ Verdict bracket_monotone(const TouchedBy& touched_by, const Guess& guess, double
   return {Decision::yes, level};
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

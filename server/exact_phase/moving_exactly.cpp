@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/algebraic_time.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 struct Question {
@@ -69,4 +69,4 @@ Decision first_contact_exactly(const Quartet& q, double from, double width, Time
   return first_of(times, question, width, bracket);
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

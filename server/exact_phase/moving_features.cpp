@@ -6,7 +6,7 @@
 #include "server/exact_phase/algebraic_time.hpp"
 #include "server/exact_phase/moving_exactly.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace kernel;
@@ -188,4 +188,4 @@ Verdict first_contact(const MovingSegment& a, const MovingSegment& b, double wid
   return first_contact({{a.a, a.b, b.a, b.b}, Quartet::Kind::edge_edge}, width, bracket);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/exact_phase/time_of_contact.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// On the segment start end, at even speed, while time runs from 0 to 1.
 struct MovingPoint {
@@ -38,4 +38,4 @@ Verdict first_contact(const MovingPoint& point, const MovingTriangle& face, doub
 Verdict first_contact(const MovingSegment& a, const MovingSegment& b, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingTriangle& a, const MovingTriangle& b, double width, TimeBracket& bracket);
 
-}  // namespace collided
+}  // namespace collided::engine

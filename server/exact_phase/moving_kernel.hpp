@@ -5,7 +5,7 @@
 #include "server/exact_phase/moving_features.hpp"
 #include "server/exact_phase/polynomial.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 template <class N>
 using Path = Vector<Polynomial<N>>;
@@ -128,4 +128,4 @@ Decision meets_in_plane(const Sides<N>& sides, const Gaps<N>& gaps, const SignOf
   return all_flat ? Decision::yes : Decision::undecided;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

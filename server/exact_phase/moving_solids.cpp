@@ -6,7 +6,7 @@
 #include "server/exact_phase/box_kernel.hpp"
 #include "server/exact_phase/monotone_bracket.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace kernel;
@@ -144,4 +144,4 @@ Verdict first_contact(const Translated<Capsule>& mover, const Triangle& other, d
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

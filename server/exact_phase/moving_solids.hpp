@@ -2,7 +2,7 @@
 
 #include "server/exact_phase/time_of_contact.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A shape in translation: at time t in [0, 1] it is `start` moved by t (to - from), which is not rounded. The pose
 /// that a mover reaches is rounded by itself, so the shape placed there may be off from the end of this way by the
@@ -21,4 +21,4 @@ struct Translated {
 Verdict first_contact(const Translated<Box>& mover, const Triangle& other, double width, TimeBracket& bracket);
 Verdict first_contact(const Translated<Capsule>& mover, const Triangle& other, double width, TimeBracket& bracket);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/exact_phase/number.hpp"
 #include "server/exact_phase/overlap.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 struct Span {
@@ -102,4 +102,4 @@ Verdict first_contact(const MovingTriangle& a, const MovingTriangle& b, double w
   return earliest.verdict;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

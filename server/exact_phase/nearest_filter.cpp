@@ -6,7 +6,7 @@
 #include "server/exact_phase/triple.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 /// A sum, which no corner that is not a number slips through.
@@ -81,4 +81,4 @@ SquareBracket quick_square_distance(const Vec3& point, const Triangle& triangle)
   return {low2, square + error};
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -6,7 +6,7 @@
 #include "server/geometry/shapes.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// low2 <= the squared distance between a point and a triangle <= high2.
 struct SquareBracket {
@@ -35,4 +35,4 @@ inline double reported_at_most(double depth_m, double size_m) {
   return depth_m + (2 * kRefineRay * size_m + precision.error_asked_m);
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -3,7 +3,7 @@
 #include "server/exact_phase/box_kernel.hpp"
 #include "server/exact_phase/value.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// The nearest point of a set to a point p, without its rounding: the squared distance is square / scale, the vector
 /// away / (a positive number) leads from the set to p, and the foot is base + step / step_scale.
@@ -276,4 +276,4 @@ NearestValue nearest_by(const Vec3& point, double radius_m, const Shape& shape) 
   return Climb::sharpened([&]<class N>() { return nearest_in<N>(point, radius_m, shape); });
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/ladder.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 Pattern guessed_pattern(const Vec3& p, const Box& box) {
   const Vec3 w = p - box.center;
@@ -58,4 +58,4 @@ Vec3 any_normal(const Triangle& triangle) {
   }));
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

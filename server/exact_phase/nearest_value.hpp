@@ -3,7 +3,7 @@
 #include "server/exact_phase/nearest_kernel.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 // The nearest point of each set to a point, sharpened: the gap may be negative for a sphere or capsule (minus the
 // depth of the point). A box is asked only about points outside it.
@@ -24,4 +24,4 @@ NearestValue nearest_value(const Vec3& point, double radius_m, const Box& box);
 NearestValue nearest_value(const Vec3& point, double radius_m, const Capsule& capsule);
 NearestValue nearest_value(const Vec3& point, double radius_m, const Triangle& triangle);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

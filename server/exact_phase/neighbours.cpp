@@ -5,7 +5,7 @@
 #include "server/exact_phase/parted_in_projection.hpp"
 #include "server/exact_phase/triple.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::Triple;
@@ -60,4 +60,4 @@ Verdict meet_beyond_edge(const Triangle& a, const Triangle& b) {
   return kernel::climb([&]<class N>() { return folds<N>(a, b); });
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 // Whether triangles of one surface meet where they should not. Both have area; exact for the given doubles.
 
@@ -16,4 +16,4 @@ Verdict meet_beyond_corner(const Triangle& a, const Triangle& b);
 /// folded over each other.
 Verdict meet_beyond_edge(const Triangle& a, const Triangle& b);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -12,7 +12,7 @@
 #include "server/geometry/expansion.hpp"
 #include "server/geometry/vector.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 // The number types under one set of questions. A kernel is written once, as a template over the number type N, and
 // uses only N(double), + - *, and the questions below. "Undecided" may come from Bounded and Traced (too close), from
@@ -115,7 +115,7 @@ inline Decision either(Decision a, Decision b) {
 
 inline Expansion abs(const Expansion& x) { return x.leading() < 0 ? -x : x; }
 inline Dyadic abs(const Dyadic& x) { return x.sign() < 0 ? -x : x; }
-using collided::abs;
+using engine::abs;
 
 /// Of a number that answers nothing and another one: one that answers nothing.
 inline Expansion max(const Expansion& a, const Expansion& b) {
@@ -193,4 +193,4 @@ Verdict climb(const Kernel& kernel) {
   return {kernel.template operator()<Dyadic>(), Level::rational};
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -11,7 +11,7 @@
 #include "server/exact_phase/overlap_kernel.hpp"
 #include "server/exact_phase/separation_filter.hpp"
 
-namespace collided {
+namespace collided::engine {
 using kernel::climb;
 using kernel::quickly_overlaps;
 using kernel::sets_meet;
@@ -110,4 +110,4 @@ Verdict overlaps(const Primitive& a, const Triangle& b) {
   return std::visit([&](const auto& solid) { return overlaps(solid, b); }, a);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Whether two closed sets share a point, exact for the given doubles; touching counts. Either argument order gives
 /// the same decision.
@@ -35,4 +35,4 @@ inline Verdict overlaps(const Triangle& a, const Capsule& b) { return overlaps(b
 Verdict overlaps(const Primitive& a, const Primitive& b);
 Verdict overlaps(const Primitive& a, const Triangle& b);
 
-}  // namespace collided
+}  // namespace collided::engine

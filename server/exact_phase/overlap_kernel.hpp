@@ -3,7 +3,7 @@
 #include "server/exact_phase/nearest_kernel.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 // Whether two closed sets share a point, one function a pair, over any number type.
 
@@ -84,4 +84,4 @@ Decision sets_meet(const Triangle& a, const Triangle& b) {
   return facets_meet(Facet<N>(a), Facet<N>(b));
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -8,7 +8,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/value.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::Convex;
@@ -86,4 +86,4 @@ Separation separation(const ConvexPart& a, const ConvexPart& b) {
   return kernel::separation_of({convex_of(a), convex_of(b)});
 }
 
-}  // namespace collided
+}  // namespace collided::engine

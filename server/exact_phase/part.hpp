@@ -8,7 +8,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Whatever objects are made of, in world coordinates.
 using ConvexPart = std::variant<Primitive, Triangle>;
@@ -26,4 +26,4 @@ Aabb bounds_of_part(const ConvexPart& part);
 /// Of two parts that do not overlap. Of two half-spaces nothing is known but 0 and an infinite bound.
 Separation separation(const ConvexPart& a, const ConvexPart& b);
 
-}  // namespace collided
+}  // namespace collided::engine

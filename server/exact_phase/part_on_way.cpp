@@ -14,7 +14,7 @@
 #include "server/exact_phase/simplex_search.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::Convex;
@@ -274,4 +274,4 @@ Contact contact_at(const PartOnWay& a, const PartOnWay& b, double t) {
       a.at(t), b.at(t));
 }
 
-}  // namespace collided
+}  // namespace collided::engine

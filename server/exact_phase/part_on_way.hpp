@@ -7,7 +7,7 @@
 #include "server/exact_phase/contact.hpp"
 #include "server/exact_phase/time_of_contact.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A convex part of a body: a primitive or a triangle.
 using ConvexPart =
@@ -55,4 +55,4 @@ Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, dou
 /// The contact of the two placed at a time at which they overlap; normal from a to b.
 Contact contact_at(const PartOnWay& a, const PartOnWay& b, double t);
 
-}  // namespace collided
+}  // namespace collided::engine

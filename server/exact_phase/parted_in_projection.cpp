@@ -7,7 +7,7 @@
 #include "server/exact_phase/triple.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::Triple;
@@ -137,4 +137,4 @@ bool parted_in_projection(const Triangle& a, const Triangle& b) {
   return parted_by_a_side(a, b, seen) || parted_by_a_side(b, a, seen);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Side of the line o p on which q lies, of the two coordinates u and v: +1 to its left, -1 to its right, 0 on it, for
 /// the given doubles; kTurnUnsure where plain double does not know.
@@ -25,4 +25,4 @@ bool parted_but_for_edge(const Triangle& a, const Triangle& b);
 bool parted_but_for_corner(const Triangle& a, const Triangle& b);
 bool parted_in_projection(const Triangle& a, const Triangle& b);
 
-}  // namespace collided
+}  // namespace collided::engine

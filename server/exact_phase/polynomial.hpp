@@ -5,7 +5,7 @@
 
 #include "server/exact_phase/number.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Binomial coefficients by row.
 template <int kRows>
@@ -156,4 +156,4 @@ class Polynomial {
   int count_ = 0;
 };
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 using Point = Vector<Dyadic>;
@@ -145,4 +145,4 @@ std::optional<CommonPoint> common_point(const Convex& a, const Convex& b) {
   return common;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

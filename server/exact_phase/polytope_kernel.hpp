@@ -7,7 +7,7 @@
 
 #include "server/exact_phase/convex.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Whether two polytopes, each with its ball about every point, share a point: rationals alone.
 ///
@@ -30,4 +30,4 @@ struct CommonPoint {
 /// Nothing where the sets do not meet, or a number is not finite. Both are polytopes.
 std::optional<CommonPoint> common_point(const Convex& a, const Convex& b);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

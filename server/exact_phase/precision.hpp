@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/verdict.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What the tests of one thread may spend. The defaults decide everything and sharpen every number.
 struct Precision {
@@ -41,4 +41,4 @@ class PrecisionScope {
   Precision before_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

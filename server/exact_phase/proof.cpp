@@ -12,7 +12,7 @@
 #include "server/exact_phase/simplex_search.hpp"
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::CommonPoint;
@@ -377,4 +377,4 @@ bool is_beyond(const ConvexPart& part, const Vec3& normal, const Vec3& point, in
   return true;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

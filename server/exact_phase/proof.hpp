@@ -6,7 +6,7 @@
 
 #include "server/exact_phase/part.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Exact numbers as sums of doubles, for who checks them elsewhere.
 using ExactSum = std::vector<double>;
@@ -63,4 +63,4 @@ bool prove_touching(const ConvexPart& a, const ConvexPart& b, const Vec3& hint, 
 /// Whether every point x of the part has side * normal . (x - point) <= 0, or < 0 where strictly.
 bool is_beyond(const ConvexPart& part, const Vec3& normal, const Vec3& point, int side, bool strictly);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Whether double arithmetic since it was made overflowed or underflowed: the processor keeps flags of that. It says only
 /// which rung is worth trying next, so nothing hangs on what the compiler moves across it.
@@ -26,4 +26,4 @@ class RangeWatch {
 #endif
 };
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -5,7 +5,7 @@
 #include "server/exact_phase/box_kernel.hpp"
 #include "server/exact_phase/ray_hit_value.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// One pair of faces: the ray is between them for near <= s * speed <= far, speed >= 0. At speed 0 the two are the
 /// distances to the faces and only their signs mean anything.
@@ -119,4 +119,4 @@ Verdict cast_solid(const Ray& ray, const Box& box, RayHit& hit) {
   return verdict;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

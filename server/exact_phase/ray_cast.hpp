@@ -5,7 +5,7 @@
 #include "server/geometry/shapes.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Where a ray first meets a shape. |true distance - distance_m| <= distance_error_m.
 struct RayHit {
@@ -49,4 +49,4 @@ Verdict cast_ray(const Ray& ray, const Hull& hull, RayHit& hit);
 /// Which of two triangles, both met by the ray, is met first: -1 a, 0 both at once, +1 b. Exact.
 int compare_hits(const Ray& ray, const Triangle& a, const Triangle& b);
 
-}  // namespace collided
+}  // namespace collided::engine

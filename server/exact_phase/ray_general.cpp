@@ -1,7 +1,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "server/exact_phase/ray_quadric_kernel.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 using kernel::cast_quadric;
 using kernel::WholeLadder;
@@ -12,4 +12,4 @@ Verdict cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit) {
   return cast_quadric<WholeLadder>(ray, ellipsoid, hit);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/exact_phase/ladder.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 // What every solid reports of a ray once it is met.
 
@@ -37,4 +37,4 @@ inline void set_normal(const Ray& ray, const Vec3& outward, RayHit& hit) {
   hit.normal = normal.isZero(0) ? Vec3(hit.inside ? direction : -direction) : normal;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

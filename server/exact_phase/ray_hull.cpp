@@ -7,7 +7,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace kernel;
@@ -63,4 +63,4 @@ Verdict cast_ray(const Ray& ray, const Hull& hull, RayHit& hit) {
   return verdict;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

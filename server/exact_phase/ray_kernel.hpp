@@ -3,7 +3,7 @@
 #include "server/exact_phase/triangle_kernel.hpp"
 #include "server/geometry/ray.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Where a ray first meets a set, as a fraction of its direction: parameter = numerator / denominator, which is
 /// positive. The length limit is not applied.
@@ -118,4 +118,4 @@ Decision within_length(const Reach<N>& reach, const Ray& ray) {
   return at_most(reach.numerator * reach.numerator * square(Vector<N>(ray.direction)), limit * limit);
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -4,7 +4,7 @@
 #include "server/exact_phase/ray_kernel.hpp"
 #include "server/exact_phase/ray_round_kernel.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Where a ray is inside a solid of one quadric and up to two planes: a s^2 + 2 b s + c <= 0 (a may be negative: a cone
 /// seen along its inside) and offset + slope s >= 0 for each plane, s in units of the direction.
@@ -231,4 +231,4 @@ Verdict cast_quadric(const Ray& ray, const Shape& shape, RayHit& hit) {
   return verdict;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

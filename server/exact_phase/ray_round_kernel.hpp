@@ -5,7 +5,7 @@
 #include "server/exact_phase/overlap_kernel.hpp"
 #include "server/exact_phase/ray_hit_value.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Where a ray is inside a round thing: a s^2 + 2 b s + c <= 0, with the quarter discriminant b^2 - a c computed apart
 /// because a cross product gives it without cancellation.
@@ -217,4 +217,4 @@ Verdict cast_solid(const Ray& ray, const Capsule& capsule, RayHit& hit) {
   return verdict;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -2,7 +2,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "server/exact_phase/ray_round_kernel.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 using kernel::cast_solid;
 using kernel::WholeLadder;
@@ -13,4 +13,4 @@ Verdict cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit) {
   return cast_solid<WholeLadder>(ray, capsule, hit);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

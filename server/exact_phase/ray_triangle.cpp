@@ -6,7 +6,7 @@
 #include "server/exact_phase/triple.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace kernel;
@@ -132,4 +132,4 @@ int compare_hits(const Ray& ray, const Triangle& a, const Triangle& b) {
   return order;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

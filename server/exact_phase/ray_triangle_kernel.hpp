@@ -6,7 +6,7 @@
 #include "server/exact_phase/ray_kernel.hpp"
 #include "server/exact_phase/value.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Weights whose sum is 1 to one rounding; a hair below zero becomes zero.
 inline Vec3 normalized_weights(double a, double b, double c) {
@@ -87,4 +87,4 @@ Decision cast_facet(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   return decision;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

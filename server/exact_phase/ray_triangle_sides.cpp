@@ -9,7 +9,7 @@
 #include "server/geometry/tolerance.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace collided::kernel::HWY_NAMESPACE {
+namespace collided::engine::kernel::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Four lanes where the machine has them, else two halves of two, or one by one.
@@ -113,11 +113,11 @@ SidesVerdict RaySidesOf(const Ray& ray, const Triangle& t, RaySides& out) {
   return all_above || all_below ? SidesVerdict::inside : SidesVerdict::unsure;
 }
 
-}  // namespace collided::kernel::HWY_NAMESPACE
+}  // namespace collided::engine::kernel::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 HWY_EXPORT(RaySidesOf);
 
@@ -125,5 +125,5 @@ SidesVerdict ray_sides(const Ray& ray, const Triangle& triangle, RaySides& out) 
   return HWY_DYNAMIC_DISPATCH(RaySidesOf)(ray, triangle, out);
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel
 #endif

@@ -3,7 +3,7 @@
 #include "server/geometry/ray.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// What the plain filter says about a ray's line and a triangle.
 enum class SidesVerdict : int { miss, inside, unsure };
@@ -20,4 +20,4 @@ struct alignas(32) RaySides {
 /// In SIMD, chosen at run time; the same operations in the same order on each, so the same bits.
 SidesVerdict ray_sides(const Ray& ray, const Triangle& triangle, RaySides& out);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

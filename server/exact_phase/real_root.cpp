@@ -8,7 +8,7 @@
 #include "server/exact_phase/rounded_outward.hpp"
 #include "server/exact_phase/time_between.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 Dyadic two_to(long power) { return Dyadic(mpz_class(1), power); }
@@ -150,4 +150,4 @@ RealRoots roots_from_zero(const ExactRayPolynomial& polynomial) {
   return result;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

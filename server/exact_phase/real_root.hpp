@@ -5,7 +5,7 @@
 
 #include "server/exact_phase/square_free.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// One root >= 0 of a polynomial without multiple roots, held by an interval around it that contains no other. What
 /// AlgebraicTime is for time in [0, 1], for the parameter of a ray, which has no end, and to degree 8.
@@ -49,4 +49,4 @@ struct RealRoots {
 /// source  Descartes' rule of signs with bisection (Collins, Akritas, 1976)
 RealRoots roots_from_zero(const ExactRayPolynomial& polynomial);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -5,7 +5,7 @@
 
 #include "server/exact_phase/polynomial.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Of a polynomial's Bernstein coefficients on a span: the number of its roots within is at most `count`, and as odd or even.
 struct SignChanges {
@@ -57,4 +57,4 @@ bool isolate_roots(const AnyPolynomial& polynomial, const Dyadic& low, const Dya
   return spans.empty();
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

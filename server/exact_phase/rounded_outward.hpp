@@ -5,7 +5,7 @@
 
 #include "server/exact_phase/number.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// The largest double at or below a number >= 0.
 inline double rounded_down(const Dyadic& x) {
@@ -22,4 +22,4 @@ inline double rounded_up(const Dyadic& x) {
   return sign(x - Dyadic(below)) == Sign::positive ? std::nextafter(below, std::numeric_limits<double>::infinity()) : below;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -5,7 +5,7 @@
 
 #include "server/geometry/bounded.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// value * 2^power: a double with its bound, the exponent apart, so that no square or product of what fits a double leaves
 /// the range (the square of 1e-200 m, a ball of 1e300 m).
@@ -66,7 +66,7 @@ inline Scaled max(const Scaled& a, const Scaled& b) {
 /// Of a number known to be >= 0.
 inline Scaled sqrt(const Scaled& x) {
   const bool odd = x.power % 2 != 0;
-  return {collided::sqrt(odd ? Bounded(2) * x.value : x.value), (x.power - (odd ? 1 : 0)) / 2};
+  return {engine::sqrt(odd ? Bounded(2) * x.value : x.value), (x.power - (odd ? 1 : 0)) / 2};
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

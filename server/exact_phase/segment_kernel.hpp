@@ -2,7 +2,7 @@
 
 #include "server/exact_phase/number.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 // Nearness of points and segments, by squared distances: a set within the radius R of another, given R^2. The nearest
 // pair lies on *some* pair of features; asking every pair "are you within R?" and joining by "or" needs no selection
@@ -75,4 +75,4 @@ Decision segments_near(const Segment<N>& s, const Segment<N>& t, const N& R2) {
   return any.result();
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -2,7 +2,7 @@
 
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Between two sets that do not overlap: |true distance - distance_m| <= error_m, from two points and a plane.
 struct Separation {
@@ -14,4 +14,4 @@ struct Separation {
   double point_error_m = 0;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/exact_phase/triple.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 bool same_line(const Triple& a, const Triple& b) {
@@ -231,4 +231,4 @@ Decision quickly_overlaps(const Triangle& a, const Triangle& b) {
   return one < -error && other < -error ? Decision::yes : Decision::undecided;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

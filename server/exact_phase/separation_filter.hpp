@@ -3,7 +3,7 @@
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// The separating-axis test in plain double with one error bound for the whole pair: the first rung for the two pairs
 /// that simulations ask most. Undecided when an axis comes out nearer to touching than the bound.
@@ -25,4 +25,4 @@ double push_at_most(const Box& a, const Triangle& b, double& reach_m);
 /// source  Guigue, Devillers, "Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates", 2003
 Decision quickly_overlaps(const Triangle& a, const Triangle& b);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 constexpr int kMostSteps = 128;
@@ -167,4 +167,4 @@ Proposal nearest_proposal(const Convex& a, const Convex& b, Seek seek) {
   return proposal;
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

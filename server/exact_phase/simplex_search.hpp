@@ -2,7 +2,7 @@
 
 #include "server/exact_phase/convex.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// A point of the difference set {x_a - x_b} of two sets without their balls, and where it comes from; all as seen from
 /// the sets' first carriers, so that the place in the world costs no digits.
@@ -52,4 +52,4 @@ struct DepthProposal {
 /// source  van den Bergen, "Proximity Queries and Penetration Depth Computation on 3D Game Objects", 2001
 DepthProposal depth_proposal(const Convex& a, const Convex& b, const Proposal& start, double tolerance_m);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 namespace {
 
 /// Whole coefficients without a common divisor; the highest is not zero. Empty: zero.
@@ -88,4 +88,4 @@ ExactRayPolynomial square_free(const ExactRayPolynomial& polynomial) {
   return with_exponents(quotient);
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -2,7 +2,7 @@
 
 #include "server/exact_phase/implicit_kernel.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 using ExactRayPolynomial = RayPolynomial<Dyadic>;
 
@@ -15,4 +15,4 @@ ExactRayPolynomial common_divisor(const ExactRayPolynomial& a, const ExactRayPol
 /// The same roots, each once. Trimmed, not zero.
 ExactRayPolynomial square_free(const ExactRayPolynomial& polynomial);
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

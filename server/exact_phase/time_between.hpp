@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// A time strictly between, if there is one: by value when the two are close, by exponent when they are far apart, so
 /// that a contact at 1e-300 is as few steps away as one at a half.
@@ -13,4 +13,4 @@ inline double time_between(double low, double high) {
   return std::bit_cast<double>(bits(low) + (bits(high) - bits(low)) / 2);
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

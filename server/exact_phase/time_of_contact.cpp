@@ -9,7 +9,7 @@
 #include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/monotone_bracket.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace kernel;
@@ -150,4 +150,4 @@ Verdict first_contact(const MovingSphere& mover, const Primitive& other, double 
   return std::visit([&](const auto& shape) { return first_contact(mover, shape, width, bracket); }, other);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

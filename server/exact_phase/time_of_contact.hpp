@@ -3,7 +3,7 @@
 #include "server/exact_phase/verdict.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A sphere whose centre moves on the segment start end, at even speed, while time runs from 0 to 1.
 struct MovingSphere {
@@ -31,4 +31,4 @@ Verdict first_contact(const MovingSphere& mover, const HalfSpace& other, double 
 Verdict first_contact(const MovingSphere& mover, const Triangle& other, double width, TimeBracket& bracket);
 Verdict first_contact(const MovingSphere& mover, const Primitive& other, double width, TimeBracket& bracket);
 
-}  // namespace collided
+}  // namespace collided::engine

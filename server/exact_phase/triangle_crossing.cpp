@@ -6,7 +6,7 @@
 #include "server/exact_phase/triangle_kernel.hpp"
 #include "server/exact_phase/value.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace kernel;
@@ -180,4 +180,4 @@ Crossing crossing(const Triangle& a, const Triangle& b) {
   return {point, point, std::max(size_of(a), size_of(b))};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What two triangles share, as a segment: all of it where they lie in different planes, maybe one point; the longest
 /// segment in it where they lie in one. Each end is within error_m of a point of both.
@@ -19,4 +19,4 @@ struct Crossing {
 /// threads  pure; allocates only on rationals
 Crossing crossing(const Triangle& a, const Triangle& b);
 
-}  // namespace collided
+}  // namespace collided::engine

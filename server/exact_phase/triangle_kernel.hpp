@@ -5,7 +5,7 @@
 #include "server/exact_phase/segment_kernel.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// A triangle with its edges and normal worked out once.
 template <class N>
@@ -239,4 +239,4 @@ Decision segment_near_facet(const Segment<N>& s, const Facet<N>& f, const N& R2)
   return any.result();
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -5,7 +5,7 @@
 
 #include "server/geometry/vector.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 /// Three doubles in registers, for the filters: Eigen's vectors of three go through memory here, and these are the
 /// innermost loops. The order of operations is what the error bounds in tolerance.hpp count.
@@ -24,4 +24,4 @@ inline Triple cross(const Triple& a, const Triple& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -6,7 +6,7 @@
 
 #include "server/exact_phase/number.hpp"
 
-namespace collided::kernel {
+namespace collided::engine::kernel {
 
 // From a kernel's numbers to reported doubles with bounds. Ratios and roots of exact numbers leave the range of double
 // long before the answer does (the square of 1e-200 m), so the exponent travels apart.
@@ -93,4 +93,4 @@ inline bool sharp(const Bounded& x, double relative_width) {
 /// A distance along a ray that is worth no higher rung.
 inline bool crisp(const Bounded& along_ray) { return sharp(along_ray, kRefineRay); }
 
-}  // namespace collided::kernel
+}  // namespace collided::engine::kernel

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace collided {
+namespace collided::engine {
 
 /// Out of range, time or iterations is `undecided`, never `no`.
 enum class Decision : std::uint8_t { no, yes, undecided };
@@ -17,4 +17,4 @@ struct Verdict {
   bool yes() const { return decision == Decision::yes; }
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -179,4 +179,4 @@ Aabb grown(const Aabb& box, double margin_m) {
   return result;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/geometry/shapes.hpp"
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Axis-aligned box {x : low <= x <= high}, closed. Empty while low > high.
 struct Aabb {
@@ -47,4 +47,4 @@ Aabb bounds_within(const HalfSpace& half_space, const Aabb& box);
 /// Grown by margin_m on each side, rounded outward.
 Aabb grown(const Aabb& box, double margin_m);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A double with a proved bound on its distance from the exact value (running error analysis: Higham, "Accuracy and
 /// Stability of Numerical Algorithms", 3.3). Overflow makes the bound infinite or NaN, and every question about such
@@ -128,4 +128,4 @@ inline Bounded sqrt(const Bounded& a) {
   return {value, far * (1 + kBoundSlack) + 2 * kRoundoff * value + kUnderflow};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

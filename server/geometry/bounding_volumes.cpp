@@ -12,7 +12,7 @@
 #include "server/geometry/expansion.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
@@ -197,4 +197,4 @@ double volume(const Aabb& box) { return box.empty() ? 0 : (box.high - box.low).p
 double volume(const Box& box) { return 8 * box.half_m.prod(); }
 double volume(const Sphere& sphere) { return 4 * std::numbers::pi / 3 * sphere.radius_m * sphere.radius_m * sphere.radius_m; }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 // Volumes about points. Each contains every point exactly: what is computed is rounded outward. Points must be finite.
 
@@ -54,4 +54,4 @@ Sphere smallest_sphere(std::span<const Vec3> points);
 /// The smallest one about that centre.
 Sphere sphere_about(std::span<const Vec3> points, const Vec3& center);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Cuts off, one after the other, what each of the others contains; what is left after the last is outside.
@@ -71,4 +71,4 @@ std::optional<Aabb> nearest_part_outside(const Aabb& box, std::span<const Aabb> 
   return cutting.take();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "server/geometry/aabb.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The part of a box, nearest to a point, that none of the others contains; nothing where together they contain it all.
 /// Exact: every bound of a part is one of the boxes given. What takes more than some 100,000 comparisons of boxes, or falls
@@ -18,4 +18,4 @@ std::optional<Aabb> nearest_part_outside(const Aabb& box, std::span<const Aabb> 
 /// The point of a box that is nearest to another.
 inline Vec3 nearest_in(const Aabb& box, const Vec3& point) { return point.cwiseMax(box.low).cwiseMin(box.high); }
 
-}  // namespace collided
+}  // namespace collided::engine

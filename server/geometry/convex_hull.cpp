@@ -6,7 +6,7 @@
 #include "server/geometry/expansion.hpp"
 #include "server/geometry/orientation.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 class Builder {
@@ -122,4 +122,4 @@ std::optional<TriangleMesh> Builder::build() {
 
 std::optional<TriangleMesh> convex_hull(std::span<const Vec3> points) { return Builder(points).build(); }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 struct Side {
@@ -92,4 +92,4 @@ EdgeTable edge_table(const TriangleMesh& mesh, std::span<const std::uint32_t> po
   return table;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A side of a triangle: 3 * triangle + k for the side from its corner k to the next.
 using HalfEdge = std::uint32_t;
@@ -48,4 +48,4 @@ struct EdgeTable {
 EdgeTable edge_table(const TriangleMesh& mesh, std::span<const std::uint32_t> point_of = {},
                      const std::vector<bool>& left_out = {});
 
-}  // namespace collided
+}  // namespace collided::engine

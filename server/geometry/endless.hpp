@@ -5,7 +5,7 @@
 
 #include "server/geometry/shape.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Whether a part of the shape has no end: a half-space. Such a shape may not move.
 inline bool is_endless(const Shape& shape) {
@@ -13,4 +13,4 @@ inline bool is_endless(const Shape& shape) {
                      [](const Primitive& primitive) { return std::holds_alternative<HalfSpace>(primitive); });
 }
 
-}  // namespace collided
+}  // namespace collided::engine

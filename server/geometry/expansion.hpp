@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace collided {
+namespace collided::engine {
 
 /// An exact sum of doubles that do not overlap, smallest first, without zeros. When it would need more than kCapacity
 /// doubles or leave the range in which a product's low half is exact, it is `lost` and answers nothing.
@@ -118,4 +118,4 @@ class Expansion {
   bool lost_ = false;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #error "This processor's floating-point control word is not known here"
 #endif
 
-namespace collided {
+namespace collided::engine {
 
 #if defined(__SSE2__)
 
@@ -55,4 +55,4 @@ OwnFloatEnvironment::~OwnFloatEnvironment() {
 
 #endif
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace collided {
+namespace collided::engine {
 
 /// The proofs assume rounding to nearest, denormals kept and no traps. A library built with -ffast-math turns denormals
 /// off for the thread that loads it, and threads inherit that. Sets the calling thread's floating-point environment
@@ -24,4 +24,4 @@ class OwnFloatEnvironment {
   unsigned long long host_[2];
 };
 
-}  // namespace collided
+}  // namespace collided::engine

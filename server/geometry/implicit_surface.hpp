@@ -6,7 +6,7 @@
 
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// One step of a polynomial in x, y, z, for a stack of values: what its author wrote, in postfix order. It is kept as
 /// written and not expanded, since the products of its doubles need not be doubles.
@@ -33,4 +33,4 @@ struct ImplicitSurface {
   Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/geometry/bounding_volumes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 struct HalfSpaceOf {
@@ -78,4 +78,4 @@ double volume(const Kdop& kdop) {
   return sum / 3;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

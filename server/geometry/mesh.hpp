@@ -8,7 +8,7 @@
 #include "server/geometry/shapes.hpp"
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 using TriangleCorners = std::array<std::uint32_t, 3>;
 
@@ -23,4 +23,4 @@ struct TriangleMesh {
   }
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include "server/geometry/expansion.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 OrientedPlane::OrientedPlane(const Vec3& a, const Vec3& b, const Vec3& c)
     : a_(a), b_(b), c_(c), normal_((b - a).cross(c - a)),
@@ -22,4 +22,4 @@ std::optional<int> orientation(const Vec3& a, const Vec3& b, const Vec3& c, cons
   return OrientedPlane(a, b, c).side(d);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Sign of (b - a) x (c - a) . (d - a): +1 where d is in front of the plane a b c, seen from where a, b, c turn left;
 /// -1 behind it, 0 in it. Nothing where exact arithmetic in double has no room.
@@ -43,4 +43,4 @@ class OrientedPlane {
   double spread_;  // of the error, times the largest coordinate of d - a
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 // The one order in which a row meets a vector. Not Eigen's product: its order may change with vector width.
@@ -92,4 +92,4 @@ Primitive place(const Frame& frame, const Primitive& primitive) {
   return std::visit([&](const auto& shape) { return Primitive(place(frame, shape)); }, primitive);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include "server/geometry/shapes.hpp"
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Position and unit quaternion of a body in the world (X_WB).
 struct Pose {
@@ -41,4 +41,4 @@ Vec3 vertex_of(const Hull& hull, std::size_t number);
 Triangle place(const Frame& frame, const Triangle& triangle);
 Primitive place(const Frame& frame, const Primitive& primitive);
 
-}  // namespace collided
+}  // namespace collided::engine

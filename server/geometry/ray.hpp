@@ -4,7 +4,7 @@
 
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The points origin + s * direction with s >= 0 and s * |direction| <= length_m.
 ///
@@ -16,4 +16,4 @@ struct Ray {
   double length_m = std::numeric_limits<double>::infinity();
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What an object is made of, in its own frame: solid primitives and at most one mesh. One primitive is a plain
 /// sphere, box or capsule; more make a compound.
@@ -30,4 +30,4 @@ inline bool may_meet(const Filter& a, const Filter& b) {
   return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0 && (a.group == 0 || a.group != b.group);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 struct TriangleMesh;
 
@@ -75,4 +75,4 @@ struct Triangle {
 
 using Primitive = std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, HalfSpace>;
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "server/geometry/bounding_volumes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Enough for any cloud: each round the radius grows, and some thirty are the most that were seen.
@@ -84,4 +84,4 @@ Sphere smallest_sphere(std::span<const Vec3> points) {
   return sphere.radius_m < known.radius_m ? sphere : known;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

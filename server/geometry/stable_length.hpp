@@ -4,7 +4,7 @@
 
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The length of a vector whose square may be out of range; without scaling, which costs several times as much, where the
 /// square is far from both ends of it. Within 3 units of roundoff of the true length, 6 where it is scaled.
@@ -13,4 +13,4 @@ inline double stable_length(const Vec3& v) {
   return square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : v.stableNorm();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 // Tolerances of surfaces as triangles: how far they are off, and how far from each other.
 
@@ -25,4 +25,4 @@ inline constexpr double kRim = 0x1p-20;
 /// TheBoundHoldsUnderASheetOfAMillionMillionTimesItsSize.
 inline constexpr double kFlatSlack = 0x1p-40;
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace collided {
+namespace collided::engine {
 
 // Every tolerance of the engine: unit, what it absorbs, where it comes from, the test that breaks without it.
 
@@ -160,4 +160,4 @@ inline constexpr double kCrackShare = 0.25;
 /// At zero, BallFilter.NeverPartsWhatMeets fails.
 inline constexpr double kBallsApartSlack = 0x1p-40;
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace collided {
+namespace collided::engine {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaterniond;
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "server/intake/limits.hpp"
 #include "server/intake/reading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Cells = std::vector<std::string_view>;
@@ -174,4 +174,4 @@ class BoxTableReader {
 
 Scene read_box_table(const Reading& reading) { return BoxTableReader(reading).read(); }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstring>
 
-namespace collided {
+namespace collided::engine {
 
 /// The number that lies at `bytes` in the given byte order, at any alignment.
 template <class Number>
@@ -19,4 +19,4 @@ Number number_at(const char* bytes, std::endian order) {
   return std::bit_cast<Number>(copy);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -13,7 +13,7 @@
 
 extern "C" char** environ;
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 class Pipe {
@@ -149,4 +149,4 @@ ChildResult run_child(const std::vector<std::string>& words, std::chrono::millis
   return result;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace collided {
+namespace collided::engine {
 
 struct ChildResult {
   std::string output;  // at most kMaxChildText of each, the rest is dropped
@@ -26,4 +26,4 @@ inline constexpr std::size_t kMaxChildText = 64 * 1024;
 ChildResult run_child(const std::vector<std::string>& words, std::chrono::milliseconds time_limit,
                       const std::function<bool()>& cancelled);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/intake/names.hpp"
 #include "server/intake/triangulate.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using nlohmann::json;
@@ -213,4 +213,4 @@ Scene read_cityjson(const Reading& reading) {
   return CityReader(reading, JsonView(reading, document)).read();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::uint32_t kStays = 0xffffffff;
@@ -96,4 +96,4 @@ TriangleMesh compact_mesh(const TriangleMesh& mesh, const LevelTriangles& level)
   return compact;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// One step of simplifying a mesh: every corner at `removed` goes to `kept`; triangles with two equal corners vanish.
 struct Collapse {
@@ -41,4 +41,4 @@ LevelTriangles level_with(const TriangleMesh& mesh, const CollapseOrder& order, 
 /// A level as a mesh of its own, without vertices that it does not use. Vertices keep their order.
 TriangleMesh compact_mesh(const TriangleMesh& mesh, const LevelTriangles& level);
 
-}  // namespace collided
+}  // namespace collided::engine

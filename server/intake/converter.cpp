@@ -15,7 +15,7 @@
 #include "server/intake/child_process.hpp"
 #include "server/intake/file_bytes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,4 +149,4 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
   report_lines(result.output, report);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

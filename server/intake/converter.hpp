@@ -4,7 +4,7 @@
 
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A directory of our own under the system's temporary one; goes with all that is in it.
 class TemporaryDirectory {
@@ -38,4 +38,4 @@ class ConvertedFile {
   TemporaryDirectory directory_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

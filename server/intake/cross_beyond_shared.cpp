@@ -10,7 +10,7 @@
 #include "server/geometry/tolerance.hpp"
 #include "server/intake/planar.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Points = std::array<Vec3, 3>;
@@ -214,4 +214,4 @@ bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleCorner
   return share_edge_and_fold(points_of(vertices, turned(one, (tip_of_one + 1) % 3)), vertices[other[tip_of_other]]);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/orientation.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Whether two triangles of one mesh have a point in common that is none of the corners or edges they share by number.
 /// Triangles that share an edge do when they fold onto each other, those with the same three corners always.
@@ -49,4 +49,4 @@ class TriangleSides {
 /// The same for a triangle asked about against many others.
 bool cross_beyond_shared(const std::vector<Vec3>& vertices, const TriangleSides& one, const TriangleCorners& other);
 
-}  // namespace collided
+}  // namespace collided::engine

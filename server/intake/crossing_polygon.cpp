@@ -8,7 +8,7 @@
 #include "server/intake/polygon_plane.hpp"
 #include "server/intake/triangulate.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 struct Corner {
@@ -99,4 +99,4 @@ std::vector<TriangleCorners> split_at_crossings(std::span<const std::uint32_t> c
   return triangles;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

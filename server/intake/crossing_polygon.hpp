@@ -6,7 +6,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Cuts a polygon that crosses itself at its crossings into lobes, and those into triangles: corners.size() - 2 of them.
 /// What was meant is a guess: each lobe is kept, and its edges keep their direction, so that they still fit the polygons
@@ -18,4 +18,4 @@ namespace collided {
 /// cost      O(n^2) a crossing
 std::vector<TriangleCorners> split_at_crossings(std::span<const std::uint32_t> corners, std::vector<Vec3>& vertices);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-namespace collided {
+namespace collided::engine {
 
 /// Numbers in sets that only grow; the smallest number of a set stands for it.
 /// source    Galler, Fischer, "An improved equivalence algorithm", 1964; halving paths: van Leeuwen, van der Weide,
@@ -31,4 +31,4 @@ class DisjointSets {
   std::vector<std::uint32_t> parents_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

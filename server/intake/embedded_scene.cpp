@@ -3,7 +3,7 @@
 #include "server/intake/scene.hpp"
 #include "server/intake/sphere_mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 void add_part(Scene& scene, const std::string& name, const TriangleMesh& mesh) {
@@ -75,4 +75,4 @@ Scene embedded_scene() {
   return scene;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include <cstring>
 #include <filesystem>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 [[noreturn]] void refuse_file(const std::string& name, const std::string& what) {
@@ -129,4 +129,4 @@ FileBytes::~FileBytes() {
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The bytes of one file, read-only, for as long as this lives.
 class FileBytes {
@@ -63,4 +63,4 @@ class FileBytes {
 /// The last component of a path, as messages call a file.
 std::string file_name(const std::string& path);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 
 #include "server/intake/byte_order.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::uint32_t kGlbMagic = 0x46546c67;
@@ -126,4 +126,4 @@ GltfBuffers::Elements GltfBuffers::elements(const JsonView& accessor, std::uint6
   return {buffer.data() + view_begin + begin, stride};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

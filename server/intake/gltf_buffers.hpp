@@ -8,7 +8,7 @@
 #include "server/intake/file_bytes.hpp"
 #include "server/intake/json_view.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A glTF 2.0 file apart: its JSON text and, of a GLB file, the binary piece behind it.
 struct GltfText {
@@ -42,4 +42,4 @@ class GltfBuffers {
   std::vector<std::unique_ptr<FileBytes>> files_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

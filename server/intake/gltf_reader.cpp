@@ -8,7 +8,7 @@
 #include "server/intake/gltf_buffers.hpp"
 #include "server/intake/limits.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 // glTF's names for the types of numbers and for how vertices make triangles.
@@ -326,4 +326,4 @@ Scene read_gltf(const Reading& reading) {
   return GltfReader(reading, root, text.binary).read();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 
 #include "server/intake/space_order.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Below the value, by at most 2^-22 of it: rounding takes back at most half of the 2^-23 that are taken off first.
@@ -102,4 +102,4 @@ void GrowingTree::find_in_leaf(std::uint32_t leaf, const Box& all, std::vector<M
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

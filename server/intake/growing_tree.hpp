@@ -9,7 +9,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Boxes of triangles that change while a mesh is simplified: a binary tree over triangles in the order of their places,
 /// whose boxes are only ever extended. Finds every triangle whose box overlaps one of those asked, and few more.
@@ -63,4 +63,4 @@ class GrowingTree {
   std::vector<Box> boxes_;                // 1 is the root, 2 i and 2 i + 1 are the children of i
 };
 
-}  // namespace collided
+}  // namespace collided::engine

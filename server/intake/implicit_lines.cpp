@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace collided {
+namespace collided::engine {
 
 ImplicitSurface rest_as_implicit_surface(TextCursor& cursor) {
   cursor.at_line_end();  // steps over the blanks
@@ -29,4 +29,4 @@ std::optional<ImplicitSurface> find_implicit_surface(const Reading& reading, std
   return std::nullopt;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

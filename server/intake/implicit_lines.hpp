@@ -7,7 +7,7 @@
 #include "server/intake/polynomial_text.hpp"
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The implicit surface of a .surfaces line, NAME implicit POLYNOMIAL [in X Y Z X Y Z], from behind the word 'implicit' to
 /// the line's end. Throws a LoadError with the line, and the column from there on.
@@ -17,4 +17,4 @@ ImplicitSurface rest_as_implicit_surface(TextCursor& cursor);
 /// another kind or no polynomial.
 std::optional<ImplicitSurface> find_implicit_surface(const Reading& reading, std::string_view name);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 
 #include "server/intake/limits.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 using nlohmann::json;
 
@@ -74,4 +74,4 @@ std::string JsonView::text() const {
   return value_->get<std::string>();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 
 #include "server/intake/reading.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The whole text as JSON, or a LoadError that names the byte.
 nlohmann::json parse_json(const Reading& reading, std::string_view text);
@@ -55,4 +55,4 @@ class JsonView {
   std::string way_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

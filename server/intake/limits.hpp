@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace collided {
+namespace collided::engine {
 
 /// Vertices are numbered in 32 bits.
 inline constexpr std::uint64_t kMaxVertices = 0xffffffff;
@@ -35,4 +35,4 @@ inline constexpr std::uint64_t kMaxJsonBytes = std::uint64_t{1} << 29;
 /// every border is near every point, reach it, and are told that not all was looked at.
 inline constexpr std::uint64_t kMaxSeamTests = 300'000'000;
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -14,7 +14,7 @@
 #include "server/intake/mesh_health.hpp"
 #include "server/intake/weld.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Cutting an edge can put a point beside another edge; real files settle in three rounds, and none may go on for ever.
@@ -277,4 +277,4 @@ std::vector<std::string> sentences(const MendReport& report) {
   return lines;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What mending did. Numbers of points count places, not the vertices there.
 struct MendReport {
@@ -49,4 +49,4 @@ std::vector<std::string> sentences(const MendReport& report);
 /// returns   sentences for the user, each with the name of the object; nothing where no object has a mesh
 std::vector<std::string> mend_objects(Scene& scene, double crack_m);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/intake/planar.hpp"
 #include "server/intake/weld.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 void look_at_triangles(const TriangleMesh& mesh, MeshHealth& health, std::vector<bool>& is_flat) {
@@ -118,4 +118,4 @@ std::string unit_suspicion(const Aabb& bounds) {
   return {};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/geometry/edge_table.hpp"
 #include "server/intake/seams.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What is right and wrong with a mesh. Vertices with equal coordinates count as one point in all of it; triangles
 /// without area have no edges here. Lists are in ascending order of triangles and hold all there are.
@@ -57,4 +57,4 @@ bool has_zero_area(const Triangle& triangle);
 /// A guess for the user's eyes; nothing is changed by it.
 std::string unit_suspicion(const Aabb& bounds);
 
-}  // namespace collided
+}  // namespace collided::engine

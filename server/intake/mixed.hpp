@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace collided {
+namespace collided::engine {
 
 /// Every bit of the result depends on every bit of the value.
 /// source    the finalizer of SplitMix64: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014
@@ -12,4 +12,4 @@ inline std::uint64_t mixed(std::uint64_t value) {
   return value ^ (value >> 31);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <numeric>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// The point between a and b on their line, or one of them.
@@ -199,4 +199,4 @@ void MonotonePieces::pass_end(std::uint32_t point, int side) {
   remove(before);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/intake/planar.hpp"
 #include "server/intake/sweep_triangulation.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A polygon with holes, its points numbered by x, then y: for each the next and the one before, the inside to the left.
 struct PolygonRings {
@@ -66,4 +66,4 @@ class MonotonePieces {
   std::optional<PolygonFlaw> flaw_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 
 #include "server/intake/limits.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Bytes of the character of UTF-8 that the text begins with, 0 when it begins with none. Overlong forms, surrogates
@@ -172,4 +172,4 @@ void rename_scene(const Reading& reading, Scene& scene, const std::string& new_n
   tell_mended(reading, numbered_count, "names stood there before and got '#2', '#3', ...");
 }
 
-}  // namespace collided
+}  // namespace collided::engine

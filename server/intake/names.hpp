@@ -5,7 +5,7 @@
 
 #include "server/intake/reading.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What is wrong with a name ("is empty"), or nothing: 1 to kMaxNameBytes bytes of UTF-8 without control characters.
 std::string flaw_of_name(std::string_view name);
@@ -21,4 +21,4 @@ void name_parts(const Reading& reading, Scene& scene);
 /// Moves names under the scene's old name to its new one ("old/shelf" to "new/shelf").
 void rename_scene(const Reading& reading, Scene& scene, const std::string& new_name);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/intake/limits.hpp"
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Words of OBJ that say nothing about where surfaces are, or only more about curves.
@@ -214,4 +214,4 @@ void parse_obj_chunk(const Reading& reading, ObjChunk& chunk) {
   chunk.text = {};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

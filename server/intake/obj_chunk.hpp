@@ -7,7 +7,7 @@
 
 #include "server/intake/reading.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A line that names what the faces after it belong to.
 struct ObjMark {
@@ -77,4 +77,4 @@ class ObjSplitter {
 /// Takes a chunk in and gives its text back.
 void parse_obj_chunk(const Reading& reading, ObjChunk& chunk);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -12,7 +12,7 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/triangulate.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// What the lines in force say a face belongs to. An `o` line begins a new object even under an old name; a group or
@@ -313,4 +313,4 @@ class ObjReader {
 
 Scene read_obj(const Reading& reading) { return ObjReader(reading).read(); }
 
-}  // namespace collided
+}  // namespace collided::engine

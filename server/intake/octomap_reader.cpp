@@ -6,7 +6,7 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// The tree halves a cube of 2^16 cells, whose middle is the origin, sixteen times.
@@ -114,4 +114,4 @@ class OctomapReader {
 
 Scene read_octomap(const Reading& reading) { return OctomapReader(reading).read(); }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 class OffReader {
@@ -130,4 +130,4 @@ class OffReader {
 
 Scene read_off(const Reading& reading) { return OffReader(reading).read(); }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 struct Run {
@@ -79,4 +79,4 @@ void run_in_parallel(std::size_t task_count, const std::function<void(std::size_
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

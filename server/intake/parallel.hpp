@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <functional>
 
-namespace collided {
+namespace collided::engine {
 
 /// Runs task(0) ... task(task_count - 1) on all cores, this thread among them.
 ///
@@ -13,4 +13,4 @@ namespace collided {
 void run_in_parallel(std::size_t task_count, const std::function<void(std::size_t)>& task,
                      const std::function<void(std::size_t)>& between);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// One column of a PCD file.
@@ -314,4 +314,4 @@ class PcdReader {
 
 Scene read_pcd(const Reading& reading) { return PcdReader(reading).read(); }
 
-}  // namespace collided
+}  // namespace collided::engine

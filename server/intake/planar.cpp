@@ -7,7 +7,7 @@
 
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// A sum of doubles kept without error: parts that do not overlap, smallest first.
@@ -66,4 +66,4 @@ bool edges_cross(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, 
   return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

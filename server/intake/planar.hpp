@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace collided {
+namespace collided::engine {
 
 /// A point of a coordinate plane.
 using PlanePoint = std::array<double, 2>;
@@ -15,4 +15,4 @@ int turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c);
 /// a b and c d go through each other, each at a point that is no end of it. As exact as turn.
 bool edges_cross(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const PlanePoint& d);
 
-}  // namespace collided
+}  // namespace collided::engine

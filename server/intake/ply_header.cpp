@@ -4,7 +4,7 @@
 
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::optional<PlyType> type_named(std::string_view name) {
@@ -182,4 +182,4 @@ int PlyElement::find(std::string_view property_name) const {
 
 PlyHeader parse_ply_header(const Reading& reading) { return HeaderParser(reading).parse(); }
 
-}  // namespace collided
+}  // namespace collided::engine

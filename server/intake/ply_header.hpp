@@ -7,7 +7,7 @@
 
 #include "server/intake/reading.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 enum class PlyFormat { text, little_endian, big_endian };
@@ -38,4 +38,4 @@ struct PlyHeader {
 /// Refuses what is no PLY header, and counts that the rest of the file has no room for.
 PlyHeader parse_ply_header(const Reading& reading);
 
-}  // namespace collided
+}  // namespace collided::engine

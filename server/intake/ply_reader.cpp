@@ -8,7 +8,7 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// The rows of a PLY file as text.
@@ -277,4 +277,4 @@ Scene read_ply(const Reading& reading) {
                                           : PlyBodyReader<ByteRows>(reading, header).read();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/intake/crossing_polygon.hpp"
 #include "server/intake/polygon_plane.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 void PolygonCounts::measure(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices) {
   const Flatness found = flatness(corners, vertices);
@@ -53,4 +53,4 @@ void PolygonCounts::report(LoadReport& report) const {
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

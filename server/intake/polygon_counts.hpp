@@ -6,7 +6,7 @@
 
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What polygons needed on their way to triangles, for the loading report.
 struct PolygonCounts {
@@ -24,4 +24,4 @@ struct PolygonCounts {
   void report(LoadReport& report) const;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

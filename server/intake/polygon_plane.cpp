@@ -6,7 +6,7 @@
 
 #include "server/intake/limits.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 struct Normals {
@@ -70,4 +70,4 @@ Flatness flatness(std::span<const std::uint32_t> corners, const std::vector<Vec3
   return found;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/geometry/vector.hpp"
 #include "server/intake/planar.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A polygon in the coordinate plane that sees most of it, turning to the left as a whole. Coordinates stay as they are
 /// but for a mirror, so each sign found there is exact.
@@ -27,4 +27,4 @@ struct Flatness {
 };
 Flatness flatness(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices);
 
-}  // namespace collided
+}  // namespace collided::engine

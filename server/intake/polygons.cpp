@@ -5,7 +5,7 @@
 #include "server/intake/limits.hpp"
 #include "server/intake/vertex_buffer.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 void Polygons::complain(const char* place, const std::string& what) const {
   if (places_ == Places::lines) {
@@ -72,4 +72,4 @@ Scene Polygons::take_scene() {
   return scene;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

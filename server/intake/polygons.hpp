@@ -8,7 +8,7 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/triangulate.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Faces of any number of corners on their way to one unnamed part: what OFF and PLY share. Counts what it has to
 /// leave out or to guess, and says so in the end.
@@ -39,4 +39,4 @@ class Polygons {
   PolygonCounts counts_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

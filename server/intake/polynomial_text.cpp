@@ -11,7 +11,7 @@
 
 #include "server/intake/reading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Kind = PolynomialStep::Kind;
@@ -206,4 +206,4 @@ class PolynomialReader {
 
 ImplicitSurface read_implicit_surface(std::string_view text) { return PolynomialReader(text).read(); }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/geometry/implicit_surface.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A surface as its author writes it: POLYNOMIAL [in X Y Z X Y Z], the polynomial in x, y, z with numbers, + - * ^ and
 /// parentheses, the box by its lowest and highest corner; without a box it has no end. "x^2+y^2+z^2-1 in 0 -1 -1 1 1 1".
@@ -18,4 +18,4 @@ ImplicitSurface read_implicit_surface(std::string_view text);
 /// Bytes of such a text.
 inline constexpr std::size_t kMaxPolynomialBytes = 1 << 16;
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A sum of squared distances to planes, each times a weight, as a function of the point.
 /// source  Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997
@@ -31,4 +31,4 @@ struct Quadric {
   }
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 
 #include "server/intake/limits.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 void refuse(const Reading& reading, const std::string& what) {
   throw LoadError(fmt::format("{}: {}. Nothing was loaded.", reading.file, what));
@@ -52,4 +52,4 @@ void check_vertex_count(const Reading& reading, std::uint64_t vertex_count) {
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

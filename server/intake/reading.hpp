@@ -10,7 +10,7 @@
 
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// One file in memory on its way to a scene: what every reader gets. It refers to the caller's options and report.
 struct Reading {
@@ -73,4 +73,4 @@ Scene read_urdf(const Reading& reading);       // collision shapes of a robot, a
 Scene load_scene_from_memory(std::span<const char> bytes, const std::string& file, const LoadOptions& options,
                              LoadReport& report);
 
-}  // namespace collided
+}  // namespace collided::engine

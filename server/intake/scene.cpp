@@ -22,7 +22,7 @@
 #include "server/intake/single_precision.hpp"
 #include "server/intake/weld.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// What a reader gives: one mesh in parts, one cloud of points, or objects of their own; a whole scene as it was saved.
@@ -318,4 +318,4 @@ Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport
   return scene;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

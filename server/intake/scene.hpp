@@ -15,7 +15,7 @@
 #include "server/geometry/shape.hpp"
 #include "server/intake/collapse_order.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Mending cuts triangles of a part: the first piece of each keeps its number, the others come last in the part. For
 /// those, in their order, the numbers of the triangles they are of. Null for a part as the file has it.
@@ -107,4 +107,4 @@ bool is_read_here(const std::string& path);
 /// The small scene that a server without an argument serves: a floor, four walls, shelves and pallets.
 Scene embedded_scene();
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/intake/scene.hpp"
 
 // Values as tables of idl/scene.fbs.
-namespace collided {
+namespace collided::engine {
 
 inline constexpr std::uint32_t kSceneFormat = 2;  // 1 had no checksum
 /// Set in every checksum, so that none is the zero that FlatBuffers leaves out.
@@ -181,4 +181,4 @@ inline std::uint64_t encoded_bytes(const Scene& scene) {
   return bytes;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -20,7 +20,7 @@
 #include "server/intake/vertex_buffer.hpp"
 #include "server/intake/write_file.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 static_assert(sizeof(Collapse) == 2 * sizeof(std::uint32_t));
@@ -685,4 +685,4 @@ std::vector<std::byte> encode_shape(const Shape& shape) {
   return {bytes.begin(), bytes.end()};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

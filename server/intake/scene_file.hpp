@@ -12,7 +12,7 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Writes a scene as a .cscene file (idl/scene.fbs): beside the path first, then renamed over it, so that who has the
 /// old file mapped keeps it whole and a crash leaves one of the two.
@@ -54,4 +54,4 @@ DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& l
 /// What decode_shape reads.
 std::vector<std::byte> encode_shape(const Shape& shape);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <new>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::size_t kBlockBytes = 64;
@@ -132,4 +132,4 @@ void forget_indexes(Scene& scene) {
   for (SceneObject& object : scene.objects) object.index = {};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

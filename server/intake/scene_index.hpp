@@ -8,7 +8,7 @@
 
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Saved indexes behind the tables of a scene file: 64-byte blocks, one a mesh, then a list of them, then a last record
 /// that says where the list is. Programs that know nothing of them read the tables alone. What the bytes of an index
@@ -30,4 +30,4 @@ bool attach_indexes(std::span<const char> file, const std::shared_ptr<const void
 /// For a scene whose meshes have changed.
 void forget_indexes(Scene& scene);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/geometry/tolerance.hpp"
 #include "server/intake/segment_grid.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// One edge of one triangle.
@@ -179,4 +179,4 @@ Seams find_seams(const TriangleMesh& mesh, const EdgeTable& table, const std::ve
   return SeamSearch(mesh, table, point_of, reach).run(bounds);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

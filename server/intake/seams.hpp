@@ -7,7 +7,7 @@
 #include "server/geometry/edge_table.hpp"
 #include "server/intake/limits.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A place where the border of a mesh runs along its border without sharing points.
 struct Seam {
@@ -48,4 +48,4 @@ struct Seams {
 Seams find_seams(const TriangleMesh& mesh, const EdgeTable& table, const std::vector<std::uint32_t>& point_of,
                  const SeamReach& reach, const Aabb& bounds);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 
 #include "server/intake/mixed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// So many halvings of the whole are told apart; cell numbers then fit 64 bits with room.
@@ -58,4 +58,4 @@ SegmentGrid::SegmentGrid(std::span<const Segment> segments, const Aabb& bounds, 
   for (const Entry& entry : entries) entries_[places[entry.key & mask_]++] = entry;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/vector.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 struct Segment {
   Vec3 a;
@@ -59,4 +59,4 @@ class SegmentGrid {
   std::size_t mask_ = 0;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

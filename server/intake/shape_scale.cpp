@@ -9,7 +9,7 @@
 #include "server/geometry/convex_hull.hpp"
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 class Scaling {
@@ -110,4 +110,4 @@ std::string scale(Shape& shape, const Vec3& factor) {
   return scaling.refusal();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/geometry/shape.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Multiplies the shape about its frame's origin; each product is rounded, and the result is the exact input from then on.
 ///
@@ -13,4 +13,4 @@ namespace collided {
 /// returns  why it cannot be, which leaves the shape half done; empty: done
 std::string scale(Shape& shape, const Vec3& factor);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace collided {
+namespace collided::engine {
 
 ShrinkingSurface::ShrinkingSurface(const TriangleMesh& mesh)
     : mesh_(mesh), corners_(mesh.triangles), first_(mesh.vertices.size(), kNone), next_(3 * mesh.triangles.size(), kNone) {
@@ -92,4 +92,4 @@ void ShrinkingSurface::merge(std::uint32_t removed, std::uint32_t kept) {
   first_[removed] = kNone;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A mesh whose vertices can be merged one into another: which triangles are at a vertex, and what may be merged
 /// without changing how the surface hangs together.
@@ -52,4 +52,4 @@ class ShrinkingSurface {
   std::vector<Neighbour> other_neighbours_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

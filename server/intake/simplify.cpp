@@ -15,7 +15,7 @@
 #include "server/intake/space_order.hpp"
 #include "server/intake/weld.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using UnitNormal = Eigen::Vector3f;
@@ -417,4 +417,4 @@ CollapseOrder simplify(const TriangleMesh& mesh, const SimplifyOptions& options,
   return order;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

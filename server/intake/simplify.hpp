@@ -6,7 +6,7 @@
 
 #include "server/intake/collapse_order.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What a collapse costs: the cheapest is taken first.
 enum class CollapseCost {
@@ -41,4 +41,4 @@ struct SimplifyReport {
 ///           Metrics", 1997
 CollapseOrder simplify(const TriangleMesh& mesh, const SimplifyOptions& options, SimplifyReport& report);
 
-}  // namespace collided
+}  // namespace collided::engine

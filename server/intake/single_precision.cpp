@@ -8,7 +8,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Fewer coordinates than these may all fall on the grid by chance.
@@ -62,4 +62,4 @@ std::string single_precision_warning(const TriangleMesh& mesh, double unit_m) {
       origin[0], origin[1], origin[2]);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A sentence of warning when a mesh far from the origin carries nothing but single-precision numbers, else nothing:
 /// its points were rounded to a grid that is coarser than kCoarseGrid_m before the file was written, and no reader
@@ -14,4 +14,4 @@ namespace collided {
 /// unit_m    metres per unit of the file
 std::string single_precision_warning(const TriangleMesh& mesh, double unit_m);
 
-}  // namespace collided
+}  // namespace collided::engine

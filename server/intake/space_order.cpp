@@ -6,7 +6,7 @@
 
 #include "server/geometry/aabb.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kSteps = 0x1fffff;  // along each axis
@@ -41,4 +41,4 @@ std::vector<std::uint32_t> space_order(std::span<const Vec3> points) {
   return order;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

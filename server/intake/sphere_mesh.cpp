@@ -6,7 +6,7 @@
 
 #include "server/intake/limits.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// cos and sin of a fraction of the full turn, mirrored from the first eighth so that opposite points are exact
@@ -90,4 +90,4 @@ TriangleMesh box_mesh(const Vec3& low, const Vec3& high, Normals normals) {
   return mesh;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

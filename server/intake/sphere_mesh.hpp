@@ -2,7 +2,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A sphere around the origin of flat triangles between circles of latitude and longitude, normals outward.
 ///
@@ -20,4 +20,4 @@ enum class Normals { outward, inward };
 /// The 8 vertices and 12 triangles of a box; inward normals make it a room that confines.
 TriangleMesh box_mesh(const Vec3& low, const Vec3& high, Normals normals = Normals::outward);
 
-}  // namespace collided
+}  // namespace collided::engine

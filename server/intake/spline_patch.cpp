@@ -4,7 +4,7 @@
 
 #include "server/intake/tessellate.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::size_t kMostDegree = 8;
@@ -89,4 +89,4 @@ SecondDerivatives SplinePatch::second_derivatives() const {
   return {second_derivative(grid, first_degree), longest(both), second_derivative(turned, second_degree)};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

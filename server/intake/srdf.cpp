@@ -7,7 +7,7 @@
 
 #include "server/intake/reading.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 LinkPairs read_srdf(const std::string& text, const std::string& file) {
   pugi::xml_document document;
@@ -47,4 +47,4 @@ std::string allow_pairs(const LinkPairs& pairs, std::vector<SceneObject>& object
   return {};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

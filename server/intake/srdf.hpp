@@ -6,7 +6,7 @@
 
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Pairs of links that an SRDF file lets touch (disable_collisions).
 using LinkPairs = std::vector<std::pair<std::string, std::string>>;
@@ -19,4 +19,4 @@ LinkPairs read_srdf(const std::string& text, const std::string& file);
 /// returns   why there are none, or nothing
 std::string allow_pairs(const LinkPairs& pairs, std::vector<SceneObject>& objects, std::uint64_t& unknown_count);
 
-}  // namespace collided
+}  // namespace collided::engine

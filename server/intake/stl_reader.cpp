@@ -12,7 +12,7 @@
 #include "server/intake/triangulate.hpp"
 #include "server/intake/weld.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 84;    // 80 of anything, then the triangle count
@@ -188,4 +188,4 @@ Scene read_stl(const Reading& reading) {
   return is_text(reading) ? StlTextReader(reading).read() : read_binary(reading);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

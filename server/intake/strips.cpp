@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Triangles by the directed edges that they run along, taken one after the other.
@@ -139,4 +139,4 @@ std::vector<EncodingSize> encoding_sizes(const TriangleMesh& mesh) {
   return sizes;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

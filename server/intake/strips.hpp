@@ -7,7 +7,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Vertex numbers of fans or strips, one list each.
 using Runs = std::vector<std::vector<std::uint32_t>>;
@@ -31,4 +31,4 @@ struct EncodingSize {
 /// Lists, fans and strips that carry their vertices (and 4 bytes for the length of each run), and the indexed mesh.
 std::vector<EncodingSize> encoding_sizes(const TriangleMesh& mesh);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "server/intake/tessellate.hpp"
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::string_view kKinds = "sphere R, ellipsoid A B C, cylinder R LENGTH, cone R HEIGHT, torus RING TUBE, "
@@ -174,4 +174,4 @@ class SurfaceReader {
 
 Scene read_surfaces(const Reading& reading) { return SurfaceReader(reading).read(); }
 
-}  // namespace collided
+}  // namespace collided::engine

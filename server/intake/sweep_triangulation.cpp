@@ -4,7 +4,7 @@
 
 #include "server/intake/monotone_pieces.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// The pieces that diagonals cut a polygon into. Around each point the ways out are sorted from the ring's next point to
@@ -186,4 +186,4 @@ std::optional<PolygonFlaw> triangulate_by_sweep(std::span<const PlanePoint> poin
   return std::nullopt;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

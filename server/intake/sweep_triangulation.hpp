@@ -9,7 +9,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/intake/planar.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Two points of a polygon, by number, at whose edges it crosses or touches itself.
 using PolygonFlaw = std::pair<std::uint32_t, std::uint32_t>;
@@ -28,4 +28,4 @@ using PolygonFlaw = std::pair<std::uint32_t, std::uint32_t>;
 std::optional<PolygonFlaw> triangulate_by_sweep(std::span<const PlanePoint> points, std::span<const std::uint32_t> ring_ends,
                                                 std::vector<TriangleCorners>& triangles);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/geometry/surface_tolerance.hpp"
 #include "server/intake/sphere_mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using std::numbers::pi;
@@ -233,4 +233,4 @@ SphereParameters sphere_parameters(const Vec3& point) {
   return {longitude < 0 ? std::min(longitude + 2 * pi, std::nextafter(2 * pi, 0)) : longitude, std::atan2(out, point[2])};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/intake/limits.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A curved surface as triangles: no point of either is farther than off_by_m from the other.
 struct Tessellation {
@@ -89,4 +89,4 @@ Vec3 sphere_point(const SphereParameters& at, double radius_m);
 /// Of a point on the sphere, or of the one on the same ray from the centre.
 SphereParameters sphere_parameters(const Vec3& point);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 // from_chars may say "out of range" for what is too small as well, and leaves the value alone. Too small for a double
@@ -167,4 +167,4 @@ bool TextCursor::skip(char c) {
   return true;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

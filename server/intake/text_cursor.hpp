@@ -5,7 +5,7 @@
 
 #include "server/intake/reading.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Walks through the text of a mesh file, word by word and line by line; complaints name the line.
 /// Never reads outside [begin, end). Independent of the locale.
@@ -66,4 +66,4 @@ class TextCursor {
   bool continued_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/intake/polygon_plane.hpp"
 #include "server/intake/sweep_triangulation.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// No corner turns right, and the direction goes round once: its height changes from falling to rising once.
@@ -176,4 +176,4 @@ PolygonKind triangulate_with_holes(std::span<const std::uint32_t> corners, std::
   return cut_by_sweep(corners, ring_ends, points, triangles) ? PolygonKind::concave : PolygonKind::crossing;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

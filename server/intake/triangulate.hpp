@@ -6,7 +6,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 enum class PolygonKind {
   convex,    // cut as a fan from its first corner
@@ -30,4 +30,4 @@ PolygonKind triangulate(std::span<const std::uint32_t> corners, const std::vecto
 PolygonKind triangulate_with_holes(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> ring_ends,
                                    const std::vector<Vec3>& vertices, std::vector<TriangleCorners>& triangles);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -12,7 +12,7 @@
 #include "server/intake/srdf.hpp"
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 namespace fs = std::filesystem;
@@ -256,4 +256,4 @@ class UrdfReader {
 
 Scene read_urdf(const Reading& reading) { return UrdfReader(reading).read(); }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 
 #include "server/intake/limits.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
@@ -168,4 +168,4 @@ std::variant<Shape, std::string> shape_of_buffer(const VertexBuffer& buffer, dou
   return shape;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

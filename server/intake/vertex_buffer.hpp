@@ -11,7 +11,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/shape.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What the vertices of a buffer are joined to.
 enum class BufferKind : std::uint8_t {
@@ -59,4 +59,4 @@ std::variant<DecodedBuffer, std::string> decode_buffer(const VertexBuffer& buffe
 /// The buffer as a shape: its triangles as a mesh, its points as balls and its lines as capsules of that radius.
 std::variant<Shape, std::string> shape_of_buffer(const VertexBuffer& buffer, double radius_m);
 
-}  // namespace collided
+}  // namespace collided::engine

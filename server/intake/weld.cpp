@@ -8,7 +8,7 @@
 
 #include "server/intake/mixed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::uint32_t kFree = 0xffffffff;
@@ -186,4 +186,4 @@ std::vector<std::uint32_t> duplicate_triangles(const TriangleMesh& mesh,
   return duplicates;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

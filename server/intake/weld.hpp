@@ -7,7 +7,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// For each vertex the first vertex with equal coordinates (itself where there is none before it). Equal means ==, so
 /// 0 and -0 are one; nothing that is merely near is joined.
@@ -44,4 +44,4 @@ void weld_equal_vertices(TriangleMesh& mesh);
 /// first_equal  as first_equal_vertices gives it
 std::vector<std::uint32_t> duplicate_triangles(const TriangleMesh& mesh, const std::vector<std::uint32_t>& first_equal);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/intake/disjoint_sets.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Sets of triangles, each with whether it is turned over against the one that stands for its set.
@@ -112,4 +112,4 @@ std::vector<std::uint32_t> pinched_points(const TriangleMesh& mesh, const EdgeTa
   return pinched;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "server/geometry/edge_table.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Which triangles are turned over against the others of their piece, where pieces hang together over edges of two
 /// triangles.
@@ -24,4 +24,4 @@ Orientation orientation_of(std::size_t triangle_count, const EdgeTable& table);
 std::vector<std::uint32_t> pinched_points(const TriangleMesh& mesh, const EdgeTable& table,
                                           const std::vector<std::uint32_t>& point_of);
 
-}  // namespace collided
+}  // namespace collided::engine

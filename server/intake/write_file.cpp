@@ -10,7 +10,7 @@
 #include <cstring>
 #include <filesystem>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 bool write_all(int file, std::span<const std::byte> bytes) {
@@ -68,4 +68,4 @@ std::string write_file(int file, std::span<const std::span<const std::byte>> pie
   return write_pieces(file, pieces) ? std::string() : fmt::format("cannot be written: {}", std::strerror(errno));
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/text_cursor.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A point a line: its three coordinates; what follows them (intensity, colour) is not used.
 Scene read_xyz(const Reading& reading) {
@@ -28,4 +28,4 @@ Scene read_xyz(const Reading& reading) {
   return scene;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -18,7 +18,7 @@
 #include "server/world/indexed_mesh.hpp"
 #include "server/world/query.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using wire_contract::Answer;
 using wire_contract::QueryKind;
@@ -185,7 +185,7 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
   if (restore_float_environment()) ++owner_.counts_.float_repairs;
   if (query.text[0] != 0) return answer_of_instant(client, ask, questions, *lease);
-  collided::answer(*lease, questions, answers_, scratch_);
+  engine::answer(*lease, questions, answers_, scratch_);
   // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, *lease);
@@ -201,7 +201,7 @@ void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const 
     return write_text(client, ask.query->request, ReplyStatus::refused, refusal_text(*refusal));
   }
   const Snapshot& state = *std::get<std::shared_ptr<const Snapshot>>(past);
-  collided::answer(state, questions, answers_, scratch_);
+  engine::answer(state, questions, answers_, scratch_);
   if (owner_.options_.recovering()) doubt(questions);
   write_answers(client, ask, state);
 }
@@ -478,4 +478,4 @@ void Answering::stop() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

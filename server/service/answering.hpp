@@ -23,7 +23,7 @@
 #include "server/service/short_questions.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 struct AnsweringOptions {
   std::uint64_t server = 0;
@@ -121,4 +121,4 @@ class Answering {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

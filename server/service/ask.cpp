@@ -10,7 +10,7 @@
 #include "idl/question_class.hpp"
 #include "server/service/border.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using wire_contract::QueryKind;
@@ -124,4 +124,4 @@ std::optional<std::string> why_refused(const wire::Query& query) {
   return why_bad_filter(query);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -10,7 +10,7 @@
 #include "idl/dds.hpp"
 #include "server/world/snapshot.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// One chunk of a request on its way from the listener to a worker.
 struct Ask {
@@ -48,4 +48,4 @@ double cost_of(const wire::Query& query);
 /// Why a chunk cannot be answered, as a sentence with the value and what is allowed; nothing where it can.
 std::optional<std::string> why_refused(const wire::Query& query);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

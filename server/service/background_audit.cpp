@@ -7,7 +7,7 @@
 #include "server/service/turns.hpp"
 #include "server/world/audit.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 BackgroundAudit::BackgroundAudit(std::uint64_t every, std::function<void(const std::string&)> notice)
     : every_(every), notice_(std::move(notice)) {
@@ -125,4 +125,4 @@ std::vector<std::string> BackgroundAudit::differences() const {
   return differences_;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

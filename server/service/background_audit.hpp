@@ -13,7 +13,7 @@
 
 #include "server/world/query.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 struct AuditCounts {
   std::uint64_t chosen = 0;   // answers that were to be worked out again
@@ -76,4 +76,4 @@ class BackgroundAudit {
   std::thread thread_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

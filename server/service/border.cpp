@@ -7,7 +7,7 @@
 
 #include "idl/topics.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// Length of the well-formed UTF-8 sequence at the start of the text; 0 where there is none.
@@ -89,4 +89,4 @@ std::string printable(std::string_view name) {
   return text + (name.empty() ? "'" : "...'");
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -9,7 +9,7 @@
 #include "server/geometry/pose.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// x y z qw qx qy qz from outside to a pose: finite, | |q| - 1 | <= kUnitQuaternionSlack, then divided by |q| once.
 std::variant<Pose, Refusal> checked_pose(std::span<const double> numbers);
@@ -23,4 +23,4 @@ bool is_good_name(std::string_view name);
 /// The name as it may be printed: quoted, cut, '?' for what is_good_name refuses.
 std::string printable(std::string_view name);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using wire_contract::EventKind;
 
@@ -79,4 +79,4 @@ void Broadcast::publish_contacts(const Stamp& stamp) {
   }
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

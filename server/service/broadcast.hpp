@@ -9,7 +9,7 @@
 #include "server/service/outlet.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Tells subscribers what each step found: every event once in frames without a gap, then the shards of the contact
 /// state that changed. Knows neither DDS nor time.
@@ -44,4 +44,4 @@ class Broadcast {
   std::uint64_t contact_hash_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

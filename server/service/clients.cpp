@@ -5,7 +5,7 @@
 
 #include "server/service/clock.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 bool Client::write(const wire::Reply& reply) {
   // Set once before anybody writes, and never taken away.
@@ -122,4 +122,4 @@ std::size_t Clients::size() const {
   return clients_.size();
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -14,7 +14,7 @@
 #include "idl/dds.hpp"
 #include "server/service/ask.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// A partition's reply writer, for all clients whose replies travel there; made for the first of them, and kept.
 class ReplyPlace {
@@ -99,4 +99,4 @@ class Clients {
   std::array<ReplyPlace, wire_contract::kReplyPartitions> places_;  // last: their callbacks use the rest
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Nanoseconds of a clock that never goes back; what deadlines are in.
 inline std::int64_t steady_ns() {
@@ -24,4 +24,4 @@ class WorldClock {
       steady_ns();
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

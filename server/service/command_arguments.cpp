@@ -9,7 +9,7 @@
 #include "server/service/border.hpp"
 #include "server/service/nearest_word.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 Arguments::Arguments(const std::string& text) : arguments_(nlohmann::json::parse(text, nullptr, false)) {
   if (!arguments_.is_object()) throw BadCommand("a command's text is not a JSON object");
@@ -116,4 +116,4 @@ std::vector<Aabb> Arguments::boxes(const char* name) const {
   return boxes;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

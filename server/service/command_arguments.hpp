@@ -11,7 +11,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// A command that cannot be done: what is wrong, and what to do next where there is something.
 struct BadCommand : std::runtime_error {
@@ -47,4 +47,4 @@ class Arguments {
   std::string command_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -15,7 +15,7 @@
 #include "server/world/plan.hpp"
 #include "server/world/query.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using nlohmann::json;
 using wire_contract::EndReason;
@@ -480,4 +480,4 @@ json Commands::clear(const CommandAsk&, const Arguments& arguments) {
   return {{"removed", removed}, {"kept", kept}, {"ended", ended_count()}, {"version", version}};
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -23,7 +23,7 @@
 #include "server/service/work_queue.hpp"
 #include "server/service/world_loop.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// The commands of idl/commands.hpp. What only looks is answered where it is asked, on a state; what changes the world
 /// becomes a job of the world's thread; files are read on a thread of their own.
@@ -130,4 +130,4 @@ class Commands {
   std::thread pair_thread_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -6,7 +6,7 @@
 
 #include "server/service/duration_counts.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// What the answering side did; added to by any thread, read for the status.
 struct QuestionCounts {
@@ -20,4 +20,4 @@ struct QuestionCounts {
   std::atomic<std::uint64_t> unanswerable{0};  // no room for another client, or nobody listened for the reply
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 std::unique_ptr<DefinitionSample> decoded(const wire::Definition& from) {
   auto sample = std::make_unique<DefinitionSample>();
@@ -37,4 +37,4 @@ void decode(const wire::PoseBatch& from, PoseSample& sample) {
   sample.velocities.assign(velocities.begin(), velocities.end());
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

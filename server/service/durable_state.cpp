@@ -6,7 +6,7 @@
 #include <future>
 #include <utility>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 constexpr std::string_view kScene = "scene/";
@@ -142,4 +142,4 @@ void DurableState::then(std::function<void(const std::string&)> done) {
   if (!taken) done("the server is stopping");
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

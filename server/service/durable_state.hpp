@@ -14,7 +14,7 @@
 #include "server/service/journal.hpp"
 #include "server/service/work_queue.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// What a server brings back after a crash: the scenes and objects that commands added, where commands have moved these to,
 /// probes, and which publishers were there, so that it knows for whom to wait. Poses and events are not kept: publishers send them anew.
@@ -77,4 +77,4 @@ class DurableState {
   std::thread thread_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// How often a duration fell where: eight steps to each doubling, so that a quantile read from it is at most an eighth
 /// too high. Only grows: who wants a quantile of some time takes the difference of two readings.
@@ -46,4 +46,4 @@ class DurationCounts {
   std::array<std::atomic<std::uint64_t>, kBuckets> counts_{};
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 namespace fs = std::filesystem;
@@ -105,4 +105,4 @@ Epoch next_epoch(const std::string& state_dir, int domain, const std::string& na
   return epoch;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

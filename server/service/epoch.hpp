@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// A number that grows with each start of a server of this domain and namespace, so that clients can tell an old
 /// state from a new one.
@@ -29,4 +29,4 @@ Epoch next_epoch(const std::string& state_dir, int domain, const std::string& na
 /// Says that this server ends in order.
 void close_epoch(const Epoch& epoch);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

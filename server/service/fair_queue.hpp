@@ -13,7 +13,7 @@
 
 #include "server/service/ring.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Whose work it is, and how much.
 struct Share {
@@ -148,4 +148,4 @@ class FairQueue {
   bool closed_ = false;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

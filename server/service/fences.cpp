@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 bool Fences::reached(const wire::Query& query) const {
   const std::uint64_t applied = applied_locked(query.fence_publisher);
@@ -68,4 +68,4 @@ bool Fences::empty() const {
   return waiting_.empty();
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -7,7 +7,7 @@
 
 #include "server/service/ask.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Questions that wait until a publisher's sample has become part of a published state ("read your own writes").
 ///
@@ -44,4 +44,4 @@ class Fences {
   std::vector<AskPointer> waiting_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -1,7 +1,7 @@
 #include "server/service/commands.hpp"
 #include "server/world/plan.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using nlohmann::json;
 using wire_contract::QueryKind;
@@ -88,4 +88,4 @@ json Commands::figures(const Arguments& arguments) const {
           {"not_built", not_built}};
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

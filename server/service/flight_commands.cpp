@@ -6,7 +6,7 @@
 
 #include "idl/commands.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using nlohmann::json;
@@ -158,4 +158,4 @@ void FlightCommands::write(const std::function<void(Recorded, std::span<const st
   for (const Unanswered& command : unanswered_) put(Recorded::query, command.bytes);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -13,7 +13,7 @@
 #include "idl/cdr.hpp"
 #include "idl/recording/recorded_topics.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// The commands that brought in what is in the world beside publishers' objects, as few as make the same state again:
 /// adding, moving and taking away over and over takes no more room.
@@ -62,4 +62,4 @@ class FlightCommands {
   std::uint64_t left_out_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -5,7 +5,7 @@
 
 #include "idl/mcap/format.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using recording::Recorded;
@@ -235,4 +235,4 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
   for (const auto& [shard, bytes] : contacts_) put(Recorded::contact, bytes);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -13,7 +13,7 @@
 #include "idl/recording/recorded_topics.hpp"
 #include "server/service/flight_commands.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// What a window of records begins with: the newest definition and pose of every object that was sent before it, the
 /// commands that brought in the others, and the contacts that held. Folded from the records that leave the window.
@@ -79,4 +79,4 @@ class FlightOpening {
   std::uint64_t left_out_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -10,7 +10,7 @@
 #include "idl/mcap/output.hpp"
 #include "idl/mcap/writer.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 constexpr std::size_t kRingBytes = std::size_t{8} << 20;
@@ -181,4 +181,4 @@ void FlightRecorder::write_crash_file() const {
   ::close(file);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -12,7 +12,7 @@
 #include "server/service/flight_ring.hpp"
 #include "server/service/flight_window.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// A file that the flight recorder wrote.
 struct FlightFile {
@@ -75,4 +75,4 @@ class FlightRecorder {
   std::thread thread_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

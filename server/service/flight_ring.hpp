@@ -10,7 +10,7 @@
 #include "idl/cdr.hpp"
 #include "idl/mcap/format.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Samples from the threads that take and answer to the one that keeps them, each as the record of an MCAP message. A
 /// sample for which there is no room is dropped and counted: nobody waits, nobody allocates.
@@ -109,4 +109,4 @@ class FlightRing {
   std::atomic<std::uint64_t> dropped_{0};
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 void FlightWindow::add(std::span<const std::byte> record, std::uint64_t log_time) {
   // Blocks also end with time, so that what leaves is never much longer than the window.
@@ -49,4 +49,4 @@ void FlightWindow::expire(std::uint64_t now) {
   while (count_ > 0 && blocks_[first_].last_time + window_ns_ < now) drop_oldest();
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

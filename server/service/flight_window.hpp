@@ -8,7 +8,7 @@
 #include <memory>
 #include <span>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// The newest records, in blocks of memory that are used again and again; what leaves is shown once more. Memory is taken
 /// as it is needed, at most kBlocks * kBlockBytes.
@@ -60,4 +60,4 @@ class FlightWindow {
   std::atomic<std::size_t> first_{0}, count_{0};
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

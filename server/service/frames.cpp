@@ -4,7 +4,7 @@
 
 #include "idl/topics.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 void append(std::vector<double>& numbers, const Contact& contact) {
@@ -143,4 +143,4 @@ void ContactColumns::add(const OpenContact& contact, const NameBook& book) {
   named.add_id(contact.b);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -10,7 +10,7 @@
 #include "server/world/probes.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Names of the objects in contacts that hold. An `ended` may be about an object that the world has forgotten.
 class NameBook {
@@ -96,4 +96,4 @@ struct ProbeColumns {
   std::size_t size() const { return states.size(); }
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

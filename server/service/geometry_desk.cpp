@@ -5,7 +5,7 @@
 #include "idl/commands.hpp"
 #include "server/world/query.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 namespace names = wire_contract::command;
 using wire_contract::ReplyStatus;
@@ -108,4 +108,4 @@ void GeometryDesk::make_room(std::size_t byte_count) {
   }
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -14,7 +14,7 @@
 #include "server/service/work_queue.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Tells viewers what is where, in pages, on a thread of its own: the commands shapes, surface and more. Every buffer
 /// is of one state; what was begun is kept until its last page was sent, for half a minute, or until too much waits.
@@ -62,4 +62,4 @@ class GeometryDesk {
   std::thread thread_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

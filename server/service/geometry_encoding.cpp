@@ -12,7 +12,7 @@
 #include "server/intake/weld.hpp"
 #include "server/service/command_arguments.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 constexpr std::uint32_t kNoPart = 0xffffffff;
@@ -202,4 +202,4 @@ std::string encode_page(std::uint64_t transfer, std::uint64_t total, std::uint64
   return text_of(builder);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

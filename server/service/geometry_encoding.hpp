@@ -9,7 +9,7 @@
 #include "server/service/surface_numbers.hpp"
 #include "server/world/snapshot.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// What viewers are told, as buffers of idl/geometry.fbs. Pure, but for the numbers that surfaces are given; any state
 /// may be read by any thread. The work grows with what is told, so that the world's thread has no part in it.
@@ -30,4 +30,4 @@ std::string encode_poses(const Snapshot& state);
 /// The bytes from `first` on of a buffer of `total`.
 std::string encode_page(std::uint64_t transfer, std::uint64_t total, std::uint64_t first, std::string_view bytes);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

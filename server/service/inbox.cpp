@@ -4,7 +4,7 @@
 
 #include "idl/topics.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using wire_contract::kPoseNumbers;
 
@@ -189,4 +189,4 @@ InboxCounts Inbox::counts() const {
   return counts_;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

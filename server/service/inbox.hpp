@@ -15,7 +15,7 @@
 #include "server/service/publishers.hpp"
 #include "server/service/samples.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// A sign of life or its end from one writer of a publisher.
 struct WriterNews {
@@ -104,4 +104,4 @@ class Inbox {
   InboxCounts counts_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

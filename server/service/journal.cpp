@@ -9,7 +9,7 @@
 
 #include "server/service/journal_layout.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 namespace layout = journal_layout;
@@ -179,4 +179,4 @@ void Journal::rewrite() {
   file_bytes_ = bytes;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

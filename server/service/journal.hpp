@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// The files of one folder, as far as the journal needs them; the POSIX ones below, failing and forgetful ones in tests.
 /// Every call says whether it was done.
@@ -83,4 +83,4 @@ class Journal {
   std::string problem_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -7,7 +7,7 @@
 
 #include "server/service/journal.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// Closed when it goes.
@@ -88,4 +88,4 @@ class PosixDisk final : public Disk {
 
 std::unique_ptr<Disk> disk_in(const std::string& folder) { return std::make_unique<PosixDisk>(folder); }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace collided::service::journal_layout {
+namespace collided::engine::service::journal_layout {
 namespace {
 
 /// Longer ones are damage: a shape comes in one message.
@@ -91,4 +91,4 @@ std::optional<Record> record_at(std::span<const std::byte> bytes) {
                 .bytes = length};
 }
 
-}  // namespace collided::service::journal_layout
+}  // namespace collided::engine::service::journal_layout

@@ -13,7 +13,7 @@
 /// after what it counts has been synced, in turn with the other one, so that a loss of power while it is written leaves the
 /// other. A file that ends before what its slots count has lost its end, even where it was cut exactly between two records.
 /// Each slot and record carries the CRC-32 of all else in it. Numbers are in this machine's byte order.
-namespace collided::service::journal_layout {
+namespace collided::engine::service::journal_layout {
 
 inline constexpr std::string_view kMagic = "collided journal 2\n";
 /// Files of before there were slots: records follow at once.
@@ -50,4 +50,4 @@ struct Record {
 /// The record at the start of the bytes; nothing where there is no whole one.
 std::optional<Record> record_at(std::span<const std::byte> bytes);
 
-}  // namespace collided::service::journal_layout
+}  // namespace collided::engine::service::journal_layout

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// How many different states are pinned; two leases of one state point at one snapshot.
 std::size_t LeaseBook::states() const {
@@ -58,4 +58,4 @@ std::size_t LeaseBook::size() const {
   return entries_.size();
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

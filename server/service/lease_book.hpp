@@ -8,7 +8,7 @@
 #include "server/world/snapshot.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Keeps the state on which a request of several chunks is answered, from its first chunk to its last.
 /// The world has a ring of states: who pinned them all would stop it. So only a few different ones are kept, for a
@@ -51,4 +51,4 @@ class LeaseBook {
   std::vector<Entry> entries_;  // oldest first
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -5,7 +5,7 @@
 #include "server/service/decoding.hpp"
 #include "server/service/out_of_memory.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// A sample that was taken does not come again, and DDS, which is C, must not meet an exception.
@@ -105,4 +105,4 @@ void Listeners::take_poses(const dds::Taker<wire::PoseBatch>& taker) {
   }
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

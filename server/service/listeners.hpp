@@ -13,7 +13,7 @@
 #include "server/service/flight_recorder.hpp"
 #include "server/service/inbox.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Which publisher is behind which DDS writer, learnt from its samples; tells who has died.
 class WriterTable {
@@ -64,4 +64,4 @@ class Listeners {
   dds::Reader<wire::Query> query_reader_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

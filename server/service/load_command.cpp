@@ -7,7 +7,7 @@
 #include "server/service/commands.hpp"
 #include "server/world/plan.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using nlohmann::json;
 using wire_contract::ReplyStatus;
@@ -182,4 +182,4 @@ void Commands::keep_upload(const std::string& scene, const std::string& path) {
   if (uploads_.has_taken(path)) upload_of_scene_[scene] = path;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

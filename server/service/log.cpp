@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 class JsonFormatter : public spdlog::formatter {
@@ -38,4 +38,4 @@ std::shared_ptr<spdlog::logger> make_log(const std::string& level, bool json) {
   return log;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

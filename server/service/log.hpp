@@ -4,9 +4,9 @@
 #include <spdlog/logger.h>
 #include <string>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// A logger on stderr: lines for people, or one JSON object a line.
 std::shared_ptr<spdlog::logger> make_log(const std::string& level, bool json);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -5,7 +5,7 @@
 #include "server/service/commands.hpp"
 #include "server/world/menu.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using nlohmann::json;
 using wire_contract::ReplyStatus;
@@ -78,4 +78,4 @@ json Commands::menu(std::uint32_t questions, std::uint64_t seed) const {
   return {{"rows", rows}, {"seed", seed}, {"version", state->version}};
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

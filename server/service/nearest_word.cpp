@@ -8,7 +8,7 @@
 
 #include "server/service/border.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 std::size_t edits(std::string_view a, std::string_view b) {
@@ -74,4 +74,4 @@ std::string unknown_object(std::string_view name, std::span<const std::string_vi
   return sentence;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

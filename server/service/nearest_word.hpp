@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// The word that was probably meant: the one reached by the fewest letters added, left out, changed or swapped with
 /// their neighbour, at most a third of the word's length; empty where none is that near.
@@ -25,4 +25,4 @@ std::string unknown_object(std::string_view name, std::span<const std::string_vi
 /// "; did you mean 'threads'?" or nothing.
 std::string did_you_mean(std::string_view typed, std::span<const std::string> words);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

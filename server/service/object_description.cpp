@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <variant>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using nlohmann::json;
@@ -129,4 +129,4 @@ void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64
   if (snapshot.posed_ns[slot] > 0) object["age_ns"] = std::max<std::int64_t>(0, now_ns - snapshot.posed_ns[slot]);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -6,7 +6,7 @@
 
 #include "server/world/snapshot.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// "sphere", "box", "capsule", "mesh", "compound", or "part" for a run of a scene's triangles.
 std::string_view kind_of(const ObjectInfo& info);
@@ -17,4 +17,4 @@ nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info
 /// What `get` adds to that: pose, bounds, shape, filter, age.
 void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64_t now_ns, nlohmann::json& object);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Places by a publisher's object number. Numbers come from the publisher's pool, so they are small and dense as a rule
 /// and found by one look; huge ones cost a hash.
@@ -74,4 +74,4 @@ class ObjectNumbers {
   std::deque<Record> records_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -10,7 +10,7 @@
 #include "server/service/options_file.hpp"
 #include "server/service/quantities.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// What the command line says, before it is checked.
@@ -217,4 +217,4 @@ std::string help_text() {
   return text;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -10,7 +10,7 @@
 
 #include "server/geometry/aabb.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// What the server was told, each value checked. Keys, flags, variables and defaults: settings().
 struct Options {
@@ -89,4 +89,4 @@ std::string print_config(const ParsedOptions& parsed);
 
 std::string help_text();
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

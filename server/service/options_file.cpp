@@ -9,7 +9,7 @@
 #include "server/service/nearest_word.hpp"
 #include "server/service/options.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// "server.threads" -> {"server", "threads"}
@@ -111,4 +111,4 @@ std::vector<FileValue> read_options_file(const std::string& path) {
   return values;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// One value as the file writes it.
 struct FileValue {
@@ -15,4 +15,4 @@ struct FileValue {
 /// Reads a TOML file of settings. Throws OptionsError with line, column and what was probably meant.
 std::vector<FileValue> read_options_file(const std::string& path);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

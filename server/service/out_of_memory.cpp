@@ -6,7 +6,7 @@
 #include <array>
 #include <cstring>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 void end_out_of_memory(const char* where) noexcept {
   const auto piece = [](const char* text) { return iovec{const_cast<char*>(text), std::strlen(text)}; };
@@ -17,4 +17,4 @@ void end_out_of_memory(const char* where) noexcept {
   _exit(kOutOfMemoryExit);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

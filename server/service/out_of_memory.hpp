@@ -1,6 +1,6 @@
 #pragma once
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// What a process ends with that has run out of memory: a supervisor restarts it (sysexits' EX_OSERR).
 inline constexpr int kOutOfMemoryExit = 71;
@@ -13,4 +13,4 @@ inline constexpr int kOutOfMemoryExit = 71;
 /// threads  any
 [[noreturn]] void end_out_of_memory(const char* where) noexcept;
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

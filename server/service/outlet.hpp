@@ -7,7 +7,7 @@
 #include "idl/topics.hpp"
 #include "server/service/frames.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// The state that a message is about.
 struct Stamp {
@@ -54,4 +54,4 @@ class Outlet {
   virtual void write_step(const StatusColumns&) {}
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -1,6 +1,6 @@
 #include "server/service/overload.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 void Overload::note(bool poses, bool questions) {
   const Stage before = stage();
@@ -21,4 +21,4 @@ void Overload::note(bool poses, bool questions) {
                                          : "questions of the low class are refused as well"));
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// What is left out while more comes than can be done. Superseded poses go first, always and unasked (Inbox); where that
 /// is not enough, details: contacts told anew while they go on, and the audit; where that is not enough, questions of the
@@ -34,4 +34,4 @@ class Overload {
   int calm_ticks_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

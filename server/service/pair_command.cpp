@@ -8,7 +8,7 @@
 #include "server/service/nearest_word.hpp"
 #include "server/world/pair_report.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using nlohmann::json;
 using wire_contract::ReplyStatus;
@@ -164,4 +164,4 @@ void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
   pair_jobs_.push([this, shared, work] { answer(*shared, [&] { return work(Arguments(shared->text)); }); });
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using wire_contract::AskedInstant;
@@ -39,4 +39,4 @@ std::string PastStates::why_not(std::int64_t time_ns, const Snapshot& newest) co
                      seconds(newest.world_time_ns - time_ns), seconds(reach.to_ns - reach.from_ns));
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

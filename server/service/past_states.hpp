@@ -11,7 +11,7 @@
 #include "idl/instant.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// States of the world at past instants, for questions that name one. The newest few are kept: the chunks of a request
 /// are answered on one state, and many ask about the same instant.
@@ -41,4 +41,4 @@ class PastStates {
   std::size_t next_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

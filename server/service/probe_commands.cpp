@@ -5,7 +5,7 @@
 #include "server/service/border.hpp"
 #include "server/service/commands.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using nlohmann::json;
 
@@ -82,4 +82,4 @@ json Commands::probes(const CommandAsk&, const Arguments& arguments) {
   return {{"probes", rows}, {"version", state->version}, {"world_time_ns", state->world_time_ns}};
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

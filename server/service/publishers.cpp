@@ -7,7 +7,7 @@
 
 #include "server/service/border.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using wire_contract::EndReason;
 using wire_contract::LostPolicy;
@@ -548,4 +548,4 @@ std::vector<std::uint64_t> Publishers::waiting_for(std::string_view name) const 
   return waiting;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -18,7 +18,7 @@
 #include "server/service/source_clock.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 struct PublisherLimits {
   std::uint32_t publishers = 1'000;
@@ -200,4 +200,4 @@ class Publishers {
   std::size_t accepted_count_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

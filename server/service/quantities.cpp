@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// The number at the start of the text; what follows it stays.
@@ -95,4 +95,4 @@ std::optional<double> parse_unit_m(std::string_view text) {
   return value;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Whole numbers with optional '_' between digits; nothing where the text is anything else or out of range.
 std::optional<std::int64_t> parse_whole(std::string_view text);
@@ -25,4 +25,4 @@ std::optional<std::array<double, 6>> parse_box_m(std::string_view text);
 /// True for what from_chars takes whole as a number ("-1", "-.5", "+3", "1e-300", "-inf"): never an option.
 bool is_number(std::string_view text);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// That nobody can guess and no other process draws.
 inline std::uint64_t random_number() {
@@ -11,4 +11,4 @@ inline std::uint64_t random_number() {
   return (std::uint64_t{device()} << 32) | device();
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -7,7 +7,7 @@
 
 #include "server/service/commands.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using nlohmann::json;
 using wire_contract::ReplyStatus;
@@ -84,4 +84,4 @@ void Commands::forget_recordings() {
   recordings_.clear();
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using wire_contract::Answer;
@@ -121,4 +121,4 @@ bool ReplyFiller::add_question(ReplyColumns& columns) {
   return true;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -7,7 +7,7 @@
 #include "server/service/frames.hpp"
 #include "server/world/query.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// The parallel sequences of a Reply; memory is reused from reply to reply.
 struct ReplyColumns {
@@ -65,4 +65,4 @@ class ReplyFiller {
   std::uint64_t undecided_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// First in, first out, in memory that only grows: passing items through allocates nothing once it has held as many.
 /// (std::deque frees and takes a block each time it moves past one.)
@@ -43,4 +43,4 @@ class Ring {
   std::size_t count_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -9,7 +9,7 @@
 #include "server/geometry/shape.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// A Definition of collided.idl off the wire. The shape is decoded on the world's thread, not where samples are taken.
 struct DefinitionSample {
@@ -42,4 +42,4 @@ struct PoseSample {
   std::vector<double> velocities;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -5,7 +5,7 @@
 #include "server/service/clock.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 // Reading a mesh in text takes about as long as indexing it.
@@ -58,4 +58,4 @@ std::string describe(const LoadedScene& loaded) {
   return text;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

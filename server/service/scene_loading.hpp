@@ -7,7 +7,7 @@
 #include "server/intake/scene.hpp"
 #include "server/world/object.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// A scene ready to become part of a world.
 struct LoadedScene {
@@ -27,4 +27,4 @@ LoadedScene embedded_and_indexed();
 /// noteworthy.
 std::string describe(const LoadedScene& loaded);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

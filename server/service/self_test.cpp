@@ -3,7 +3,7 @@
 #include "server/world/audit.hpp"
 #include "server/world/random_questions.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using wire_contract::QueryKind;
 
@@ -28,4 +28,4 @@ SelfTestResult self_test(const Snapshot& snapshot, std::uint32_t question_count,
   return result;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -6,7 +6,7 @@
 
 #include "server/world/snapshot.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 struct SelfTestResult {
   std::uint32_t asked = 0;
@@ -19,4 +19,4 @@ struct SelfTestResult {
 /// question_count  of each kind; the same seed asks the same questions
 SelfTestResult self_test(const Snapshot& snapshot, std::uint32_t question_count, std::uint64_t seed);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -1,6 +1,6 @@
 #include "server/service/sequence_watermark.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 void SequenceWatermark::note(std::uint64_t sequence, std::int64_t now_ns) {
   if (through_ == 0) through_ = sequence;  // what came before our first sample is history
@@ -33,4 +33,4 @@ void SequenceWatermark::absorb() {
   ahead_.erase(ahead_.begin(), next);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

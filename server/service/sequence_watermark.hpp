@@ -6,7 +6,7 @@
 
 #include "idl/topics.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// How far one publisher's samples have been applied without gap. Its definitions and poses share one series of
 /// numbers but come on two topics, each in order: a number that both topics have passed will never come, since a newer
@@ -42,4 +42,4 @@ class SequenceWatermark {
   std::int64_t gap_since_ns_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

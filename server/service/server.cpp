@@ -24,7 +24,7 @@
 #include "server/service/wire_outlet.hpp"
 #include "server/service/world_loop.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// A publisher or a client looks for servers every 2 s.
@@ -285,4 +285,4 @@ int run_once(const Options& options) {
   return result.equal == result.asked ? 0 : 1;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -8,7 +8,7 @@
 
 #include "server/service/options.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// What stops a start: one sentence for the user.
 struct StartError : std::runtime_error {
@@ -41,4 +41,4 @@ int run_once(const Options& options);
 
 std::string version_text();
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -8,7 +8,7 @@
 #include "server/service/options.hpp"
 #include "server/service/quantities.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using Values = std::span<const std::string>;
@@ -252,4 +252,4 @@ std::span<const Setting> settings() {
   return kSettings;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

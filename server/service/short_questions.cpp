@@ -2,7 +2,7 @@
 
 #include "server/service/ask.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 bool ShortQuestions::is_short(const wire::Query& query, std::int64_t now_ns) const {
   return now_ns >= not_before_ns_ && is_single(query) && query.text[0] == 0 &&
@@ -16,4 +16,4 @@ void ShortQuestions::took(std::int64_t started_ns, std::int64_t ended_ns) {
   long_in_a_row_ = 0;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

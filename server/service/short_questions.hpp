@@ -4,7 +4,7 @@
 
 #include "idl/dds.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Which questions the reading thread may answer itself. Whoever reads keeps poses and other questions waiting, so it
 /// is told how long each took and stays away for a while after two in a row that took too long.
@@ -24,4 +24,4 @@ class ShortQuestions {
   int long_in_a_row_ = 0;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

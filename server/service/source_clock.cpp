@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) {
   // Beyond this no difference of two overflows; 1970 plus or minus 146 years.
@@ -51,4 +51,4 @@ std::optional<std::int64_t> SourceClock::behind_ns() const {
   return least_ns;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -6,7 +6,7 @@
 
 #include "idl/topics.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// What one publisher's stamp means in world time.
 enum class StampKind : std::uint8_t {
@@ -54,4 +54,4 @@ class SourceClock {
   std::int64_t least_before_ns_ = kNoBatch;  // and in the one before
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

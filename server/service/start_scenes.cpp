@@ -12,7 +12,7 @@
 #include "server/service/server.hpp"
 #include "server/world/plan.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// A line on the terminal that is drawn again and again and leaves no trace; nothing for the first moments and where
@@ -93,4 +93,4 @@ std::string_view how_to_ask() {
          "  collide watch                    collisions as they begin and end\n";
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -5,7 +5,7 @@
 
 #include "server/service/duration_counts.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// A number that one thread writes and any thread reads.
 class Tally {
@@ -50,4 +50,4 @@ struct StepSums {
   Tally stamps_missing;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <string_view>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 void notify_supervisor(const std::string& state) {
   const char* name = std::getenv("NOTIFY_SOCKET");
@@ -28,4 +28,4 @@ void notify_supervisor(const std::string& state) {
   close(file);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

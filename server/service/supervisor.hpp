@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Tells the process that supervises us (systemd) a state such as "READY=1" over the datagram socket that NOTIFY_SOCKET
 /// names; does nothing where it names none.
@@ -10,4 +10,4 @@ namespace collided::service {
 /// source  sd_notify(3), "Standalone Implementations"
 void notify_supervisor(const std::string& state);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

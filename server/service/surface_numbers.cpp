@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 std::uint64_t SurfaceNumbers::number_of(const std::shared_ptr<const TriangleMesh>& mesh) {
   return number_of(mesh.get(), {.mesh = mesh, .scene = {}});
@@ -36,4 +36,4 @@ void SurfaceNumbers::forget_what_is_gone() {
   sweep_at_ = std::max<std::size_t>(256, 2 * known_.size());
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

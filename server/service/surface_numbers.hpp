@@ -6,7 +6,7 @@
 
 #include "server/world/object.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Numbers by which viewers ask for surfaces: one a mesh, however many objects share it, never used again. Keeps no
 /// mesh alive. One thread.
@@ -36,4 +36,4 @@ class SurfaceNumbers {
   std::size_t sweep_at_ = 256;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

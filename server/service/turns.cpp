@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// As the kernel has it; the C library of today does not.
@@ -34,4 +34,4 @@ bool ask_for_turns(std::chrono::nanoseconds turn) {
   return syscall(SYS_sched_setattr, 0, &attributes, 0U) == 0;
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

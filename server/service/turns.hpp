@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Of threads that somebody waits for: reading, the world's steps.
 inline constexpr std::chrono::nanoseconds kShortTurn = std::chrono::microseconds(100);
@@ -18,4 +18,4 @@ inline constexpr std::chrono::nanoseconds kLongTurn = std::chrono::milliseconds(
 /// source   Stoica, Abdel-Wahab, "Earliest Eligible Virtual Deadline First", 1995; sched_setattr(2)
 bool ask_for_turns(std::chrono::nanoseconds turn);
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -14,7 +14,7 @@
 #include "server/service/border.hpp"
 #include "server/service/random_number.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 namespace fs = std::filesystem;
 namespace names = wire_contract::command;
@@ -218,4 +218,4 @@ void UploadDesk::drop_forgotten() {
   }
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

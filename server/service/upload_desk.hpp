@@ -14,7 +14,7 @@
 #include "server/service/command_arguments.hpp"
 #include "server/service/work_queue.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Takes files of clients in pieces, in any order and any number of times, each with its checksum, into a folder of its
 /// own; a file that is there to its last byte is handed on to be loaded. On a thread of its own. What is begun and not gone
@@ -82,4 +82,4 @@ class UploadDesk {
   std::thread thread_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

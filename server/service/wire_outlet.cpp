@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 dds::WriterOptions counting(std::atomic<std::uint32_t>& readers) {
@@ -159,4 +159,4 @@ void WireOutlet::leave() {
   status_writer_.wait_for_acknowledgements(kPatienceNs);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -8,7 +8,7 @@
 #include "server/service/flight_recorder.hpp"
 #include "server/service/outlet.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Who this server is, on everything it writes.
 struct Identity {
@@ -60,4 +60,4 @@ class WireOutlet : public Outlet {
   dds::Sample<wire::Status> status_, step_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -9,7 +9,7 @@
 
 #include "server/service/ring.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 /// Work for several threads, in order of arrival. The bound is kept by who pushes: see has_room().
 template <class Item>
@@ -54,4 +54,4 @@ class WorkQueue {
   bool closed_ = false;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -11,7 +11,7 @@
 #include "server/intake/scene_file.hpp"
 #include "server/service/out_of_memory.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 using wire_contract::EndReason;
 using wire_contract::ServerState;
@@ -361,4 +361,4 @@ void WorldLoop::say_notices() {
   for (const std::string& sentence : publishers_.take_notices()) around_.notice(sentence);
 }
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

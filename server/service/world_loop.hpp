@@ -20,7 +20,7 @@
 #include "server/service/step_sums.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 
 struct LoopOptions {
   std::int64_t step_ns = 0;      // 0: a step as soon as something has changed
@@ -152,4 +152,4 @@ class WorldLoop {
   std::map<std::uint64_t, std::string> publisher_names_;
 };
 
-}  // namespace collided::service
+}  // namespace collided::engine::service

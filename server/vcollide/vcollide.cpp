@@ -14,6 +14,8 @@
 #include "server/world/touch.hpp"
 
 namespace collided::vcollide {
+
+using namespace engine;
 namespace {
 
 /// How far products of the matrix's columns may be from a rotation's: as for the quaternions of the service.

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Of one sum of two numbers that are not negative.
@@ -91,4 +91,4 @@ void ApartMemory::end_step() {
   std::erase_if(pairs_, [&](const auto& pair) { return pair.second.asked + kStepsKept < step_; });
 }
 
-}  // namespace collided
+}  // namespace collided::engine

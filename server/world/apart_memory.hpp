@@ -4,7 +4,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace collided {
+namespace collided::engine {
 
 /// Pairs that were found a gap apart, and how far their objects have gone since: until the gap is used up they cannot
 /// have met, and are not tested again. For pairs whose test is dear: meshes.
@@ -58,4 +58,4 @@ class ApartMemory {
   std::uint64_t step_ = 0;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

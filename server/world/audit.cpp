@@ -15,7 +15,7 @@
 #include "server/world/parts.hpp"
 #include "server/world/question_shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -220,4 +220,4 @@ std::string audit(const Snapshot& snapshot, const Questions& question, const Ans
   return claims ? Auditor(snapshot, question, given).run() : std::string();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

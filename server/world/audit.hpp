@@ -4,7 +4,7 @@
 
 #include "server/world/query.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Works one answer out again and compares: every part of every object by rationals alone, without index, filter or
 /// float. Parts that are far off by a plain and generous comparison are passed over.
@@ -17,4 +17,4 @@ namespace collided {
 /// threads   any
 std::string audit(const Snapshot& snapshot, const Questions& question, const Answers& given);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/world/question_shapes.hpp"
 #include "server/world/snapshot.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::QueryKind;
@@ -139,4 +139,4 @@ BoxesAnswer answer_by_boxes(const Snapshot& snapshot, const Questions& question)
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

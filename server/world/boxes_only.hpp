@@ -5,7 +5,7 @@
 
 #include "server/world/query.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What the broad phase alone would say, for the price list: bounding boxes stand for what is in them. Never a miss
 /// that is a hit; often the other way round.
@@ -17,4 +17,4 @@ struct BoxesAnswer {
 /// question  one question, checked
 BoxesAnswer answer_by_boxes(const Snapshot& snapshot, const Questions& question);
 
-}  // namespace collided
+}  // namespace collided::engine

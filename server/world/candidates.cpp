@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// With fewer movers than one in so many objects, each asks the grid for its own pairs. All pairs at once are cheaper by
@@ -130,4 +130,4 @@ bool Candidates::consider(std::uint32_t first, std::uint32_t second) {
   return !cost_.truncated;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

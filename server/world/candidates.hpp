@@ -8,7 +8,7 @@
 #include "server/broad_phase/grid.hpp"
 #include "server/world/decisions.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The candidates of one step: everything that may meet by the bounds of its motion is offered to the decisions, once.
 class Candidates {
@@ -49,4 +49,4 @@ class Candidates {
   Waiting waiting_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

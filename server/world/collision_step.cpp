@@ -5,7 +5,7 @@
 #include "server/world/inner_edges.hpp"
 #include "server/world/world_state.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::int64_t now_ns() {
@@ -115,4 +115,4 @@ void World::State::decide(const StepView& step, const Grid& grid) {
   decisions.end_parted(last_step_ns);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

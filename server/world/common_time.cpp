@@ -4,7 +4,7 @@
 #include "server/exact_phase/ball_filter.hpp"
 #include "server/world/decisions.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Doubt;
@@ -347,4 +347,4 @@ bool Decisions::may_begin() {
   return !cost_.truncated;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include <limits>
 #include <tuple>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
@@ -218,4 +218,4 @@ void ContactLedger::finish_step() {
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/exact_phase/body_way.hpp"
 #include "server/world/events.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Two touching objects as the exact phase found them; the contact's normal points from a to b, a < b.
 struct FoundContact {
@@ -123,4 +123,4 @@ class ContactLedger {
   bool persisted_wanted_ = false;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "server/world/pair_report.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Every edge has exactly two triangles that run along it in turn, by vertices with equal coordinates.
@@ -131,4 +131,4 @@ Contained containment(const Placed& a, const Placed& b) {
   return lies_in(b, a) ? Contained::b_in_a : Contained::none;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

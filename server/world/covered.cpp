@@ -9,7 +9,7 @@
 #include "server/world/question_shapes.hpp"
 #include "server/world/sweep.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::QueryKind;
@@ -49,7 +49,7 @@ struct Extent {
 
   bool is_within(const Aabb& box) const {
     for (int axis = 0; axis < 3; ++axis) {
-      if (!collided::is_within(from[axis], down[axis], up[axis], box.low[axis], box.high[axis])) return false;
+      if (!engine::is_within(from[axis], down[axis], up[axis], box.low[axis], box.high[axis])) return false;
     }
     return true;
   }
@@ -224,4 +224,4 @@ std::optional<Leaving> leaves_covered(const Questions& asked, const double* n, s
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

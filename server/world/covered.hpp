@@ -8,7 +8,7 @@
 #include "server/geometry/ray.hpp"
 #include "server/world/query.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The way from a question's beginning (a ray's origin, the middle of a ball or box, the first place of a sweep) to where
 /// what was asked leaves the covered space.
@@ -32,4 +32,4 @@ std::optional<Leaving> leaves_covered(const Questions& asked, const double* numb
 /// The same of the ray's first length_m.
 std::optional<Leaving> leaves_covered(const Ray& ray, std::span<const Aabb> covers);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Doubt;
@@ -201,4 +201,4 @@ BodyWay::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_t s
   return way.velocity(point, rows_.has_moved(slot) ? time : 1, static_cast<double>(way_ns) * 1e-9, slack_s);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

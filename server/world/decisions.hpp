@@ -14,7 +14,7 @@
 #include "server/world/sweep.hpp"
 #include "server/world/world.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What a step goes by when it decides; nothing of it changes meanwhile.
 struct StepView {
@@ -142,7 +142,7 @@ class Decisions {
   void look_for_gap(std::uint32_t mover, const StaticScene& scene, std::uint32_t partner);
   void remember_gap(std::uint32_t slot, std::uint32_t partner, double gap_m, bool there_is);
 
-  bool is_bare_mesh(std::uint32_t slot) const { return collided::is_bare_mesh(*rows_.info(slot)); }
+  bool is_bare_mesh(std::uint32_t slot) const { return engine::is_bare_mesh(*rows_.info(slot)); }
   Placed placed(std::uint32_t slot) const {
     return {.info = rows_.info(slot), .frame = &rows_[slot].frame, .bounds = rows_[slot].bounds};
   }
@@ -161,4 +161,4 @@ class Decisions {
   WalkCost walk_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

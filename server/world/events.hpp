@@ -7,7 +7,7 @@
 #include "server/exact_phase/contact.hpp"
 #include "server/world/object.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// One contact that holds: of objects a < b (by id), from `began` to `ended`.
 struct OpenContact {
@@ -34,4 +34,4 @@ struct Event {
   double velocity_error = 0;  // |truth - relative_velocity| <= velocity_error, m/s
 };
 
-}  // namespace collided
+}  // namespace collided::engine

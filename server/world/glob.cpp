@@ -1,6 +1,6 @@
 #include "server/world/query.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Matches one set "[...]" at pattern[at]; moves `at` past it. A set without an end is a plain '['.
@@ -65,4 +65,4 @@ bool glob_matches(std::string_view pattern, std::string_view text) {
   return p == pattern.size();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

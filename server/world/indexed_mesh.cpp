@@ -4,7 +4,7 @@
 
 #include "server/world/part_index.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 double radius_of(const TriangleMesh& mesh) {
@@ -33,4 +33,4 @@ ObjectInfo without_world(const Shape& shape) {
   return info;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

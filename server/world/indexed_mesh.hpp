@@ -5,7 +5,7 @@
 #include "server/geometry/shape.hpp"
 #include "server/world/object.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A mesh with the index that was built of it.
 std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMesh> mesh, BspTree tree);
@@ -13,4 +13,4 @@ std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMe
 /// A shape that is in no world, as an object without name or place; its mesh is indexed by the calling thread.
 ObjectInfo without_world(const Shape& shape);
 
-}  // namespace collided
+}  // namespace collided::engine

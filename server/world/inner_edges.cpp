@@ -9,7 +9,7 @@
 #include "server/exact_phase/convex.hpp"
 #include "server/exact_phase/value.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::Convex;
@@ -193,4 +193,4 @@ void correct_inner_edges(const ObjectRows& rows, const std::vector<std::shared_p
   Correction(rows, scenes, ledger).run();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include "server/world/contact_ledger.hpp"
 #include "server/world/object_rows.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Gives contacts with the inner edges of a surface that several bodies make the normal of its face: a ball that rolls
 /// from a box onto its neighbour would else stumble over the edge between them.
@@ -22,4 +22,4 @@ namespace collided {
 void correct_inner_edges(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes,
                          ContactLedger& ledger);
 
-}  // namespace collided
+}  // namespace collided::engine

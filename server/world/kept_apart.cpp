@@ -1,7 +1,7 @@
 #include "server/world/scene_touch.hpp"
 #include "server/world/decisions.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// A gap is looked for that is used up after so many steps like this one, so that looking for it pays.
@@ -41,4 +41,4 @@ void Decisions::look_for_gap(std::uint32_t mover, const StaticScene& scene, std:
   remember_gap(mover, partner, gap_m, there_is);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -15,7 +15,7 @@
 #include "server/world/question_shapes.hpp"
 #include "server/world/random_questions.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -201,4 +201,4 @@ std::vector<MenuRow> menu_of(const Snapshot& snapshot, const MenuOptions& option
   return menu;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

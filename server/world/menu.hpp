@@ -7,7 +7,7 @@
 
 #include "server/world/query.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What one way of answering one kind of question costs in this world, and how far off it is.
 struct MenuRow {
@@ -33,4 +33,4 @@ struct MenuOptions {
 /// threads  any, for as long as it takes: some microseconds a question and method
 std::vector<MenuRow> menu_of(const Snapshot& snapshot, const MenuOptions& options);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// The same time of the same segment is the same place to the bit, whoever asks.
@@ -117,4 +117,4 @@ Frame MotionHistory::at(std::uint32_t slot, std::int64_t time_ns, const Frame& r
   return later == nullptr ? segments_[slot].back().to : place_on(*later, time_ns);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include "server/exact_phase/body_way.hpp"
 #include "server/geometry/aabb.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// An object on its way from one pose to the next; a jump where both are at one time. A sphere alone goes straight with
 /// its centre, so its frames do not turn.
@@ -63,4 +63,4 @@ class MotionHistory {
   std::vector<std::uint32_t> travelling_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "server/world/question_shapes.hpp"
 #include "server/world/scene_levels.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// The nearest objects so far: at most max_hits of them, one entry an object, ordered.
@@ -246,4 +246,4 @@ void ask_near(Question& question, const double* n) {
   widen_bounds(question);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

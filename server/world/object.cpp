@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace collided {
+namespace collided::engine {
 
 std::uint32_t StaticScene::part_of(std::uint32_t triangle) const {
   const auto after = std::upper_bound(parts.begin(), parts.end(), triangle,
@@ -16,4 +16,4 @@ std::uint64_t StaticScene::bytes() const {
          part_objects.capacity() * sizeof(ObjectId);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

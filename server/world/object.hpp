@@ -11,7 +11,7 @@
 #include "server/geometry/shape.hpp"
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Slot in the low 32 bits, generation in the high ones: a reused slot is another object.
 using ObjectId = std::uint64_t;
@@ -72,4 +72,4 @@ struct StaticScene {
 /// Every object by slot; a free slot is null. Immutable, replaced as a whole when a definition changes.
 using ObjectTable = std::vector<std::shared_ptr<const ObjectInfo>>;
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/world/touch.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 ObjectTable& ObjectRows::table_to_change() {
   ++table_version_;
@@ -179,4 +179,4 @@ std::optional<ObjectId> ObjectRows::find(std::string_view name) const {
   return found->second;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -14,7 +14,7 @@
 #include "server/world/sources.hpp"
 #include "server/world/sweep.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// How an object came to where it is since the last step.
 enum class Motion : std::uint8_t { none, moved, placed };  // placed: new or teleported, so there is no way between
@@ -125,4 +125,4 @@ class ObjectRows {
   std::uint64_t step_ = 0;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

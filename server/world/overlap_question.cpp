@@ -2,7 +2,7 @@
 #include "server/world/question.hpp"
 #include "server/world/question_shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::reported_at_most;
@@ -108,4 +108,4 @@ void ask_box(Question& question, const double* n) {
   finish_overlap(question);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 #include "server/exact_phase/ball_filter.hpp"
 #include "server/world/decisions.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Looks at parts that the sweep of one pair may take: some 20 ms, that the others wait for.
@@ -92,4 +92,4 @@ std::optional<SweptTouch> Decisions::sweep_sphere(std::uint32_t mover, std::uint
   return sweep.found;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

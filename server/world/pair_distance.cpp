@@ -4,7 +4,7 @@
 #include "server/world/pair_report.hpp"
 #include "server/world/scene_touch.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// A first bound: from one part of a to b's parts, where b is small; else any pair of parts will do to begin with.
@@ -132,4 +132,4 @@ Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost) {
   return best;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/world/pair_report.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// A range of one object's parts, which the search sorts as it splits them.
@@ -189,7 +189,7 @@ std::optional<Proof> proof_of_touching(const Placed& a, const Placed& b, WalkCos
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
     if (!overlaps(of_a.part, of_b.part).yes()) return true;
     Proof found;
-    if (prove_touching(of_a.part, of_b.part, collided::contact(of_a.part, of_b.part).point, found)) {
+    if (prove_touching(of_a.part, of_b.part, engine::contact(of_a.part, of_b.part).point, found)) {
       found.a = {{of_a.part, of_a.triangle}};
       found.b = {{of_b.part, of_b.triangle}};
       proof = std::move(found);
@@ -224,4 +224,4 @@ std::optional<Proof> proof_of(const Placed& a, const Placed& b, bool touches, st
   return proof;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/world/indexed_mesh.hpp"
 #include "server/world/stale_reach.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// An object as the walks over pairs want it: a part of a scene gets a mesh of its own, whose index is built here.
@@ -148,7 +148,7 @@ std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const C
   std::vector<ManifoldPoint> points;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
     if (!overlaps(of_a.part, of_b.part).yes()) return true;
-    const Contact here = collided::contact(of_a.part, of_b.part);
+    const Contact here = engine::contact(of_a.part, of_b.part);
     if (here.normal.dot(contact.normal) < kSameWay) return true;
     const std::size_t before = points.size();
     append_manifold(of_a.part, of_b.part, here, contact.normal, points);
@@ -163,4 +163,4 @@ std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const C
   return points;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "server/world/part_pairs.hpp"
 #include "server/world/snapshot.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 struct PairAsk {
   bool certificate = false;
@@ -65,4 +65,4 @@ std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const C
 /// Why they touch, or that they do not; `why_not` says why there is none.
 std::optional<Proof> proof_of(const Placed& a, const Placed& b, bool touches, std::string& why_not, WalkCost& cost);
 
-}  // namespace collided
+}  // namespace collided::engine

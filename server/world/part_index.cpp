@@ -5,7 +5,7 @@
 
 #include "server/geometry/aabb.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::size_t kFewParts = 16;
@@ -36,4 +36,4 @@ std::shared_ptr<const IndexedParts> index_parts(std::span<const Primitive> parts
   return indexed;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

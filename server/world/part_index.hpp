@@ -5,7 +5,7 @@
 
 #include "server/world/object.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Many primitives of one object with an index over their bounds, in the object's frame; candidates are their numbers.
 /// Only walk_box may be asked of the tree: its other walks look at triangles, and here there are none.
@@ -19,4 +19,4 @@ struct IndexedParts {
 /// cost  10 ms for 100,000
 std::shared_ptr<const IndexedParts> index_parts(std::span<const Primitive> parts);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -1,6 +1,6 @@
 #include "server/world/part_pairs.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// One walk: ends everywhere as soon as the visit wants no more.
@@ -75,4 +75,4 @@ std::vector<PlacedPart> parts_of(const Placed& object) {
   return parts;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

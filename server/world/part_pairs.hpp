@@ -6,7 +6,7 @@
 #include "server/exact_phase/part.hpp"
 #include "server/world/touch.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A part of an object at its pose: a triangle by its number in the object's mesh, or a primitive by its own.
 struct PlacedPart {
@@ -22,4 +22,4 @@ void visit_part_pairs(const Placed& a, const Placed& b, double gap_m, const Part
 /// All parts of an object.
 std::vector<PlacedPart> parts_of(const Placed& object);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/world/snapshot.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Calls visit(object, triangle, shape) for every part of every object, in world coordinates, without an index:
 /// shape is a Sphere, Box, Capsule or Triangle; triangle its number within the object, or kNoTriangle.
@@ -50,4 +50,4 @@ void visit_part(const Snapshot& snapshot, ObjectId object, std::uint32_t triangl
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/world/part_index.hpp"
 #include "server/world/scene_levels.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 struct Counts {
@@ -176,4 +176,4 @@ std::vector<PairRow> pair_table() {
   return rows;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "server/world/snapshot.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 struct PlanRow {
   std::string structure;
@@ -27,4 +27,4 @@ std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted);
 PlanRow plan_of_probes(std::size_t count, bool are_read);
 std::vector<PairRow> pair_table();
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/world/step_motion.hpp"
 #include "server/world/touch.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// One object's place may have become another's, whose publisher's time is behind: then there were both.
@@ -192,4 +192,4 @@ Frame PoseMemory::frame_at(const Life& life, std::int64_t time_ns) const {
   return way_between(lone_sphere(*life.info), before, frame_of(next->pose)).at(part);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 
 #include "server/world/snapshot.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 class ObjectRows;
 class Sources;
@@ -107,4 +107,4 @@ class PoseMemory {
   std::size_t move_count_ = 0;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/world/covered.hpp"
 #include "server/world/question.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 using wire_contract::ProbeState;
 
@@ -167,4 +167,4 @@ void Probes::read(const Snapshot& snapshot, const Find& find, std::vector<ProbeR
   for (const Probe& probe : probes_) readings.push_back(read(snapshot, probe));
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "server/world/query.hpp"
 #include "server/world/world.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A ray fixed to an object, under a wheel say, that measures its clearance: it begins back_m behind the origin, and
 /// what it meets first, less back_m, is the signed distance of the origin from that surface. Looking from behind, an
@@ -78,4 +78,4 @@ class Probes {
   std::vector<AnswerHit> found_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "server/world/question.hpp"
 #include "server/world/stale_reach.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -262,4 +262,4 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, questions, answers);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -12,7 +12,7 @@
 #include "server/geometry/vector.hpp"
 #include "server/world/snapshot.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Questions of one kind with what may answer them.
 struct Questions {
@@ -83,4 +83,4 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
 /// Shell-style: * any run, ? any one character, [a-z] [!a-z] sets. An empty pattern is the caller's business.
 bool glob_matches(std::string_view pattern, std::string_view text);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "server/world/query.hpp"
 #include "server/world/scene_touch.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// One question at work: what it may see, and what it has met so far. The kinds of questions (ray_question,
 /// overlap_question, near_question, sweep_question) fill `found`, ordered, and set the rest.
@@ -64,4 +64,4 @@ inline bool nearer_first(const AnswerHit& a, const AnswerHit& b) {
   return a.object != b.object ? a.object < b.object : a.triangle < b.triangle;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

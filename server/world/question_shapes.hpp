@@ -4,7 +4,7 @@
 #include "server/geometry/ray.hpp"
 #include "server/geometry/shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 // A question's numbers (Query.numbers in collided.idl), checked before, as the set that is asked about.
 
@@ -21,4 +21,4 @@ inline Box box_of(const double* n) {
   return {.center = pose.position, .axes = frame_of(pose).rotation, .half_m = {n[3], n[4], n[5]}};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

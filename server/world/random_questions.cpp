@@ -4,7 +4,7 @@
 
 #include "server/world/parts.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 using wire_contract::QueryKind;
 
@@ -46,4 +46,4 @@ std::vector<double> RandomQuestions::question(QueryKind kind) {
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/world/query.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Random questions about a place a tenth larger than a world. The same seed asks the same.
 class RandomQuestions {
@@ -33,4 +33,4 @@ class RandomQuestions {
   Vec3 high_ = Vec3::Zero();
 };
 
-}  // namespace collided
+}  // namespace collided::engine

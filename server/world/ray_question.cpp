@@ -8,7 +8,7 @@
 #include "server/world/question.hpp"
 #include "server/world/question_shapes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::RayMode;
@@ -311,4 +311,4 @@ void ask_rays(std::span<std::optional<Question>> questions, std::span<const doub
   for (std::optional<RayWalk>& walk : walks) walk->finish();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include "server/world/scene_touch.hpp"
 #include "server/world/decisions.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::kNoTriangle;
@@ -116,4 +116,4 @@ void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene)
   visit_scene_pairs(scene, *a.info->mesh, *a.frame, walk_, visit);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/world/surface_distance.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::size_t kFewerBy = 4;
@@ -66,4 +66,4 @@ const SceneLevel* coarsest_within(const std::vector<std::shared_ptr<const SceneL
   return nullptr;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "server/intake/collapse_order.hpp"
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A simpler form of a scene's mesh: distances to its parts are those to the scene's, off by off_by_m at most.
 struct SceneLevel {
@@ -39,4 +39,4 @@ std::vector<std::shared_ptr<const SceneLevel>> build_levels(const TriangleMesh& 
 /// The coarsest level that is off by no more than that; null: none is.
 const SceneLevel* coarsest_within(const std::vector<std::shared_ptr<const SceneLevel>>& levels, double error_m);
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 
 #include "server/world/touch.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// One part of a static scene that was touched, or may have been (touch.undecided).
 struct PartTouch {
@@ -99,4 +99,4 @@ void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const 
   scene.tree.walk_pairs(mesh.tree, frame.rotation, frame.position, slack_m + gap_m, candidate, &context, cost);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

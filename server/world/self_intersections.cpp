@@ -8,7 +8,7 @@
 #include "server/exact_phase/parted_in_projection.hpp"
 #include "server/intake/mesh_health.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Corners in common: how many, and which of a is which of b.
@@ -105,4 +105,4 @@ SelfIntersections self_intersections(const TriangleMesh& mesh, const BspTree& tr
   return std::move(search.result);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

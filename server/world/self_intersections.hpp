@@ -7,7 +7,7 @@
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Two triangles of one mesh that have more in common than the corners they share.
 struct TrianglePair {
@@ -42,4 +42,4 @@ struct SearchControl {
 /// threads   one; the result does not depend on the tree
 SelfIntersections self_intersections(const TriangleMesh& mesh, const BspTree& tree, const SearchControl& control = {});
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace collided {
+namespace collided::engine {
 
 SnapshotRing::Lease::Lease(const Lease& other) : ring_(other.ring_), index_(other.index_) {
   if (ring_ != nullptr) ring_->states_[index_].readers.fetch_add(1, std::memory_order_relaxed);
@@ -47,4 +47,4 @@ Snapshot* SnapshotRing::writable() {
 
 void SnapshotRing::publish() { newest_.store(filling_, std::memory_order_seq_cst); }
 
-}  // namespace collided
+}  // namespace collided::engine

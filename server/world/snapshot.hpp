@@ -11,7 +11,7 @@
 #include "server/geometry/pose.hpp"
 #include "server/world/object.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// An object whose publisher is lost: where it was seen last, and how fast it was then.
 struct StaleObject {
@@ -90,4 +90,4 @@ class SnapshotRing {
   std::uint32_t filling_ = 0;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

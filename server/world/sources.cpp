@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace collided {
+namespace collided::engine {
 
 std::uint32_t Sources::add_object(std::uint64_t publisher) {
   const auto [entry, is_new] = numbers_.try_emplace(publisher, 0);
@@ -124,4 +124,4 @@ void Sources::end_step() {
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

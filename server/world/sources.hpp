@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace collided {
+namespace collided::engine {
 
 /// What never moves is known for ever.
 inline constexpr std::int64_t kForEver = std::numeric_limits<std::int64_t>::max();
@@ -106,4 +106,4 @@ class Sources {
   std::int64_t floor_ns_ = 0;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/world/question_shapes.hpp"
 #include "server/world/sweep.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -111,4 +111,4 @@ void doubt_where_stale_objects_reach(const Snapshot& snapshot, const Questions& 
   }
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/world/query.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// An object whose publisher is lost may have gone on. It is somewhere about its last pose, within the speed of its last
 /// way times the age of that pose, whichever way it turned. Where that could change what was answered (a miss, or a
@@ -20,4 +20,4 @@ std::optional<Aabb> unknown_region(const Snapshot& snapshot, ObjectId id);
 
 inline constexpr std::int64_t kAgeSlackNs = 500'000'000;
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/world/touch.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 BodyWay way_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now) {
   if (!lone_sphere) return {before, now};
@@ -37,7 +37,7 @@ void StepMotion::begin_step(const Sources& sources, ApartMemory& apart) {
     swept_[slot] = needs_sweep(slot) ? 1 : 0;
     bounds_[slot] = row.bounds;
     if (way) {
-      bounds_[slot].extend(collided::bounds(*way));
+      bounds_[slot].extend(engine::bounds(*way));
     } else if (is_swept(slot)) {
       bounds_[slot] = quick_bounds(*rows_.info(slot), row.frame_before, row.frame, row.bounds, row.reach_m);
     }
@@ -82,7 +82,7 @@ void StepMotion::remember(std::uint32_t slot, const Source& source) {
     const BodyWay way = way_between(row.lone_sphere, row.frame_before, row.frame);
     segment.from = way.from;
     segment.to = way.to;
-    segment.bounds = collided::bounds(*rows_.info(slot), way, row.reach_m);
+    segment.bounds = engine::bounds(*rows_.info(slot), way, row.reach_m);
   } else {
     segment.bounds.extend(bounds_of(*rows_.info(slot), row.frame_before));
   }
@@ -114,7 +114,7 @@ BodyWay StepMotion::body_way(std::uint32_t slot) const {
 
 double StepMotion::longest_way_m(std::uint32_t slot, double reach_m) const {
   if (rows_.motion(slot) != Motion::moved) return 0;
-  return collided::longest_way_m(rows_[slot].frame_before, rows_[slot].frame, reach_m);
+  return engine::longest_way_m(rows_[slot].frame_before, rows_[slot].frame, reach_m);
 }
 
 void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way) {
@@ -141,4 +141,4 @@ void StepMotion::count_way(std::uint32_t slot, ApartMemory& apart) const {
                         placement_slack(rows_[slot].frame, 0, reach_m));
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "server/world/object_rows.hpp"
 #include "server/world/sweep.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// An object that is one sphere, between its last two poses.
 struct BallWay {
@@ -77,4 +77,4 @@ class StepMotion {
   MotionHistory history_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/geometry/surface_tolerance.hpp"
 #include "server/intake/weld.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Flat = Eigen::Vector2d;
@@ -169,4 +169,4 @@ double SheetOverTable::height_at_most(const Triangle& table, std::uint32_t seed)
   return height + kRim * size_ + kFlatSlack * (size_ + reach_);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Which triangles of a mesh hang together over an edge of exactly two triangles of one part. Corners with equal
 /// coordinates count as one.
@@ -75,4 +75,4 @@ class SheetOverTable {
   double reach_ = 0;    // the farthest coordinate met, for the roundings
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -12,7 +12,7 @@
 #include "server/intake/parallel.hpp"
 #include "server/world/surface_cover.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
@@ -184,4 +184,4 @@ double surface_distance(const PartedSurface& a, const PartedSurface& b, const Di
   return std::max(from_a_m, OneSide(b, a, options).bound(from_a_m));
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/broad_phase/bsp_tree.hpp"
 #include "server/geometry/mesh.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// A mesh with its index, and a number for each triangle: the part of the surface that it belongs to.
 struct PartedSurface {
@@ -32,4 +32,4 @@ struct DistanceOptions {
 ///          than a distance that does occur: Cignoni, Rocchini, Scopigno, "Metro", 1998, with bounds in place of samples
 double surface_distance(const PartedSurface& a, const PartedSurface& b, const DistanceOptions& options = {});
 
-}  // namespace collided
+}  // namespace collided::engine

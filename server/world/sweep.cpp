@@ -8,7 +8,7 @@
 #include "server/exact_phase/contact.hpp"
 #include "server/geometry/tolerance.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 template <class Part>
@@ -97,4 +97,4 @@ Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, co
   return grown(all, reach_m * turn_rad * turn_rad / 8 + 2 * error_m);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/world/swept_object.hpp"
 #include "server/world/touch.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The sphere that an object is, where it is nothing else: such objects are always swept between their poses.
 std::optional<Sphere> lone_sphere(const ObjectInfo& info);
@@ -42,4 +42,4 @@ Aabb bounds(const ObjectInfo& info, const BodyWay& way, double reach_m);
 /// So does this, of the way between two frames, from its bounds at the last: somewhat wider, without the way's arc cosine.
 Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end, double reach_m);
 
-}  // namespace collided
+}  // namespace collided::engine

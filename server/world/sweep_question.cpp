@@ -2,7 +2,7 @@
 #include "server/world/question_shapes.hpp"
 #include "server/world/sweep.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// As narrow as a way of a metre at a micrometre's resolution needs.
@@ -79,4 +79,4 @@ void ask_sweep(Question& question, const double* n) {
   question.found.push_back(first.hit);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

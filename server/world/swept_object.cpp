@@ -9,7 +9,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/world/touch.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::kNoTriangle;
@@ -282,4 +282,4 @@ bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions&
   return !search.is_exhausted();
 }
 
-}  // namespace collided
+}  // namespace collided::engine

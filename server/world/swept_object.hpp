@@ -8,7 +8,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/world/object.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// Something on its way, or resting: the primitives and the mesh of an object, or a scene's triangles.
 struct SweptBody {
@@ -63,4 +63,4 @@ void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, 
 bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of,
                  void* context);
 
-}  // namespace collided
+}  // namespace collided::engine

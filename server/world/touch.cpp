@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Roundings between a mesh point in its own frame and the same point placed and seen back, in units of 2^-53 of the
@@ -166,4 +166,4 @@ void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cos
   if (!touch.done() && b.info->mesh) touch_meshes(a, b, touch, cost);
 }
 
-}  // namespace collided
+}  // namespace collided::engine

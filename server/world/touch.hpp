@@ -14,7 +14,7 @@
 #include "server/world/object.hpp"
 #include "server/world/part_index.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// An object at its pose.
 struct Placed {
@@ -134,4 +134,4 @@ void touch_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t
   touch.yes = true;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -13,7 +13,7 @@
 #include "server/world/sweep.hpp"
 #include "server/world/world_state.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// The saved index where there is one and it is fit, else one built anew.
@@ -306,4 +306,4 @@ const ObjectTable& World::objects() const { return state_->rows.table(); }
 SnapshotRing::Lease World::newest() const { return state_->ring.newest(); }
 const PoseMemory& World::memory() const { return state_->memory; }
 
-}  // namespace collided
+}  // namespace collided::engine

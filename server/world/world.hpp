@@ -16,7 +16,7 @@
 #include "server/world/pose_memory.hpp"
 #include "server/world/snapshot.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 struct WorldOptions {
   std::uint64_t epoch = 1;
@@ -136,4 +136,4 @@ class World {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -13,7 +13,7 @@
 #include "server/world/step_motion.hpp"
 #include "server/world/world.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// What the writer keeps; snapshots are copies of it.
 struct World::State {
@@ -52,4 +52,4 @@ struct World::State {
   void gather_covers();
 };
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,6 +9,7 @@
 #include "tests/accuracy/quad.hpp"
 
 namespace collided::census {
+using namespace engine;
 
 // True numbers for shapes on the grid, in steps of the grid, to 110 bits: whole numbers up to the last root.
 

@@ -13,6 +13,7 @@
 #include "tests/oracle/seed.hpp"
 
 namespace collided::census {
+using namespace engine;
 namespace {
 
 /// COLLIDED_CASES asks for more than the default run's few.

@@ -9,6 +9,7 @@
 #include "server/geometry/mesh.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 inline btVector3 bullet(const Vec3& v) {
   return {static_cast<btScalar>(v[0]), static_cast<btScalar>(v[1]), static_cast<btScalar>(v[2])};

@@ -7,6 +7,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 

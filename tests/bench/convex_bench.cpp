@@ -12,6 +12,7 @@
 #include "tests/oracle/seed.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 constexpr std::size_t kPairs = 2000;

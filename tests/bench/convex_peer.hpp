@@ -6,6 +6,7 @@
 #include "server/geometry/pose.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 struct ConvexCase {
   Primitive shape;  // about its own middle

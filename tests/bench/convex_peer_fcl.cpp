@@ -10,6 +10,7 @@
 #include "tests/bench/convex_peer.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;

@@ -7,6 +7,7 @@
 #include "server/geometry/mesh.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 /// A mesh as Embree has it: its own copy in single precision. Not committed.
 inline RTCScene embree_scene(RTCDevice device, const TriangleMesh& mesh, RTCSceneFlags flags) {

@@ -8,6 +8,7 @@
 #include "server/geometry/mesh.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 using FclMesh = fcl::BVHModel<fcl::OBBRSS<double>>;
 

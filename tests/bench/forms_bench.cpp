@@ -20,6 +20,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 template <class Work>

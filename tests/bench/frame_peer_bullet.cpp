@@ -6,6 +6,7 @@
 #include "tests/bench/frame_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 btVector3 point(const Vec3& v) {

@@ -5,6 +5,7 @@
 #include "tests/bench/frame_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using Box3 = CGAL::Box_intersection_d::Box_d<double, 3>;

@@ -6,6 +6,7 @@
 #include "tests/bench/frame_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 /// Its manager over a dynamic tree of boxes.

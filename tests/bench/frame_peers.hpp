@@ -7,6 +7,7 @@
 #include "server/geometry/aabb.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 /// One library's moving boxes.
 class FramePeer {

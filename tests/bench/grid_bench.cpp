@@ -17,6 +17,7 @@
 #include "tests/oracle/seed.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using MakePeer = std::unique_ptr<FramePeer> (*)(std::span<const Aabb>);

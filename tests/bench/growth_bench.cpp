@@ -21,6 +21,7 @@
 #endif
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 constexpr int kRepeats = 5;

@@ -16,6 +16,7 @@
 #include "tests/oracle/seed.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 std::vector<Ray> rays_at(double reach, std::size_t count, std::mt19937_64& random) {

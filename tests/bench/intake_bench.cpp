@@ -26,6 +26,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 constexpr int kRepeats = 3;

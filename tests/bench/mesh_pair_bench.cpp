@@ -16,6 +16,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 /// Meridians and parallels: 2 * around * (around / 2) triangles.

@@ -6,6 +6,7 @@
 #include "tests/bench/mesh_pair_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;

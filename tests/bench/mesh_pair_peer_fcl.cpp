@@ -6,6 +6,7 @@
 #include "tests/bench/mesh_pair_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 class Fcl final : public MeshPairPeer {

@@ -2,6 +2,7 @@
 #include "tests/bench/ode_mesh.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 constexpr int kMostContacts = 0xffff;  // all that a call can tell

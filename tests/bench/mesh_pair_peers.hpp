@@ -10,6 +10,7 @@
 #include "server/geometry/pose.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 using TrianglePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 

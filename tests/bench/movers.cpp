@@ -3,6 +3,7 @@
 #include <cmath>
 
 namespace collided::bench {
+using namespace engine;
 
 using Uniform = std::uniform_real_distribution<double>;
 

@@ -8,6 +8,7 @@
 #include "server/geometry/aabb.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 enum class Motion { flight, teleport };
 

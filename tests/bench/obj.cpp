@@ -4,6 +4,7 @@
 #include <sstream>
 
 namespace collided::bench {
+using namespace engine;
 
 TriangleMesh read_obj(const std::string& path) {
   TriangleMesh mesh;

@@ -8,6 +8,7 @@
 #include "server/geometry/mesh.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 /// ODE runs from the first of these to the last one's end.
 class OdeRuns {

@@ -18,6 +18,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using wire_contract::QueryKind;

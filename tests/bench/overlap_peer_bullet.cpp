@@ -4,6 +4,7 @@
 #include "tests/bench/plain_triangle.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using Own3 = Three<btScalar>;

@@ -7,6 +7,7 @@
 #include "tests/bench/overlap_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;

@@ -6,6 +6,7 @@
 #include "tests/bench/plain_triangle.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using Float3 = Three<float>;

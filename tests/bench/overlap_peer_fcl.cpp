@@ -8,6 +8,7 @@
 #include "tests/bench/overlap_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using Model = fcl::BVHModel<fcl::OBBRSSd>;

@@ -5,6 +5,7 @@
 #include "tests/bench/overlap_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 /// Its trimesh collider: contacts, merged, so that only yes and no can be compared.

@@ -7,6 +7,7 @@
 #include "server/geometry/mesh.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 inline constexpr long kCannot = -1;
 

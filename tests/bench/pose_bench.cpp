@@ -18,7 +18,7 @@
 namespace {
 
 using namespace collided;
-using namespace collided::service;
+using namespace collided::engine::service;
 
 constexpr std::uint64_t kPublisher = 7;
 

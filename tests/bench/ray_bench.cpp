@@ -26,6 +26,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;

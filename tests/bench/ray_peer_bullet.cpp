@@ -4,6 +4,7 @@
 #include "tests/bench/ray_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 struct Nearest final : btTriangleRaycastCallback {

@@ -8,6 +8,7 @@
 #include "tests/bench/ray_peers.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;

@@ -8,6 +8,7 @@
 #include "server/geometry/ray.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 /// Another library's closest hit of a ray without end.
 class RayPeer {

@@ -5,6 +5,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 constexpr double kRoom_m = 5;

@@ -6,6 +6,7 @@
 #include "server/geometry/mesh.hpp"
 
 namespace collided::bench {
+using namespace engine;
 
 Vec3 on_sphere(std::mt19937_64& random);
 

@@ -19,6 +19,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 constexpr std::int64_t kPeriodNs = 10'000'000;  // 100 Hz

@@ -13,6 +13,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 constexpr std::size_t kWays = 1000;

@@ -10,6 +10,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::bench {
+using namespace engine;
 namespace {
 
 struct Bounds {

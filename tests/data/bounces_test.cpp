@@ -4,6 +4,7 @@
 #include "tests/data/recorded.hpp"
 
 namespace collided::recorded {
+using namespace engine;
 namespace {
 
 class RecordedBounces : public RecordedReality {};

@@ -7,6 +7,7 @@
 #include "tests/data/recorded.hpp"
 
 namespace collided::recorded {
+using namespace engine;
 namespace {
 
 class RecordedPedestrians : public RecordedReality {

@@ -6,6 +6,7 @@
 #include "server/intake/scene.hpp"
 
 namespace collided::recorded {
+using namespace engine;
 
 Rows::Rows(const std::filesystem::path& file) : table_(oracle::read_table(file)) {
   EXPECT_FALSE(table_.rows.empty()) << file << " is not there or has no rows";

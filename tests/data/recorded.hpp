@@ -11,6 +11,7 @@
 #include "tests/oracle/exact_data.hpp"
 
 namespace collided::recorded {
+using namespace engine;
 
 /// A test of what really happened: the folder named by COLLIDED_DATA, or a skip that says so.
 class RecordedReality : public testing::Test {

@@ -12,6 +12,7 @@
 #include "tests/data/recorded.hpp"
 
 namespace collided::recorded {
+using namespace engine;
 namespace {
 
 class RecordedRobots : public RecordedReality {

@@ -5,7 +5,7 @@
 #include "server/service/border.hpp"
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::variant<Pose, Refusal> checked(const Quat& q) {
@@ -84,4 +84,4 @@ TEST(ExtremeQuaternionDrift, ContactsDoNotDrift) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

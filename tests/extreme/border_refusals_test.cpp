@@ -6,7 +6,7 @@
 #include "server/service/border.hpp"
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -185,4 +185,4 @@ TEST(ExtremeBorderRefusals, TheWorldsOwn) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

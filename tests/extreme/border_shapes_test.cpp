@@ -5,7 +5,7 @@
 #include "server/intake/scene_file.hpp"
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -64,4 +64,4 @@ TEST(ExtremeBorderShapes, TheOddComesInBitForBit) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "tests/extreme/candidates.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
@@ -80,4 +80,4 @@ TEST(ExtremeBroadTraps, AHostThatTrapsSurvives) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Centroid 0 exactly: (-2s, -s), (s, -s), (s, 2s) in three orientations, sizes over twelve decades.
@@ -46,4 +46,4 @@ TEST(ExtremeBspEqualCentroids, AnswersAreThoseOfTestingEachOne) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// n x n squares of two triangles in the plane `axis` = height; square (u, v) is triangles 2 (v n + u) and the next.
@@ -85,4 +85,4 @@ TEST(ExtremeBspFlat, AllOnOneLine) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

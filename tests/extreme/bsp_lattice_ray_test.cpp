@@ -5,7 +5,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Boxes of side 1 with shared faces on a 6^3 lattice: 2,592 triangles, half of them twice in one place.
@@ -50,4 +50,4 @@ TEST(ExtremeBspLatticeRay, RaysInTheCuttingPlanesEqualBruteForce) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

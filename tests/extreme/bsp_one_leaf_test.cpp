@@ -6,7 +6,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TriangleMesh identical(std::uint32_t count) {
@@ -56,4 +56,4 @@ TEST(ExtremeBspOneLeaf, BesideThePileNothingIsTested) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr std::uint32_t kCount = 2'000;
@@ -57,4 +57,4 @@ TEST(ExtremeBspSlivers, TheRightOneOfTwoThousand) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,6 +10,7 @@
 #include "tests/oracle/box_pairs.hpp"
 
 namespace collided::extreme {
+using namespace engine;
 
 using Numbers = std::vector<std::uint32_t>;
 using oracle::pairs_by_force;

@@ -5,7 +5,7 @@
 #include "server/exact_phase/contact.hpp"
 #include "server/exact_phase/overlap.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// The 24 turns that map the axes to themselves; mirrored ones too, which make the same box.
@@ -60,4 +60,4 @@ TEST(ExtremeAlignedBoxes, StacksOfABillionMetres) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

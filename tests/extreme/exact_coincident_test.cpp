@@ -5,7 +5,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/time_of_contact.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 void expect_depth(const Contact& found, double depth_m) {
@@ -52,4 +52,4 @@ TEST(ExtremeCoincident, MovingOutOfItselfTouchesAtTheStart) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

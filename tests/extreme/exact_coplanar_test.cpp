@@ -6,7 +6,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// (u, v) in the plane z = x + y, which no axis is parallel to; exact for small multiples of powers of two.
@@ -69,4 +69,4 @@ TEST(ExtremeCoplanar, ATriangleInTheFaceOfABox) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

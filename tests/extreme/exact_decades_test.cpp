@@ -6,7 +6,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// 10^-12 .. 10^12, each rounded to a double.
@@ -56,4 +56,4 @@ TEST(ExtremeDecades, AThousandthApartIsApart) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/time_of_contact.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 // A gap that vanishes in the first subtraction: beside coordinates of a half, 2^-1074 is lost at once, and the error of
@@ -33,4 +33,4 @@ TEST(ExtremeDenormalGap, AStepBeforeTheWallIsNoContact) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include "server/exact_phase/time_of_contact.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::down;
@@ -87,4 +87,4 @@ TEST(ExtremeFirstContact, ScaleDoesNotMatter) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::down;
@@ -49,4 +49,4 @@ TEST(ExtremeFlatShapes, RaysMeetThem) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

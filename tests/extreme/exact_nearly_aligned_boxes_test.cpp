@@ -6,7 +6,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Axes (1, s), (-s, 1) in a plane: a turn by s to first order, and exactly this parallelepiped by declaration.
@@ -69,4 +69,4 @@ TEST(ExtremeNearlyAlignedBoxes, ThinAndTall) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

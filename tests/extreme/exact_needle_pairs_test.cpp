@@ -7,7 +7,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kThin = 0x1p-20;
@@ -55,4 +55,4 @@ TEST(ExtremeNeedlePairs, BoxesFromTheSide) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 // The border refuses such input; should some get through, the answer is never "no" (a finite part of the shape may well
@@ -41,4 +41,4 @@ TEST(ExtremeNotFinite, OverflowInsideIsDecidedAllTheSame) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kFar = 1e8;
@@ -47,4 +47,4 @@ TEST(ExtremeOffsetDetail, DepthsAndDistancesAreTheDetailsOwn) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

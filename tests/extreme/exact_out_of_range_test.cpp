@@ -6,7 +6,7 @@
 #include "server/exact_phase/number.hpp"
 #include "server/exact_phase/overlap.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 // Products of lengths near 2^990 are beyond what an expansion holds; the greater of such a number and another one must
@@ -33,4 +33,4 @@ TEST(ExtremeOutOfRange, ATriangleInAHugeBoxIsFound) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/ray_cast.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kTiniest = std::numeric_limits<double>::denorm_min();
@@ -39,4 +39,4 @@ TEST(ExtremeRayDenormal, ZerosOfBothSignsAgree) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

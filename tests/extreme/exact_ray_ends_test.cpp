@@ -3,7 +3,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::down;
@@ -48,4 +48,4 @@ TEST(ExtremeRayEnds, AStartOnTheSurfaceIsAHitAtZero) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Random rays prove nothing about a filter: these are aimed, then bisected between a hit and a miss until the two
@@ -106,4 +106,4 @@ TEST(ExactRayTriangle, AgreesWithRationalsAtThePlane) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 const Triangle kFloor{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
@@ -62,4 +62,4 @@ TEST(ExtremeRayInPlane, SlantedPlanesAtEveryScale) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

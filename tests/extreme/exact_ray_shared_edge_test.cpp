@@ -3,7 +3,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// A closed bumpy ball: an octahedron whose faces are split and pushed out, vertices rounded.
@@ -55,4 +55,4 @@ TEST(ExtremeRaySharedEdge, EdgesHaveNoCracks) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

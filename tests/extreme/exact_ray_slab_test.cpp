@@ -5,7 +5,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 Box from_to(const Vec3& low, const Vec3& high) {
@@ -57,4 +57,4 @@ TEST(ExtremeRaySlab, ADenormalDirectionIsADirection) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::down;
@@ -47,4 +47,4 @@ TEST(ExtremeRayTangent, ABallOfNoSizeIsAPoint) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

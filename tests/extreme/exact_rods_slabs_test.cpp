@@ -7,7 +7,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 void expect_depth(const Contact& found, double depth_m) {
@@ -49,4 +49,4 @@ TEST(ExtremeRodsSlabs, ABallOnARodAndAThread) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

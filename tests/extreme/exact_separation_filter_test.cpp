@@ -6,7 +6,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 Box moved(const Box& box, const Vec3& by) { return {box.center + by, box.axes, box.half_m}; }
@@ -91,4 +91,4 @@ TEST(ExtremeSeparationFilter, DecidesGenericPairs) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::up;
@@ -36,4 +36,4 @@ TEST(ExtremeSizeRatio, TheGrainsDepthIsTheGrainsOwn) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr int kPowers[] = {-1000, -665, -512, 512, 665, 1000};
@@ -63,4 +63,4 @@ TEST(ExtremeSquaresOverflow, AcrossTheWholeRange) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

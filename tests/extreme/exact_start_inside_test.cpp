@@ -5,7 +5,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 template <class Shape>
@@ -57,4 +57,4 @@ TEST(ExtremeStartInside, OnTheSurfaceEveryDirectionHitsAtZero) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

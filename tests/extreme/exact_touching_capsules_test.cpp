@@ -3,7 +3,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::down;
@@ -48,4 +48,4 @@ TEST(ExtremeTouchingCapsules, AgainstBoxAndTriangle) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

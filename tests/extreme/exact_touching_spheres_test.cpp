@@ -4,7 +4,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::down;
@@ -47,4 +47,4 @@ TEST(ExtremeTouchingSpheres, PointsTouchOnlyThemselves) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::down;
@@ -56,4 +56,4 @@ TEST(ExtremeTouchingTriangles, WithoutAreaTheyAreSegmentsAndPoints) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 Triangle moved(const Triangle& t, const Vec3& by) { return {t.a + by, t.b + by, t.c + by}; }
@@ -70,4 +70,4 @@ TEST(ExtremeTriangleFilter, FarFromOriginAndOutOfRangeItClaimsNothingWrong) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

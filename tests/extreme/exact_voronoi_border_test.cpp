@@ -6,7 +6,7 @@
 #include "server/exact_phase/contact.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 void expect_depth(const Contact& found, double depth_m) {
@@ -54,4 +54,4 @@ TEST(ExtremeVoronoiBorder, InsideOnTheBisectorTheDepthIsOneNumber) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/exact_phase/time_of_contact.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kHalfWall = 0x1p-11;
@@ -67,4 +67,4 @@ TEST(ExtremeWallInTime, MotionsTooSmallToMatter) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 #include "tests/extreme/transformed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 const Triangle kSegment{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
@@ -59,4 +59,4 @@ TEST(ExtremeZeroArea, NearestPointsAndContactsAreNumbers) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

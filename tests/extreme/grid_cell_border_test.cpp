@@ -4,7 +4,7 @@
 #include "server/broad_phase/grid_levels.hpp"
 #include "tests/extreme/candidates.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kTiniest = 0x1p-1074;
@@ -74,4 +74,4 @@ TEST(ExtremeGridCellBorder, CornersOnTheGridsOwnBordersAreFoundFromBothSides) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/candidates.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::vector<Aabb> shells(int count) {
@@ -41,4 +41,4 @@ TEST(ExtremeGridConcentric, OverManySizes) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 
 #include "tests/extreme/candidates.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Unit cubes in a row along the diagonal, one in two touching its successor at a corner.
@@ -43,4 +43,4 @@ TEST(ExtremeGridFar, NearAndFarInOneGrid) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/broad_phase/grid_levels.hpp"
 #include "tests/extreme/candidates.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Unit cubes on all points of an 8^3 lattice, sharing faces.
@@ -71,4 +71,4 @@ TEST(ExtremeGridLatticeRay, TheLimitOnABorderTouchesTheNextCell) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 
 #include "tests/extreme/candidates.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(ExtremeGridLinePlane, PointsOnALine) {
@@ -52,4 +52,4 @@ TEST(ExtremeGridLinePlane, OneBoxAndNone) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

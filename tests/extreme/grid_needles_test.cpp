@@ -4,7 +4,7 @@
 #include "tests/extreme/candidates.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::vector<Aabb> bundle(int axis, int side, double pitch) {
@@ -68,4 +68,4 @@ TEST(ExtremeGridNeedles, PairsEndWhenTold) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "server/broad_phase/grid_levels.hpp"
 #include "tests/extreme/candidates.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kSize = 0.75;
@@ -64,4 +64,4 @@ TEST(ExtremeGridOneBucket, AWorldTooWideForItsKeysLosesNothing) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

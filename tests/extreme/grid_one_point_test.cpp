@@ -3,7 +3,7 @@
 
 #include "tests/extreme/candidates.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(ExtremeGridOnePoint, AHundredThousandCostNoMemoryOfPairs) {
@@ -40,4 +40,4 @@ TEST(ExtremeGridOnePoint, PairsAreCountedOnceEach) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

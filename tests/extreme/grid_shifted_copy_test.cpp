@@ -4,7 +4,7 @@
 
 #include "tests/extreme/candidates.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr int kSide = 8;
@@ -45,4 +45,4 @@ TEST(ExtremeGridShiftedCopy, CubesWithoutGapsTouchTheirNeighbours) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

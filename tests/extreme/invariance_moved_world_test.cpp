@@ -7,7 +7,7 @@
 #include "tests/extreme/mixed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// What happens to points; turn is exact and its own quaternion.
@@ -83,4 +83,4 @@ TEST(ExtremeInvarianceMovedWorld, ExactTurnsChangeNothing) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "tests/extreme/transformed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 extreme::Cast scaled(extreme::Cast cast, const extreme::Scaling& scale) {
@@ -57,4 +57,4 @@ TEST(ExtremeInvarianceScaledWorld, EveryAnswerAndContactIsTheSame) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "tests/extreme/mixed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Answers with names for ids, hits of a question in the order of (distance, name).
@@ -68,4 +68,4 @@ TEST(ExtremeInvarianceShuffle, TiesGoToTheLowerId) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

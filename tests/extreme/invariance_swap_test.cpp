@@ -10,7 +10,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::RandomShapes;
@@ -97,4 +97,4 @@ TEST(ExtremeInvarianceSwap, TheWorldsNormalFollowsTheIds) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "tests/extreme/mixed.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::size_t stride_of(wire_contract::QueryKind kind) {
@@ -127,4 +127,4 @@ TEST(ExtremeInvarianceBuild, TheNumberOfBuildingThreadsDoesNotShow) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::RandomShapes;
@@ -84,4 +84,4 @@ TEST(ExtremeInvarianceThreeFourFive, OrderOfHitsAndNearestDistances) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

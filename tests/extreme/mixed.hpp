@@ -5,6 +5,7 @@
 #include "tests/extreme/worlds.hpp"
 
 namespace collided::extreme {
+using namespace engine;
 
 /// Where coordinates come from. On the lattice of halves a good part of all things touch exactly; random ones are
 /// multiples of 2^-20, so that shifts, mirrorings and exact turns of them are exact as well.

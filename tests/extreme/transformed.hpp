@@ -8,6 +8,7 @@
 #include "server/geometry/shapes.hpp"
 
 namespace collided::extreme {
+using namespace engine;
 
 inline double up(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()); }
 inline double down(double x) { return std::nextafter(x, -std::numeric_limits<double>::infinity()); }

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EndReason;
@@ -73,4 +73,4 @@ TEST(ExtremeChatter, SlidingInTouchIsOneContact) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/mixed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::QueryKind;
@@ -61,4 +61,4 @@ TEST(ExtremeEmpty, OneTriangle) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

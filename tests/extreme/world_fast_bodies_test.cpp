@@ -8,7 +8,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EventKind;
@@ -158,4 +158,4 @@ TEST(ExtremeFastBodies, AJumpAndASlowStepAreNotSwept) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EventKind;
@@ -77,4 +77,4 @@ TEST(ExtremeFastRotation, AnOffCentreBallSweepsItsChord) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kDepth = 0x1p-7;
@@ -132,4 +132,4 @@ TEST(ExtremeInnerEdge, WallsAndStepsKeepTheirNormals) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

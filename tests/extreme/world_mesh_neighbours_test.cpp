@@ -5,7 +5,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// A unit cube of twelve triangles beside another: one contact if `touching`, as mover against mover, against static
@@ -64,4 +64,4 @@ TEST(ExtremeMeshNeighbours, MeshesAreSurfacesAndBoxesAreSolid) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/mixed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::QueryKind;
@@ -96,4 +96,4 @@ TEST(ExtremeOddButLegal, MinusZeroIsZeroToTheBit) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

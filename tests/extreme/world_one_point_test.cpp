@@ -7,7 +7,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(ExtremeOnePoint, EveryPairBeginsOnceAndEndsOnce) {
@@ -72,4 +72,4 @@ TEST(ExtremeOnePoint, AHundredThousandAnswerWithinTheLimitsAsked) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EventKind;
@@ -64,4 +64,4 @@ TEST(ExtremeRelativeSpeed, StandingStillAtFullSpeedIsNoMotion) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EventKind;
@@ -86,4 +86,4 @@ TEST(ExtremeRelativeVelocity, AJumpIsNoMotion) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

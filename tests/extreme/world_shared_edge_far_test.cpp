@@ -6,7 +6,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Rays from inside to every corner, to the middle of every edge and to random places on edges: all must hit.
@@ -61,4 +61,4 @@ TEST(ExtremeSharedEdgeFar, ATurnedMovingBallLosesNoRay) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

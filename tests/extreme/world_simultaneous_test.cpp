@@ -3,7 +3,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EventKind;
@@ -53,4 +53,4 @@ TEST(ExtremeSimultaneous, AllAtOnceIntoOneBall) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -121,4 +121,4 @@ TEST(ExtremeSweepQuestion, OverlapQuestionsAlongTheWayAgree) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "tests/extreme/worlds.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EndReason;
@@ -69,4 +69,4 @@ TEST(ExtremeTeleport, ThereAndBackAThousandTimes) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EventKind;
@@ -80,4 +80,4 @@ TEST(ExtremeThinWall, EveryWallOfAThousandIsReported) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

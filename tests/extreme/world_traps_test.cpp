@@ -9,7 +9,7 @@
 
 #include "tests/extreme/mixed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Steps and questions over ordinary, touching, degenerate, far, tiny and huge input, all of it accepted.
@@ -83,4 +83,4 @@ TEST(ExtremeTraps, AHostThatTrapsSurvives) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

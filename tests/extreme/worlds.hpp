@@ -16,6 +16,7 @@
 #include "tests/oracle/brute_force.hpp"
 
 namespace collided::extreme {
+using namespace engine;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kSecond = 1'000'000'000;

@@ -10,7 +10,7 @@
 #include "server/intake/sphere_mesh.hpp"
 
 // What the program behind `collide check` and `collide convert` is made of, part by part.
-namespace collided::files {
+namespace collided::engine::files {
 namespace {
 
 template <class Ask>
@@ -178,4 +178,4 @@ TEST(FilesSimplify, LevelsAreToldByTheirTrianglesAndWhatTheGuardsRefused) {
 }
 
 }  // namespace
-}  // namespace collided::files
+}  // namespace collided::engine::files

@@ -8,6 +8,7 @@
 // and after a byte 255 three a triangle. Many points are then on others' edges, beside each other or on one line.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace collided;
+  using namespace collided::engine;
   if (size < 8) return 0;
   const double crack_m = 0.001 * data[0];
   TriangleMesh mesh;

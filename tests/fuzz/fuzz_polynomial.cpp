@@ -8,13 +8,13 @@
 
 namespace {
 
-using collided::ImplicitSurface;
-using Kind = collided::PolynomialStep::Kind;
+using collided::engine::ImplicitSurface;
+using Kind = collided::engine::PolynomialStep::Kind;
 
 /// What the evaluation relies on without looking: the limits, and a stack that never runs empty and ends with one value.
 void check_program(const ImplicitSurface& surface) {
   int stack = 0;
-  for (const collided::PolynomialStep& step : surface.steps) {
+  for (const collided::engine::PolynomialStep& step : surface.steps) {
     const bool is_value =
         step.kind == Kind::constant || step.kind == Kind::x || step.kind == Kind::y || step.kind == Kind::z;
     const bool takes_one = step.kind == Kind::negate || step.kind == Kind::power;
@@ -35,14 +35,14 @@ void check_program(const ImplicitSurface& surface) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
-    const ImplicitSurface surface = collided::read_implicit_surface({reinterpret_cast<const char*>(data), size});
+    const ImplicitSurface surface = collided::engine::read_implicit_surface({reinterpret_cast<const char*>(data), size});
     check_program(surface);
     // Double alone: what rationals cost with exponents hundreds apart is no question of the text.
-    const collided::PrecisionScope doubles({.highest = collided::Level::filter, .error_asked_m = 0});
-    collided::ImplicitHit hit;
-    const collided::Verdict verdict = cast_ray({{0.5, -2, 4}, {0, 0.5, -1}}, surface, hit);
+    const collided::engine::PrecisionScope doubles({.highest = collided::engine::Level::filter, .error_asked_m = 0});
+    collided::engine::ImplicitHit hit;
+    const collided::engine::Verdict verdict = cast_ray({{0.5, -2, 4}, {0, 0.5, -1}}, surface, hit);
     collided::fuzz::require(!verdict.yes() || (hit.low >= 0 && hit.low <= hit.high), "a bracket is one");
-    collided::Side side = collided::Side::on;
+    collided::engine::Side side = collided::engine::Side::on;
     side_of({0.5, -2, 4}, surface, side);
   } catch (const std::invalid_argument&) {
   }

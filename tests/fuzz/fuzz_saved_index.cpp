@@ -17,6 +17,7 @@
 namespace {
 
 using namespace collided;
+using namespace collided::engine;
 
 /// Small triangles and a few long slanted ones, so that some are split.
 const TriangleMesh& fuzz_mesh() {

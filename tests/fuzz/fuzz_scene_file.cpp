@@ -13,14 +13,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   collided::fuzz::load_or_refuse("fuzz.cscene", data, size);
   // The checksum refuses nearly all; what is behind it must hold as well.
   std::vector<std::uint8_t> sealed(data, data + size);
-  const std::size_t tables = collided::table_bytes({reinterpret_cast<const char*>(data), size});
-  collided::seal_scene(std::as_writable_bytes(std::span(sealed).first(tables)));
+  const std::size_t tables = collided::engine::table_bytes({reinterpret_cast<const char*>(data), size});
+  collided::engine::seal_scene(std::as_writable_bytes(std::span(sealed).first(tables)));
   collided::fuzz::load_or_refuse("fuzz.cscene", sealed.data(), sealed.size());
   return 0;
 }
 
 std::vector<std::string> fuzz_seeds() {
   using namespace collided;
+  using namespace collided::engine;
   Scene small{.name = "s"};
   small.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.1}};
   small.mesh.triangles = {{0, 1, 2}};

@@ -7,6 +7,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace collided;
+  using namespace collided::engine;
   const ShapeLimits limits{.max_triangles = 10'000, .max_primitives = 100};
   const DecodedShape decoded = decode_shape({reinterpret_cast<const std::byte*>(data), size}, limits);
   fuzz::require(decoded.shape.has_value() == decoded.refusal.empty(), "a shape or a reason");
@@ -21,6 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 /// A scaled height field with a cloud and a line.
 static std::string with_forms() {
   using namespace collided;
+  using namespace collided::engine;
   flatbuffers::FlatBufferBuilder builder;
   const std::vector<double> points{0, 0, 0, 1, 0, 0, 1, 1, 1};
   const std::vector<double> heights{0, 1, 2, 3, 4, 5};
@@ -40,6 +42,7 @@ static std::string with_forms() {
 /// A strip with indices beside a line of points, as vertex buffers.
 static std::string with_buffers() {
   using namespace collided;
+  using namespace collided::engine;
   flatbuffers::FlatBufferBuilder builder;
   std::vector<std::uint8_t> vertices(5 * 16, 0);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -58,6 +61,7 @@ static std::string with_buffers() {
 
 std::vector<std::string> fuzz_seeds() {
   using namespace collided;
+  using namespace collided::engine;
   const Eigen::AngleAxisd turn(0.3, Vec3(1, 2, 3).normalized());
   const Shape compound{{Sphere{{0, 0, 0}, 1}, Box{.center = {1, 0, 0}, .half_m = {1, 1, 1}},
                         Box{.center = {1, 0, 0}, .axes = turn.toRotationMatrix(), .half_m = {1, 1, 1}},

@@ -3,6 +3,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace collided;
+  using namespace collided::engine;
   fuzz::load_or_refuse("fuzz.urdf", data, size);
   try {
     const LinkPairs pairs = read_srdf({reinterpret_cast<const char*>(data), size}, "fuzz.srdf");

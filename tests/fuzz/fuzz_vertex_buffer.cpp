@@ -5,11 +5,11 @@ namespace {
 
 /// The first bytes say how the rest is to be read: kind, double or not, stride, offset, bytes of an index, and where in the
 /// rest the indices begin (two bytes); odd places make odd addresses.
-collided::VertexBuffer buffer_of(std::span<const std::byte> bytes) {
+collided::engine::VertexBuffer buffer_of(std::span<const std::byte> bytes) {
   const auto at = [&](std::size_t i) { return static_cast<std::size_t>(bytes[i]); };
   const std::span<const std::byte> rest = bytes.subspan(7);
   const std::size_t vertex_bytes = std::min(rest.size(), at(5) + 256 * at(6));
-  return {.kind = static_cast<collided::BufferKind>(at(0)),
+  return {.kind = static_cast<collided::engine::BufferKind>(at(0)),
           .is_double = at(1) % 2 == 1,
           .stride_bytes = at(2),
           .offset_bytes = at(3),
@@ -33,16 +33,16 @@ std::string seed(std::uint8_t kind, bool is_double, std::uint8_t stride, std::ui
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using collided::fuzz::require;
   if (size < 7) return 0;
-  const collided::VertexBuffer buffer = buffer_of(std::as_bytes(std::span(data, size)));
-  const auto decoded = collided::decode_buffer(buffer);
+  const collided::engine::VertexBuffer buffer = buffer_of(std::as_bytes(std::span(data, size)));
+  const auto decoded = collided::engine::decode_buffer(buffer);
   if (std::holds_alternative<std::string>(decoded)) {
     require(!std::get<std::string>(decoded).empty(), "a refusal says why");
     return 0;
   }
-  const auto& parts = std::get<collided::DecodedBuffer>(decoded);
+  const auto& parts = std::get<collided::engine::DecodedBuffer>(decoded);
   const std::size_t vertex_count = parts.mesh.vertices.size();
   require(vertex_count <= size, "no more vertices than bytes");
-  for (const collided::Vec3& v : parts.mesh.vertices) require(v.allFinite(), "vertices are finite");
+  for (const collided::engine::Vec3& v : parts.mesh.vertices) require(v.allFinite(), "vertices are finite");
   for (const auto& corners : parts.mesh.triangles) {
     for (const std::uint32_t corner : corners) require(corner < vertex_count, "corners are vertices");
   }

@@ -15,6 +15,7 @@
 namespace {
 
 using namespace collided;
+using namespace collided::engine;
 using service::Applied;
 using wire_contract::QueryKind;
 
@@ -103,6 +104,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 std::vector<std::string> fuzz_seeds() {
   using namespace collided;
+  using namespace collided::engine;
   std::string run;
   std::vector<std::uint32_t> numbers;
   for (std::uint32_t number = 0; number < 3; ++number) {

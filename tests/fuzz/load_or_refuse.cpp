@@ -7,6 +7,7 @@
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace collided::fuzz {
+using namespace engine;
 
 void load_or_refuse(const std::string& file, const std::uint8_t* data, std::size_t size) {
   Scene scene;

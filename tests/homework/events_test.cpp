@@ -8,6 +8,7 @@
 #include "tests/oracle/brute_force.hpp"
 
 namespace collided::homework {
+using namespace engine;
 namespace {
 
 /// COLLIDED_FRAMES if it is set.

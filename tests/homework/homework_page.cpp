@@ -14,6 +14,7 @@
 #include "client/draw/svg.hpp"
 
 namespace collided::homework {
+using namespace engine;
 namespace {
 
 using draw::Scale;

@@ -8,6 +8,7 @@
 #include "tests/report/page.hpp"
 
 namespace collided::homework {
+using namespace engine;
 
 /// One of the homework's claims, asked of what was measured here.
 struct Claim {

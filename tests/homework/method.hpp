@@ -12,6 +12,7 @@
 #include "tests/homework/recording.hpp"
 
 namespace collided::homework {
+using namespace engine;
 
 using ObjectPairs = std::vector<std::array<std::uint32_t, 2>>;  // lower number first, ordered
 

@@ -7,6 +7,7 @@
 #include "tests/homework/method.hpp"
 
 namespace collided::homework {
+using namespace engine;
 namespace {
 
 btScalar scalar(double x) { return static_cast<btScalar>(x); }

@@ -7,6 +7,7 @@
 #include "tests/oracle/simple_prototype.hpp"
 
 namespace collided::homework {
+using namespace engine;
 namespace {
 
 /// Above this the copies of the meshes do not fit well.

@@ -8,6 +8,7 @@
 #include "tests/homework/method.hpp"
 
 namespace collided::homework {
+using namespace engine;
 namespace {
 
 /// Its dynamic tree of boxes, then its trees of oriented boxes; one pair of polygons of two objects, or all of them.

@@ -9,7 +9,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::Moeller;
@@ -144,4 +144,4 @@ TEST(MoellerTest, DecidesThePapersCases) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,6 +6,7 @@
 #include "tests/homework/homework_page.hpp"
 
 namespace collided::homework {
+using namespace engine;
 namespace {
 
 double median_us(std::vector<double>& seconds) {

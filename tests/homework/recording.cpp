@@ -12,6 +12,7 @@
 #include "tests/homework/method.hpp"
 
 namespace collided::homework {
+using namespace engine;
 namespace {
 
 constexpr std::size_t kSizes = 16;

@@ -9,6 +9,7 @@
 #include "server/world/object.hpp"
 
 namespace collided::homework {
+using namespace engine;
 
 struct Problem {
   std::size_t objects = 20;

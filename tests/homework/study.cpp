@@ -13,6 +13,7 @@
 #include "tests/oracle/moeller.hpp"
 
 namespace collided::homework {
+using namespace engine;
 namespace {
 
 constexpr std::size_t kLeastRepeats = 20;

@@ -7,6 +7,7 @@
 #include "tests/homework/slope.hpp"
 
 namespace collided::homework {
+using namespace engine;
 
 enum class Sweep { objects, polygons, size };
 inline constexpr Sweep kSweeps[] = {Sweep::objects, Sweep::polygons, Sweep::size};

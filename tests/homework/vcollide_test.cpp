@@ -16,7 +16,7 @@
 #include "tests/oracle/simple_prototype.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace vcollide;
@@ -382,4 +382,4 @@ TEST(SimplePrototypeBaseline, FindsTheSamePairsOfSpheresInGeneralPosition) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

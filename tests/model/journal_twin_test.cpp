@@ -8,6 +8,7 @@
 
 // One journal, written, rewritten and opened again at random, beside a plain list of what it must hold.
 namespace collided::model {
+using namespace engine;
 namespace {
 
 using service::Disk;

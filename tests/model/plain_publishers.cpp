@@ -3,6 +3,7 @@
 #include <algorithm>
 
 namespace collided::model {
+using namespace engine;
 
 using service::WriterKind;
 using wire_contract::LostPolicy;

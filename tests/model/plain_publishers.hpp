@@ -13,6 +13,7 @@
 #include "server/service/publishers.hpp"
 
 namespace collided::model {
+using namespace engine;
 
 /// What Publishers promises, kept plainly: maps by publisher, number and name, and a list of all sequence numbers that came.
 /// Nothing here is called twice for a sample that had to wait for a step: how often the world steps changes nothing.

@@ -4,6 +4,7 @@
 #include <array>
 
 namespace collided::model {
+using namespace engine;
 
 void PlainWorld::add_scene(const Scene& scene) {
   for (const SceneObject& object : scene.objects) {

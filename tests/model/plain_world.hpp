@@ -14,6 +14,7 @@
 #include "server/world/world.hpp"
 
 namespace collided::model {
+using namespace engine;
 
 /// What a World is told, kept plainly: by name, without an index, a slot, a table or a cache. Whatever a long-lived World
 /// says is compared with one that is made from this just now, which has no past.

@@ -9,6 +9,7 @@
 // One world with its publishers, told definitions and poses late, twice, out of turn and from lives that are over, beside
 // plain maps of who owns what.
 namespace collided::model {
+using namespace engine;
 namespace {
 
 using service::Applied;

@@ -1,6 +1,7 @@
 #include "tests/model/random_world.hpp"
 
 namespace collided::model {
+using namespace engine;
 
 /// Three different ones, each used again and again. Long and thin, so that their boxes meet where they do not.
 std::shared_ptr<const TriangleMesh> RandomWorld::mesh() {

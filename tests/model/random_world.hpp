@@ -10,6 +10,7 @@
 #include "server/world/world.hpp"
 
 namespace collided::model {
+using namespace engine;
 
 /// What a random sequence of operations is made of: a few names, shapes of every kind, scenes of two parts and an object.
 class RandomWorld {

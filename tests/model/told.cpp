@@ -3,6 +3,7 @@
 #include <algorithm>
 
 namespace collided::model {
+using namespace engine;
 namespace {
 
 std::string number(double x) { return line(" %a", x + 0.0); }

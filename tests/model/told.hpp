@@ -12,6 +12,7 @@
 #include "server/world/world.hpp"
 
 namespace collided::model {
+using namespace engine;
 
 /// What two worlds say, in lines of text that compare: objects by their names, since ids hang on a world's past, and
 /// every number to its last bit (-0 as 0).

@@ -15,6 +15,7 @@
 // One World, one scratch and one set of probes live long and are changed and asked at random; all that they say is what a
 // world made just now says, whose objects, filters and contacts the plain model keeps.
 namespace collided::model {
+using namespace engine;
 namespace {
 
 using wire_contract::EndReason;

@@ -9,6 +9,7 @@
 #include "server/geometry/aabb.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 using BoxPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 

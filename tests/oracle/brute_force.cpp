@@ -11,6 +11,7 @@
 #include "server/exact_phase/ray_cast.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 namespace {
 
 using wire_contract::Answer;

@@ -9,6 +9,7 @@
 #include "server/world/snapshot.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// Every part of every object, in world coordinates: what the index is an index of.
 struct Part {

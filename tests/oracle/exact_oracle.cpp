@@ -3,6 +3,7 @@
 #include <cmath>
 
 namespace collided::oracle {
+using namespace engine;
 namespace {
 
 Point operator+(const Point& a, const Point& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }

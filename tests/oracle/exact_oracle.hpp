@@ -11,6 +11,7 @@
 #include "server/geometry/shapes.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 // The slow and sure twin of the exact phase: rationals, or 100 digits where a root is needed, and formulations that
 // share nothing with the product's. Distances are least over every pair of faces by solving normal equations; boxes

@@ -8,6 +8,7 @@
 #include "server/geometry/ray.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 

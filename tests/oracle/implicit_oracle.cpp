@@ -3,6 +3,7 @@
 #include <cmath>
 
 namespace collided::oracle {
+using namespace engine;
 namespace {
 
 using Univariate = std::vector<Rational>;

@@ -9,6 +9,7 @@
 #include "tests/oracle/exact_oracle.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 // The slow and sure twin of implicit surfaces: polynomials expanded into monomials over rationals, put along a ray by the
 // binomial theorem, their roots counted by Sturm's theorem. No interval, no Bernstein form, nothing of the product.

@@ -8,6 +8,7 @@
 #include <utility>
 
 namespace collided::oracle {
+using namespace engine;
 namespace {
 
 constexpr mp_bitcnt_t kBits = 400;

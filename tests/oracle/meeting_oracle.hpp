@@ -11,6 +11,7 @@
 #include "server/geometry/vector.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// Where a body's centre is at that time; between two instants it goes straight.
 struct Instant {

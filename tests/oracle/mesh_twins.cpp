@@ -13,6 +13,7 @@
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 namespace {
 
 using Rational3 = std::array<mpq_class, 3>;

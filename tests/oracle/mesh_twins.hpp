@@ -12,6 +12,7 @@
 #include "server/world/self_intersections.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// Of each pair of points, lower first, the half-edges between them in ascending order.
 using EdgeUses = std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<HalfEdge>>;

@@ -9,6 +9,7 @@
 #include "server/world/world.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// A world of all kinds: a bumpy static sheet in parts, and moving spheres, boxes, capsules, meshes and compounds.
 class MixedWorld {

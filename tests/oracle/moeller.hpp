@@ -6,6 +6,7 @@
 #include "server/geometry/shapes.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// Moeller's test of two triangles, the homework's method, over any kind of number: double as published, rationals for
 /// its exact form. Signed distances smaller than epsilon (in units of normal times length, absolute, as published) count as 0.

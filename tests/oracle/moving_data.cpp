@@ -9,6 +9,7 @@
 #include "tests/oracle/exact_data.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 namespace fs = std::filesystem;
 

@@ -7,6 +7,7 @@
 #include "server/exact_phase/moving_features.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// One published question about four moving points, with its exact answer.
 struct MovingQuery {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 namespace collided::oracle {
+using namespace engine;
 
 namespace {
 

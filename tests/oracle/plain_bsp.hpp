@@ -8,6 +8,7 @@
 #include "tests/oracle/first_hit.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// The lecture's first form: space is halved by planes across the axes until a cell meets at most three triangles. A
 /// triangle on both sides of a plane is referred to from both. Where no plane parts anything, or at kMaxDepth, a leaf

@@ -8,6 +8,7 @@
 #include "server/geometry/shapes.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// The parameter at which a ray meets a triangle, either side, in plain double: right but for rounding, and for
 /// coordinates whose cubes fit a double. Zero-area triangles are missed.

@@ -5,6 +5,7 @@
 #include <numeric>
 
 namespace collided::oracle {
+using namespace engine;
 namespace {
 
 /// Of heights over a plane, relative to its normal and the scene; roundings are a thousand times smaller.

@@ -8,6 +8,7 @@
 #include "tests/oracle/first_hit.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// The lecture's second form, the auto-partition: space is halved by the planes of the triangles themselves until no
 /// cell has a triangle of its own. The triangles of a plane stay at its node; one on both sides is referred to from

@@ -8,6 +8,7 @@
 #include "server/geometry/shapes.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// What coordinates look like. Random ones never touch; the lattices touch all the time, the second with rounding.
 enum class Family { random, lattice, tenths, far_lattice, tiny, needles };

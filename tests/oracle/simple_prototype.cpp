@@ -1,6 +1,7 @@
 #include "tests/oracle/simple_prototype.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 void SimplePrototype::add(std::shared_ptr<const TriangleMesh> mesh) {
   Object object;

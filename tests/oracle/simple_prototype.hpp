@@ -10,6 +10,7 @@
 #include "tests/oracle/moeller.hpp"
 
 namespace collided::oracle {
+using namespace engine;
 
 /// Two objects that meet, lower number first, and their triangles that do.
 struct MeetingPair {

@@ -14,7 +14,7 @@
 #include "server/service/flight_recorder.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using recording::Recorded;
@@ -521,4 +521,4 @@ TEST(FlightRecorderDeathTest, AFatalSignalLeavesAFile) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

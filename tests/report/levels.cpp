@@ -6,6 +6,7 @@
 #include "tests/report/near_walk.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 Row level_row(const std::string& study, const std::string& scene, const std::string& label, const TriangleMesh& mesh,
               const std::vector<Vec3>& points, const std::vector<double>& truth_m, double bound_m, int repeats) {

@@ -7,6 +7,7 @@
 #include "tests/report/measure.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 /// One level of detail: how far its distances are off, their time, and the proved bound on the former.
 /// truth_m  distance of each point from what the level stands for

@@ -6,6 +6,7 @@
 #include "tests/bench/clock.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 using oracle::Wide;

@@ -8,6 +8,7 @@
 #include "tests/report/rows.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 struct Setting {
   unsigned long long seed = 2025;

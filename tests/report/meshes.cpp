@@ -3,6 +3,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 NamedMesh report_mesh(bool small) {
   NamedMesh result{"bunny (glmark2-data)", bench::read_obj("/usr/share/glmark2/models/bunny.obj")};

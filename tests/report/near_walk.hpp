@@ -7,6 +7,7 @@
 #include "tests/report/measure.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 /// Distance of a point and a triangle, with a bound (0 where none is claimed).
 using DistanceTo = Answer (*)(const Vec3&, const Triangle&);

@@ -14,6 +14,7 @@
 #include "tests/report/time_truth.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 using oracle::Family;

@@ -8,6 +8,7 @@
 #include "tests/bench/clock.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 template <class T>

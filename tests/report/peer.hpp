@@ -11,6 +11,7 @@
 #include "server/geometry/mesh.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 // Other people's programs answer in processes of their own: two builds of one library cannot share a process, and an
 // assert inside a library ends only its own. A peer reads the problem from a file, answers "ready", then runs one pass

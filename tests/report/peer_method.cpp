@@ -3,6 +3,7 @@
 #include <memory>
 
 namespace collided::report {
+using namespace engine;
 
 std::filesystem::path problem_file(const Setting& setting, const std::string& study) {
   return std::filesystem::path(setting.scratch) / (study + ".problem");

@@ -4,6 +4,7 @@
 #include "tests/report/peer.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 /// Adds a peer to the methods of a study, if its program was built and knows the kind of problem.
 void add_peer(std::vector<Method>& methods, const Setting& setting, const std::string& program,

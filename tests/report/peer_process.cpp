@@ -12,6 +12,7 @@
 #include "tests/report/peer.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 struct Peer::Process {
   pid_t id = -1;

@@ -10,6 +10,7 @@
 #include "server/geometry/shapes.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 // The textbook's tests in one number type, without a bound: what most programs run. In float and double they are the
 // uncertified rows of the report; in a hundred digits some of them are its truth.

@@ -16,6 +16,7 @@
 #include "tests/report/time_truth.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 draw::Plot crowded(std::uint64_t seed) {

@@ -6,6 +6,7 @@
 #include "tests/report/measure.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 // The studies, one file each. Every one makes its questions from the seed, finds the truth, measures, returns rows.
 

@@ -8,6 +8,7 @@
 #include "tests/report/studies.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 constexpr double kRadius_m = 0.1;

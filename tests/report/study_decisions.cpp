@@ -8,6 +8,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 Vec3 on_sphere(std::mt19937_64& random) {

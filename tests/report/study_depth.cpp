@@ -10,6 +10,7 @@
 #include "tests/report/studies.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 using oracle::Family;

@@ -13,6 +13,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 constexpr double kSide_m = 100;

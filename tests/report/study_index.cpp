@@ -12,6 +12,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 using oracle::FirstHit;

@@ -12,6 +12,7 @@
 #include "tests/report/studies.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 using oracle::Wide;

@@ -11,6 +11,7 @@
 #include "tests/report/studies.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

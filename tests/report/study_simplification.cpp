@@ -7,6 +7,7 @@
 #include "tests/report/studies.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 /// The mesh that distances are asked of, and what they are.

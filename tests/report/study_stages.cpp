@@ -7,6 +7,7 @@
 #include "tests/report/studies.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 using Clock = std::chrono::steady_clock;

@@ -8,6 +8,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 std::vector<Row> study_tessellation(const Setting& setting) {
   std::mt19937_64 random(setting.seed + 4);

@@ -9,6 +9,7 @@
 #include "tests/report/time_truth.hpp"
 
 namespace collided::report {
+using namespace engine;
 namespace {
 
 using oracle::Wide;

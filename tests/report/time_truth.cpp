@@ -3,6 +3,7 @@
 #include "tests/report/plain.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 using oracle::Wide;
 

@@ -6,6 +6,7 @@
 #include "tests/report/measure.hpp"
 
 namespace collided::report {
+using namespace engine;
 
 /// First time in [0, 1] at which a convex function is not positive, in a hundred digits: its lowest place by ternary
 /// search, then the crossing before it by bisection.

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 namespace collided::scenes {
+using namespace engine;
 namespace {
 
 template <class Number>

@@ -6,6 +6,7 @@
 
 /// A mesh as the text or the bytes of a file, to be read back: numbers with nine digits, floats in STL.
 namespace collided::scenes {
+using namespace engine;
 
 std::string obj_file(const TriangleMesh& mesh);
 std::string off_file(const TriangleMesh& mesh);

@@ -7,6 +7,7 @@
 #include <random>
 
 namespace collided::scenes {
+using namespace engine;
 namespace {
 
 using Random = std::mt19937_64;

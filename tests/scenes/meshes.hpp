@@ -5,6 +5,7 @@
 #include "server/geometry/mesh.hpp"
 
 namespace collided::scenes {
+using namespace engine;
 
 /// Height field over [-size/2, size/2]^2 in x and y, cells x cells squares of two triangles: hills in five octaves
 /// and a little roughness. Same seed, same bits.

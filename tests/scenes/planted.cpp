@@ -8,6 +8,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::scenes {
+using namespace engine;
 namespace {
 
 class Planter {

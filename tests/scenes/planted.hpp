@@ -8,6 +8,7 @@
 #include "server/geometry/mesh.hpp"
 
 namespace collided::scenes {
+using namespace engine;
 
 /// What was done to a clean mesh, by the numbers that a report should give.
 struct Planted {

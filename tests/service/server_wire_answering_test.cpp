@@ -7,7 +7,7 @@
 #include "server/service/answering.hpp"
 #include "tests/service/wire_network.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using namespace std::chrono_literals;
@@ -395,4 +395,4 @@ TEST_F(WireAnswering, WhatWasToldOnceIsNotUnsaidByARequestInChunks) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

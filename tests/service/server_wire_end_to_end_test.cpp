@@ -9,7 +9,7 @@
 #include "tests/service/server_process.hpp"
 
 // U4: three publishers, two subscribers and a client that asks, each a process of its own, over real DDS.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace std::chrono_literals;
@@ -180,4 +180,4 @@ TEST_F(EndToEnd, EveryEventReachesEverySubscriberOnceInOrderAndEqualToTheOracle)
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

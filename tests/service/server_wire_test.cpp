@@ -11,7 +11,7 @@
 #include "tests/service/server_process.hpp"
 #include "tests/service/server_wire_asker.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using namespace std::chrono_literals;
@@ -274,4 +274,4 @@ TEST_F(HostilePublisher, PosesWaitForTheirDefinition) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

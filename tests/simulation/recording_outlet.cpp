@@ -1,6 +1,7 @@
 #include "tests/simulation/recording_outlet.hpp"
 
 namespace collided::simulation {
+using namespace engine;
 
 using wire_contract::EndReason;
 using wire_contract::EventKind;

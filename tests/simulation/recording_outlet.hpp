@@ -11,6 +11,7 @@
 #include "tests/simulation/record.hpp"
 
 namespace collided::simulation {
+using namespace engine;
 
 /// What a server writes, for the record; and the contract of events checked as it is written: no gap in the sequence,
 /// began and ended alternate, every end has a reason and the episode that it ends, brackets are in order.

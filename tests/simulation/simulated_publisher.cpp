@@ -4,6 +4,7 @@
 #include <array>
 
 namespace collided::simulation {
+using namespace engine;
 
 using service::DefinitionSample;
 using service::PoseSample;

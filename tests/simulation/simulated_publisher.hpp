@@ -11,6 +11,7 @@
 #include "server/service/samples.hpp"
 
 namespace collided::simulation {
+using namespace engine;
 
 /// A publisher's clock: off the server's, too fast or too slow, coarse, set anew at times.
 class SimulatedClock {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 namespace collided::simulation {
+using namespace engine;
 
 using service::DefinitionSample;
 using service::PoseSample;

@@ -13,6 +13,7 @@
 #include "tests/simulation/simulated_server.hpp"
 
 namespace collided::simulation {
+using namespace engine;
 
 /// One seed: publishers that move, add, remove, hang, crash and come back, a server that crashes, a line to it that
 /// loses, repeats and reorders poses; then calm, and what must be true by then.

@@ -6,6 +6,7 @@
 #include "server/exact_phase/overlap.hpp"
 
 namespace collided::simulation {
+using namespace engine;
 
 using service::Applied;
 using service::WriterKind;

@@ -13,6 +13,7 @@
 #include "tests/simulation/recording_outlet.hpp"
 
 namespace collided::simulation {
+using namespace engine;
 
 using NamedPair = std::pair<std::string, std::string>;
 

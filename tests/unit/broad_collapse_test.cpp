@@ -10,7 +10,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using bsp::Primitive;
@@ -126,4 +126,4 @@ TEST(BspLikeliest, AnyHitInARoomAsksTheWallsBeforeTheFurniture) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

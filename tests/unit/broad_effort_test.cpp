@@ -12,7 +12,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -253,4 +253,4 @@ TEST(BroadEffort, ABuildOnOneThreadStaysOnItAndCanBeWatchedAndEnded) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Pairs = std::map<std::pair<std::uint32_t, std::uint32_t>, int>;
@@ -298,4 +298,4 @@ TEST(BroadPairsSimd, EveryInstructionSetLosesNothing) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Long slanted triangles among small ones.
@@ -146,4 +146,4 @@ TEST(BspPieces, AWalkLosesNoTriangleThatTheExactTestMeets) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

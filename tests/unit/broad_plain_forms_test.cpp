@@ -7,7 +7,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// At corners, edges, insides and past them; along axes, from triangles, in their planes.
@@ -84,4 +84,4 @@ TEST(BroadPlainForms, AroundABallThePolygonsMakeAList) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -12,7 +12,7 @@
 #include "tests/scenes/meshes.hpp"
 
 // The walks that pass over triangles on their own account, against every triangle decided exactly.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -267,4 +267,4 @@ TEST(BroadRayGoals, CoherentRaysMeetTogetherWhatEachMeetsAlone) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

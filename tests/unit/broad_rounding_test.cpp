@@ -2,7 +2,7 @@
 
 #include "server/broad_phase/bsp_layout.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 [[gnu::noinline]] void through_float(double* values) {
@@ -46,4 +46,4 @@ TEST(BroadRounding, LocalFramesAreExactForTheirScene) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -260,4 +260,4 @@ TEST_F(BroadTampered, PiecesAreThoseThatTheLeavesHold) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

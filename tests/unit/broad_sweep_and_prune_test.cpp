@@ -9,7 +9,7 @@
 #include "tests/oracle/box_pairs.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -129,4 +129,4 @@ TEST(SweepAndPrune, SwapsLittleWhereLittleMovesAndSortsAnewAfterATeleport) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include "collided/certificate.hpp"
 #include "server/exact_phase/proof.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 inline CertifiedPart::Numbers numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -28,4 +28,4 @@ inline Certificate certified(const Proof& proof) {
   return certificate;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

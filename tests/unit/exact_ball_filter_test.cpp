@@ -8,7 +8,7 @@
 #include "server/exact_phase/overlap_kernel.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 Vec3 any(std::mt19937_64& random) {
@@ -109,4 +109,4 @@ TEST(BallFilter, SaysNothingOutOfRange) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "server/exact_phase/ball_inside.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using kernel::DifferencePoint;
@@ -60,4 +60,4 @@ TEST(ExactBallInside, HoldsWhatRationalsSay) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -13,7 +13,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::Family;
@@ -238,4 +238,4 @@ TEST(BodyWay, TheVelocityOfAPointIsWithinItsBound) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

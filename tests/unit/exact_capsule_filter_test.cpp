@@ -7,7 +7,7 @@
 #include "server/exact_phase/exactly.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 Vec3 any(std::mt19937_64& random) {
@@ -116,4 +116,4 @@ TEST(CapsuleFilter, SaysNothingOutOfRange) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/closest.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 const Box kUnitBox{{0, 0, 0}, Mat3::Identity(), {1, 1, 1}};
@@ -64,4 +64,4 @@ TEST(ExactClosest, DegenerateShapesAreSegmentsAndPoints) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

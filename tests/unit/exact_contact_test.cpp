@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/contact.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 const Box kUnitBox{{0, 0, 0}, Mat3::Identity(), {1, 1, 1}};
@@ -115,4 +115,4 @@ TEST(ExactContact, DegenerateShapesStillHaveANormal) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -13,7 +13,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::Family;
@@ -322,4 +322,4 @@ INSTANTIATE_TEST_SUITE_P(Families, ExactGeneral, ::testing::Values(Family::rando
                          [](const auto& test) { return std::string(oracle::name(test.param)); });
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -16,7 +16,7 @@
 #include "tests/oracle/exact_data.hpp"
 #include "tests/oracle/exact_oracle.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::Table;
@@ -318,4 +318,4 @@ TEST(ExactData, ClosedForms) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -15,7 +15,7 @@
 #include "server/geometry/pose.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 Hull cube(double half_m, const Vec3& position = Vec3::Zero()) {
@@ -147,4 +147,4 @@ TEST(Manifold, ABentFaceIsWithinTheBoundsOfItsPoints) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

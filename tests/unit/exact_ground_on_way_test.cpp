@@ -5,7 +5,7 @@
 #include "server/exact_phase/ground_on_way.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 const HalfSpace kGround{.point = {3, -2, 0}, .normal = {0, 0, 2}};
@@ -82,4 +82,4 @@ TEST(GroundOnWay, OnlyWhatCannotComeDownSurelyStaysAbove) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

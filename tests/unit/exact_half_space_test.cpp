@@ -15,7 +15,7 @@
 #include "tests/oracle/seed.hpp"
 
 // Half-spaces against every kind, by rationals and 100 digits that share nothing with the product.  // A23 A25 A38
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::exact;
@@ -226,4 +226,4 @@ TEST(HalfSpace, AnAlignedOneEndsAtItsPlane) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -14,7 +14,7 @@
 #include "tests/oracle/implicit_oracle.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::Rational;
@@ -493,4 +493,4 @@ TEST(ExactImplicitRayPlanted, WithoutRationalsWhatIsOpenIsUndecided) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

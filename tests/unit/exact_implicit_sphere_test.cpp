@@ -11,7 +11,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// -1 inside, 0 on the surface, 1 outside.
@@ -94,4 +94,4 @@ TEST(ExactImplicitSphere, AnUlpDecidesAtPointsOnTheSurface) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/geometry/pose.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::vector<ManifoldPoint> manifold(const ConvexPart& a, const ConvexPart& b) {
@@ -191,4 +191,4 @@ TEST(Manifold, PointsInALineKeepBothEnds) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -14,7 +14,7 @@
 #include "tests/oracle/moving_data.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::MovingQuery;
@@ -283,4 +283,4 @@ TEST(ExactMovingFeatures, WhereRationalsAreForbiddenADoubtStaysOne) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
@@ -180,4 +180,4 @@ TEST(ExactMovingSolids, SamplingFindsACapsuleNowhereBeforeItsFirstContact) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

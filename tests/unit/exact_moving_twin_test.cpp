@@ -14,7 +14,7 @@
 #include "server/exact_phase/overlap.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Places and motions that take turns at being hard: what is asked is where doubles stop being sure.
@@ -227,4 +227,4 @@ TEST(ExactMovingTwin, TimeOfACallForTheRecord) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

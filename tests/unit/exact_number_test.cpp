@@ -11,7 +11,7 @@
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::Rational;
@@ -185,4 +185,4 @@ TEST(ExactExpansion, OutOfRangeIsLost) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/unit/certified.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr const char* kNames[] = {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull", "triangle"};
@@ -116,4 +116,4 @@ TEST(ExactPairPoses, AreDecidedAlikeInEitherOrderAndProved) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

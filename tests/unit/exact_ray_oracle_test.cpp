@@ -7,7 +7,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::Family;
@@ -69,4 +69,4 @@ TEST(ExactRayOracle, Capsule) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "server/exact_phase/ray_cast.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -147,4 +147,4 @@ TEST(ExactRayCapsule, WallEndsAndInside) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::RandomShapes;
@@ -143,4 +143,4 @@ TEST(ExactTwin, ThePrecisionOfTheThreadIsNotAsked) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

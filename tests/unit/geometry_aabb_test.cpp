@@ -9,7 +9,7 @@
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::Rational;
@@ -115,4 +115,4 @@ TEST(GeometryAabb, GrowingEmptyStaysEmpty) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "tests/scenes/meshes.hpp"
 
 // Each volume contains every point, by rationals.  // A22 A24 A26 A27 A28
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Exact = std::array<mpq_class, 3>;
@@ -206,4 +206,4 @@ TEST(BoundingVolumes, TheSmallestSphereIsNoLargerThanAnyOther) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 void expect_equal(const EdgeTable& table, const oracle::EdgeUses& truth, const TriangleMesh& mesh,
@@ -65,4 +65,4 @@ TEST(GeometryEdgeTable, AgreesWithAMapOnSoupsWithRepeatedPointsFansAndTrianglesL
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

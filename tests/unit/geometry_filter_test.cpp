@@ -2,7 +2,7 @@
 
 #include "server/geometry/shape.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(Filter, MembersOfOneGroupNeverMeet) {
@@ -18,4 +18,4 @@ TEST(Filter, BothSidesMustAgree) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

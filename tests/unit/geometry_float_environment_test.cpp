@@ -5,7 +5,7 @@
 
 #include "server/geometry/float_environment.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(FloatEnvironment, AnotherRoundingIsSetBackOnce) {
@@ -38,4 +38,4 @@ TEST(FloatEnvironment, TheHostGetsItsOwnBack) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include "server/geometry/orientation.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(GeometryOrientedPlane, TheQuickSideIsTheExactOneOrNone) {
@@ -41,4 +41,4 @@ TEST(GeometryOrientedPlane, TheQuickSideIsSureALittleOffThePlane) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

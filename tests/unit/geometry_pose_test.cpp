@@ -4,7 +4,7 @@
 
 #include "server/geometry/pose.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(GeometryPose, QuarterTurnAboutZIsExact) {
@@ -49,4 +49,4 @@ TEST(GeometryPose, EveryShapeMovesWithItsPoints) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

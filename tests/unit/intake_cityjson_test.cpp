@@ -5,7 +5,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::complaint;
@@ -185,4 +185,4 @@ TEST(IntakeCityJson, EachObjectIsAPartOfItsOwnTriangles) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

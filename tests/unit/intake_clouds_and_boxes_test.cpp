@@ -8,7 +8,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::append;
@@ -331,4 +331,4 @@ TEST(IntakeBoxTable, EveryColumnIsTakenForWhatItsHeadingSays) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

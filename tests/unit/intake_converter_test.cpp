@@ -8,7 +8,7 @@
 #include "server/intake/mesh_health.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 namespace fs = std::filesystem;
@@ -224,4 +224,4 @@ TEST_F(IntakeForeign, AMirroredNodeKeepsItsOutside) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

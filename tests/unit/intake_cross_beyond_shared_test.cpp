@@ -9,7 +9,7 @@
 #include "tests/oracle/seed.hpp"
 
 // What the guards of simplification and of mending go by.  // A18
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Corners = TriangleCorners;
@@ -122,4 +122,4 @@ TEST(IntakeTriangleCrossing, OnlyWhatLiesBeyondTheSharedCornersCounts) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

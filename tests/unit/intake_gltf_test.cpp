@@ -5,7 +5,7 @@
 
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::append;
@@ -285,4 +285,4 @@ TEST(IntakeGltf, CornersMayBeOneTwoOrFourBytes) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,6 +6,7 @@
 #include "server/intake/reading.hpp"
 
 namespace collided::test {
+using namespace engine;
 
 struct Loaded {
   Scene scene;

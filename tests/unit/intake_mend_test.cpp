@@ -17,7 +17,7 @@
 #include "tests/scenes/meshes.hpp"
 #include "tests/scenes/planted.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 double area(const TriangleMesh& mesh) {
@@ -284,4 +284,4 @@ TEST(IntakeMend, TheSceneFileKeepsTheNumbersOfPieces) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/intake/sphere_mesh.hpp"
 #include "server/intake/weld.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 double volume(const TriangleMesh& mesh) {
@@ -269,4 +269,4 @@ TEST(IntakeSinglePrecision, NearCoordinatesGiveNoWarning) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 #include "server/intake/names.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(IntakeNames, OnlyPrintableUtf8OfTheRightLengthIsFit) {
@@ -50,4 +50,4 @@ TEST(IntakeNames, TheSceneMayBeGivenAName) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "tests/unit/intake_loading.hpp"
 
 // An OBJ file is copied piece by piece, as its chunks are cut.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::load;
@@ -88,4 +88,4 @@ TEST_F(ObjPieces, AFileThatIsCutShortMeanwhileIsRefused) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -3,7 +3,7 @@
 
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::complaint;
@@ -177,4 +177,4 @@ TEST(IntakeObj, ManyChunksGiveWhatOneGives) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

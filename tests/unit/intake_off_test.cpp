@@ -2,7 +2,7 @@
 
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::complaint;
@@ -56,4 +56,4 @@ TEST(IntakeOff, EachNumberIsReadAtItsPlace) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

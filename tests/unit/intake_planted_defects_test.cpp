@@ -6,7 +6,7 @@
 #include "tests/scenes/planted.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Numbers = std::set<std::uint32_t>;
@@ -102,4 +102,4 @@ TEST(IntakePlantedDefects, EveryBowtieIsCountedAndNoOtherPolygon) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

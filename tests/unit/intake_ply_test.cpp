@@ -4,7 +4,7 @@
 
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::append;
@@ -209,4 +209,4 @@ TEST(IntakePly, ACornerNamedTwiceSteersAStrip) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

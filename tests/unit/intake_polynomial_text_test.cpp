@@ -8,7 +8,7 @@
 #include "server/intake/polynomial_text.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::string complaint(const std::string& text) {
@@ -95,4 +95,4 @@ TEST(IntakePolynomialText, AScenesImplicitLinesAreCheckedAndLeftOut) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

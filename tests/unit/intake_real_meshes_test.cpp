@@ -16,7 +16,7 @@
 #include "server/intake/mesh_health.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 namespace fs = std::filesystem;
@@ -274,4 +274,4 @@ TEST(IntakeBunny, IsOneClosedSurface) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

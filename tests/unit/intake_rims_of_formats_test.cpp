@@ -13,7 +13,7 @@
 #include "tests/unit/intake_loading.hpp"
 
 // Where what a format allows ends: the first value that is taken no more, and the last that is.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::append;
@@ -108,4 +108,4 @@ TEST(IntakeXyz, ABackslashJoinsNoLines) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

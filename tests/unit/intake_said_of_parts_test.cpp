@@ -21,7 +21,7 @@
 #include "tests/scenes/meshes.hpp"
 
 // What the headers of the parts that reading is made of say of them.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 namespace fs = std::filesystem;
@@ -137,4 +137,4 @@ TEST(IntakeTessellate, TheAxisAndTheCentreHaveTheParametersOfAPole) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -16,7 +16,7 @@
 
 #include "server/intake/import/sandbox.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// How a process ended that entered the sandbox and then did this with its output.
@@ -85,4 +85,4 @@ TEST(IntakeSandbox, MemoryHasAnEnd) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "tests/scenes/meshes.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 SavedIndex index_of(const TriangleMesh& mesh) {
@@ -144,4 +144,4 @@ TEST_F(IntakeSavedIndex, ReplacingTheFileLeavesTheMappedOneWhole) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "server/intake/sphere_mesh.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::complaint;
@@ -305,4 +305,4 @@ TEST(IntakeShape, RefusalsSayWhat) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::complaint;
@@ -149,4 +149,4 @@ TEST_F(IntakeFiles, WhatIsNoReadableFileIsNamed) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

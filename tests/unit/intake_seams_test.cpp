@@ -8,7 +8,7 @@
 #include "tests/scenes/meshes.hpp"
 #include "tests/scenes/planted.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Two squares side by side at x = 1; the left one's border has a point that the right one lacks, moved by so much.
@@ -117,4 +117,4 @@ TEST(IntakeSeams, AgreeWithAllPointsAgainstAllBorders) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

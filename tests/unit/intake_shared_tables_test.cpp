@@ -3,7 +3,7 @@
 #include "idl/scene_generated.h"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// A scene whose objects all point at one shape.
@@ -89,4 +89,4 @@ TEST(IntakeSceneFileTables, AnotherFormatNumberIsRefused) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -12,7 +12,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 CollapseOrder simplified(const TriangleMesh& mesh, CollapseCost cost = CollapseCost::quadric) {
@@ -206,4 +206,4 @@ TEST(IntakeSimplify, FarFromTheOriginTheSameCollapsesAreTaken) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -18,7 +18,7 @@
 #include "tests/oracle/seed.hpp"
 
 // What the readers are built on, each by itself.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using Pairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
@@ -361,4 +361,4 @@ TEST(IntakeSweep, AFlawNamesItsTwoPoints) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

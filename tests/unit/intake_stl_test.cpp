@@ -4,7 +4,7 @@
 
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::append;
@@ -117,4 +117,4 @@ TEST(IntakeStl, TheSecondSolidHasItsOwnTriangles) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

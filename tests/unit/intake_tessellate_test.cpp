@@ -12,7 +12,7 @@
 #include "tests/unit/intake_loading.hpp"
 
 // Curved surfaces as triangles, and how far those are off.  // A1 A21 B8
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -303,4 +303,4 @@ TEST(IntakeSurfaceFile, EachSurfaceStandsAtItsPlaceWithItsOwnSizes) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

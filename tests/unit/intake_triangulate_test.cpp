@@ -15,7 +15,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 __extension__ using Wide = __int128;
@@ -452,4 +452,4 @@ TEST(IntakePlanar, NearlyStraightTurnsAreExact) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 
 #include "tests/unit/intake_loading.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using test::complaint;
@@ -186,4 +186,4 @@ TEST(IntakeUrdf, AMeshIsScaledThenTurnedThenMoved) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -14,7 +14,7 @@
 #include "tests/scenes/meshes.hpp"
 
 // Vertex buffers of six kinds, and the way back.  // A7 A8 A9 A10 A11 A12
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Bytes that own what a VertexBuffer refers to, with junk between the positions, from an odd address on.
@@ -243,4 +243,4 @@ TEST(IntakeVertexBuffer, AllSixKindsAreCollidable) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/world/world.hpp"
 #include "tests/service/eventually.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using wire_contract::Answer;
@@ -147,4 +147,4 @@ TEST_F(ServiceBackgroundAudit, AnAnswerIsComparedWithItsOwnState) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

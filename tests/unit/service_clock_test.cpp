@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 // Publishers stamp by the machine's clock; world time must be of the same years, and never go back.
@@ -22,4 +22,4 @@ TEST(WorldClock, IsThatOfTheMachineWhenItStarted) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

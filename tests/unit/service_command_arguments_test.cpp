@@ -5,7 +5,7 @@
 
 #include <functional>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 std::string refusal(const std::string& text, const std::function<void(const Arguments&)>& read) {
@@ -93,4 +93,4 @@ TEST(CommandArguments, WhatWasNotSaidIsWhatIsTakenOtherwise) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

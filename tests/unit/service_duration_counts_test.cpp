@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <map>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 // Every duration is in a step that begins at most an eighth below its end, and no step begins before the last one ended.
@@ -31,4 +31,4 @@ TEST(DurationCounts, WhatIsOutOfRangeCountsAtTheEnd) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -8,7 +8,7 @@
 
 #include "tests/oracle/seed.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// Pushes where there is room.
@@ -138,4 +138,4 @@ TEST(FairQueue, EveryItemIsHandedOutOnceToManyThreads) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

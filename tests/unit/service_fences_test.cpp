@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 AskPointer fenced(std::uint64_t publisher, std::uint64_t sequence, std::int64_t taken_ns = 0, std::int64_t deadline_ns = 0) {
@@ -92,4 +92,4 @@ TEST(Fences, SoManyWaitAndNoMore) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

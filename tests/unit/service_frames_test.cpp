@@ -5,7 +5,7 @@
 
 #include "server/service/reply_columns.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -184,4 +184,4 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -4,7 +4,7 @@
 
 #include <map>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 std::unique_ptr<PoseSample> batch(std::uint64_t sequence, const std::vector<std::pair<std::uint32_t, double>>& heights,
@@ -163,4 +163,4 @@ TEST(Inbox, JobsAreBounded) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -13,7 +13,7 @@
 #include "server/service/journal_layout.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using Entries = std::vector<Journal::Entry>;
@@ -404,4 +404,4 @@ TEST(ServiceDurableState, WhatIsLeftOutlivesCrashesInARow) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

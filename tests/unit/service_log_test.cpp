@@ -9,7 +9,7 @@
 #include <regex>
 #include <sstream>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 double now_s() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
@@ -58,4 +58,4 @@ TEST(ServiceLog, ALevelSaysItselfAndWhatIsWorse) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

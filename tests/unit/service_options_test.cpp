@@ -12,7 +12,7 @@
 #include "server/service/quantities.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using Variables = std::map<std::string, std::string>;
@@ -243,4 +243,4 @@ TEST(NearestWord, IsTheOneOfFewestEditsByDefinition) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

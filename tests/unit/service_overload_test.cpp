@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using Stage = Overload::Stage;
@@ -50,4 +50,4 @@ TEST(Overload, IsTakenBackOnlyAfterCalmWithoutABreak) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

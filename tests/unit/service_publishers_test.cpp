@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using wire_contract::EndReason;
@@ -700,4 +700,4 @@ TEST_F(PublishersTest, EmptyBatchesOfAPublisherWithoutStampsSayThatItRests) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -15,7 +15,7 @@
 #include "server/service/sequence_watermark.hpp"
 #include "server/service/source_clock.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 TEST(SequenceWatermark, TwoTopicsOneSeries) {
@@ -450,4 +450,4 @@ TEST_F(EpochFile, FallsBackToTheClockAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

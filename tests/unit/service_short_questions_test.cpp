@@ -3,7 +3,7 @@
 #include "idl/topics.hpp"
 #include "server/service/short_questions.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using wire_contract::QueryKind;
@@ -52,4 +52,4 @@ TEST_F(ShortQuestionsTest, TwoLongOnesInARowEndItForATenthOfASecond) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 class ServiceStartScenes : public testing::Test {
@@ -61,4 +61,4 @@ TEST_F(ServiceStartScenes, AllThatAreNamedAreThereInOrder) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

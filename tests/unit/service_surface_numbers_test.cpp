@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 // A mesh that went may leave its address to the next one; viewers must not take the two for one.
@@ -37,4 +37,4 @@ TEST(ServiceSurfaceNumbers, WhatIsThereKeepsItsNumber) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

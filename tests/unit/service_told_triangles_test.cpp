@@ -5,7 +5,7 @@
 #include "server/service/reply_columns.hpp"
 #include "server/world/world.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 /// A panel of one triangle whose long edge a second part meets at its middle: mended, it is two.
@@ -77,4 +77,4 @@ TEST_F(ServiceToldTriangles, EventsAndContactsDoTheSame) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

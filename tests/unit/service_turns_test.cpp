@@ -11,7 +11,7 @@
 
 #include "server/service/turns.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 struct Scheduling {
@@ -60,4 +60,4 @@ TEST(Turns, LeaveAnotherPolicyAlone) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

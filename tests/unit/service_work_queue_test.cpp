@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 TEST(WorkQueue, KeepsItsOrderWhileItsMemoryGrowsAndWraps) {
@@ -53,4 +53,4 @@ TEST(WorkQueue, EveryItemIsHandedOutOnceToManyThreads) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -13,7 +13,7 @@
 #include "server/intake/scene_file.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using wire_contract::EventKind;
@@ -409,4 +409,4 @@ TEST_F(WorldLoopTest, TheStatusCountsEverything) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

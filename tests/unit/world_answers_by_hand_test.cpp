@@ -11,7 +11,7 @@
 #include "server/world/world.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -363,4 +363,4 @@ TEST(WorldSurfaceDistance, TablesAndCornersSayMuchBeforeAnythingIsCut) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

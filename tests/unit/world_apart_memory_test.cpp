@@ -4,7 +4,7 @@
 
 #include "server/world/apart_memory.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(ApartMemory, HoldsUntilTheGapIsUsedUpByEither) {
@@ -72,4 +72,4 @@ TEST(ApartMemory, KeepsABoundedNumberOfPairs) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "tests/oracle/mixed_world.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
@@ -177,4 +177,4 @@ INSTANTIATE_TEST_SUITE_P(EveryKind, WorldAskedAgain, testing::Values(QueryKind::
                          [](const auto& kind) { return std::string(wire_contract::name_of(kind.param)); });
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "tests/oracle/seed.hpp"
 
 // Who asks for less gets it cheaper, never worse than asked, and every yes and no stays what it was.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
@@ -143,4 +143,4 @@ TEST(WorldAskedError, ALadderThatEndsAtDoubleSaysUndecidedAndNeverMiss) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "tests/oracle/seed.hpp"
 
 // The audit agrees with right answers and sees every kind of wrong one.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
@@ -118,4 +118,4 @@ TEST_F(WorldAudit, UndecidedClaimsNothing) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -14,7 +14,7 @@
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EndReason;
@@ -364,4 +364,4 @@ TEST(WorldCommonTimeAudit, EveryPairIsDecidedOnceUpToWhereBothAreKnown) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

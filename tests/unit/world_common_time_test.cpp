@@ -15,7 +15,7 @@
 #include "tests/oracle/meeting_oracle.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::Instant;
@@ -561,4 +561,4 @@ TEST(WorldCommonTime, AnyArrivalOrderTellsTheSameEvents) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -2,7 +2,7 @@
 
 #include "server/world/contact_ledger.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EndReason;
@@ -252,4 +252,4 @@ TEST(ContactLedger, ACorrectedContactIsToldInItsBeginningAndNoOther) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

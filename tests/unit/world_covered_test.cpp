@@ -14,7 +14,7 @@
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -308,4 +308,4 @@ TEST(Covered, NothingOutsideContradictsWhatWasAnswered) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -8,7 +8,7 @@
 #include "server/world/contact_ledger.hpp"
 #include "server/world/world.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Doubt;
@@ -193,4 +193,4 @@ TEST(Doubt, WhateverTouchesALostPublishersObjectIsInDoubtUntilItIsFoundAgain) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -4,7 +4,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Triangles of unequal sizes, in one plane.
@@ -59,4 +59,4 @@ TEST(FlatFloorQuestion, GivesOnlyTheFloorsNormal) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

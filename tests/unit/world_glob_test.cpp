@@ -2,7 +2,7 @@
 
 #include "server/world/query.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(Glob, StarTakesAnyRunIncludingNone) {
@@ -25,4 +25,4 @@ TEST(Glob, ManyStarsTakeLittleTime) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::shared_ptr<const TriangleMesh> rock(std::uint64_t seed) {
@@ -156,4 +156,4 @@ TEST(WorldKeptApart, NothingIsRememberedOfWhatWasPutElsewhere) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -14,7 +14,7 @@
 #include "tests/scenes/meshes.hpp"
 
 // Levels of detail: how far they are off, and what questions make of them.  // A13 A14 A15
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::QueryKind;
@@ -231,4 +231,4 @@ TEST(WorldLevels, TheAuditAgrees) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

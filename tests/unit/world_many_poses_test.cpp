@@ -8,7 +8,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Balls, boxes, bodies of several shapes and of a mesh.
@@ -86,4 +86,4 @@ TEST(WorldManyPoses, ABallsBoundsAreThoseOfItsShape) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

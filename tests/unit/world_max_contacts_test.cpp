@@ -6,7 +6,7 @@
 #include "server/world/plan.hpp"
 #include "server/world/world.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EndReason;
@@ -113,4 +113,4 @@ TEST_F(WorldMaxContacts, CandidatesWithoutContactAreBoundedToo) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -11,7 +11,7 @@
 #include "tests/oracle/seed.hpp"
 
 // The index, the filters and the walks against a twin that tests every part of every object.  // A43 A50 A51 B2
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EventKind;
@@ -123,4 +123,4 @@ TEST(WorldOracle, OpenContactsEqualBruteForceAfterEveryStep) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -7,7 +7,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/unit/certified.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr int kKinds = 8;
@@ -101,4 +101,4 @@ TEST(PairProof, OfCombsThatInterlock) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::Stage;
@@ -300,4 +300,4 @@ TEST(PairReports, ABoxOnATessellatedFloorBearsOnItsCorners) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

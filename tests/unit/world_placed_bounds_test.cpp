@@ -10,7 +10,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 class WorldPlacedBounds : public testing::Test {
@@ -144,4 +144,4 @@ TEST_F(WorldPlacedBounds, TheReachOfEachKindIsThatKnownByHand) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -9,7 +9,7 @@
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -285,4 +285,4 @@ TEST(WorldPoseMemoryBounds, WithoutReachNothingIsKept) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -5,7 +5,7 @@
 #include "tests/extreme/worlds.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using extreme::Stage;
@@ -219,4 +219,4 @@ TEST(Probes, RefuseWhatIsNoRay) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

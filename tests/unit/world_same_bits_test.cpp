@@ -12,7 +12,7 @@
 #include "tests/scenes/meshes.hpp"
 
 // Same state, same question, same bits: whatever the processor, the number of threads, and what is asked beside it.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
@@ -190,4 +190,4 @@ INSTANTIATE_TEST_SUITE_P(Batches, WorldRaysTogether, ::testing::Bool(),
                          [](const auto& of) { return of.param ? "Camera" : "Incoherent"; });
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

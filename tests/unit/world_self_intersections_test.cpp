@@ -6,7 +6,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 std::vector<TrianglePair> found(const TriangleMesh& mesh) {
@@ -70,4 +70,4 @@ TEST(WorldSelfIntersections, AgreesWithAllPairsInRationals) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -15,7 +15,7 @@
 #include "tests/oracle/seed.hpp"
 
 // Forms of shapes that become others when they are loaded: clouds, lines, height fields, scaled and shared ones.  // A10
-namespace collided {
+namespace collided::engine {
 namespace {
 
 namespace fb = flatbuffers;
@@ -256,4 +256,4 @@ TEST(SharedMesh, AFileHoldsItOnce) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

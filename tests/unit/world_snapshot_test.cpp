@@ -6,7 +6,7 @@
 
 #include "server/world/snapshot.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 TEST(SnapshotRing, ALeaseKeepsItsStateWhileTheWriterGoesOn) {
@@ -65,4 +65,4 @@ TEST(SnapshotRing, ReadersNeverSeeAHalfWrittenState) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

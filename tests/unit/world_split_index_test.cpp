@@ -9,7 +9,7 @@
 #include "tests/scenes/meshes.hpp"
 
 // A triangle that clipped splits hold in several leaves is one triangle to whoever asks.
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::QueryKind;
@@ -117,4 +117,4 @@ TEST_F(WorldSplitIndex, AMovingMeshMeetsTheSameParts) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -202,4 +202,4 @@ TEST(StaleReach, NoPlaceWithinReachContradictsWhatWasAnswered) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -6,7 +6,7 @@
 #include "server/world/query.hpp"
 #include "server/world/world.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::EndReason;
@@ -283,4 +283,4 @@ TEST_F(WorldStepValues, ABladeThatTurnsFastMeetsWhatStandsBetweenItsPoses) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -10,7 +10,7 @@
 #include "tests/oracle/seed.hpp"
 
 // How far a triangle's points are at most from a surface that lies over it.  // A13
-namespace collided {
+namespace collided::engine {
 namespace {
 
 double height_at_most(const TriangleMesh& sheet, const Triangle& table) {
@@ -83,4 +83,4 @@ TEST(WorldSurfaceCover, TheBoundHoldsUnderASheetOfAMillionMillionTimesItsSize) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

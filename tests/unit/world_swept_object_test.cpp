@@ -6,7 +6,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 ObjectInfo mesh_object(TriangleMesh mesh) {
@@ -128,4 +128,4 @@ TEST(WorldSweptObject, ASearchWithoutRoomSaysSo) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

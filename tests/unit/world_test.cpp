@@ -5,7 +5,7 @@
 #include "server/world/query.hpp"
 #include "server/world/world.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 using wire_contract::Answer;
@@ -289,4 +289,4 @@ TEST_F(WorldTest, LoadingASceneFindsWhatAlreadyTouchesIt) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

@@ -13,7 +13,7 @@
 #include "server/intake/files/progress_line.hpp"
 #include "server/intake/files/volumes.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 namespace {
 
 using nlohmann::json;
@@ -206,4 +206,4 @@ int check(const FileOptions& file, const CheckOptions& options) {
   return report.refused.empty() ? 0 : 1;
 }
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

@@ -2,7 +2,7 @@
 
 #include "server/intake/files/file_options.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 
 struct CheckOptions {
   bool as_json = false;
@@ -16,4 +16,4 @@ struct CheckOptions {
 /// something was refused.
 int check(const FileOptions& file, const CheckOptions& options);
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

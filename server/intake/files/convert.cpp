@@ -14,7 +14,7 @@
 #include "server/intake/scene_file.hpp"
 #include "server/intake/scene_index.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 namespace {
 
 Vec3 middle(const Scene& scene) {
@@ -106,4 +106,4 @@ int convert(const ConvertOptions& options) {
   return report.refused.empty() ? 0 : 1;
 }
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

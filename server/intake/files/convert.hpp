@@ -2,7 +2,7 @@
 
 #include "server/intake/files/file_options.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 
 struct ConvertOptions {
   FileOptions file;
@@ -19,4 +19,4 @@ struct ConvertOptions {
 /// Reads a file and writes it as a scene file with the index of each mesh, moved where asked. 0: all of it was taken; 1: something was refused.
 int convert(const ConvertOptions& options);
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

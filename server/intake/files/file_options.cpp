@@ -9,7 +9,7 @@
 
 #include "server/intake/files/interrupt.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 
 std::optional<double> unit_in_metres(const std::string& unit) {
   constexpr std::array<std::pair<const char*, double>, 7> kUnits{
@@ -86,4 +86,4 @@ std::string shortest(double value) {
   return {text.data(), result.ptr};
 }
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

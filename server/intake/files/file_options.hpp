@@ -6,7 +6,7 @@
 
 #include "server/intake/scene.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 
 /// How a file is to be read, as the user wrote it.
 struct FileOptions {
@@ -43,4 +43,4 @@ std::string grouped(std::uint64_t value);
 /// The shortest text that reads back to the same double.
 std::string shortest(double value);
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

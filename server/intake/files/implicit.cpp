@@ -17,7 +17,7 @@
 #include "server/intake/files/file_options.hpp"
 #include "server/intake/implicit_lines.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 namespace {
 
 using nlohmann::json;
@@ -204,4 +204,4 @@ int implicit(const ImplicitOptions& options) {
   return ask(surface, question_of(options.numbers), length_m, options.as_json);
 }
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace collided::files {
+namespace collided::engine::files {
 
 struct ImplicitOptions {
   std::string surface;               // a polynomial, or a name in the file
@@ -18,4 +18,4 @@ struct ImplicitOptions {
 /// 1 miss or outside, 3 undecided, 6 some lines of a batch were refused. Throws LoadError for what cannot be asked.
 int implicit(const ImplicitOptions& options);
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <csignal>
 
-namespace collided::files {
+namespace collided::engine::files {
 namespace {
 
 std::atomic<bool> interrupted = false;
@@ -24,4 +24,4 @@ void end_if_interrupted() {
   if (is_interrupted()) throw Interrupted();
 }
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

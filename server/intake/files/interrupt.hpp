@@ -2,7 +2,7 @@
 
 #include <exception>
 
-namespace collided::files {
+namespace collided::engine::files {
 
 /// From now on Ctrl-C (SIGINT) only sets is_interrupted(), so that nothing half written stays behind.
 void listen_for_interrupt();
@@ -18,4 +18,4 @@ struct Interrupted : std::exception {
 /// Throws Interrupted.
 void end_if_interrupted();
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kInterrupted = 130;
 
-void declare_reading(CLI::App& verb, collided::files::FileOptions& file) {
+void declare_reading(CLI::App& verb, collided::engine::files::FileOptions& file) {
   verb.add_option("file", file.path, "File to read")->required();
   verb.add_option("--unit", file.unit, "Of the file: m, mm, cm, km, um, in, ft, or metres a unit (m)");
   verb.add_option("--up", file.up, "Axis of the file that points up: y or z (as the format says, else z)")
@@ -47,7 +47,7 @@ std::string without_blanks(std::string word) {
   return word;
 }
 
-void declare_implicit(CLI::App& verb, collided::files::ImplicitOptions& options) {
+void declare_implicit(CLI::App& verb, collided::engine::files::ImplicitOptions& options) {
   verb.add_option("surface", options.surface, "Polynomial in x, y, z, 0 on the surface: 'x^2+y^2+z^2-1 in 0 -1 -1 1 1 1'; or, with --file, a name")->required();
   verb.add_option("numbers", options.numbers, "A ray X Y Z DX DY DZ, a point X Y Z, or - for many, one a line")->required()->transform(without_blanks);
   verb.add_option("--file", options.file, "A .surfaces file that has a line: NAME implicit POLYNOMIAL [in X Y Z X Y Z]");
@@ -61,8 +61,8 @@ void declare_implicit(CLI::App& verb, collided::files::ImplicitOptions& options)
 int main(int argument_count, char** arguments) {
   CLI::App app("Scene files without a server", "collide");
   app.require_subcommand(1);
-  collided::files::FileOptions checked;
-  collided::files::CheckOptions check_options;
+  collided::engine::files::FileOptions checked;
+  collided::engine::files::CheckOptions check_options;
   CLI::App* check = app.add_subcommand("check", "What a file holds and what is wrong with it");
   declare_reading(*check, checked);
   check->add_flag("--json", check_options.as_json, "One JSON object");
@@ -71,7 +71,7 @@ int main(int argument_count, char** arguments) {
   check->add_option("--eye", check_options.eye, "Count the silhouette edges seen from this point X,Y,Z");
   check->add_flag("--volumes", check_options.volumes, "Bounding volumes too: size, volume, time")->excludes("--json");
   check->add_flag("--encodings", check_options.encodings, "Bytes as lists, fans, strips and as a mesh too")->excludes("--json");
-  collided::files::ConvertOptions converted;
+  collided::engine::files::ConvertOptions converted;
   CLI::App* convert = app.add_subcommand("convert", "Read a file, write a .cscene file");
   declare_reading(*convert, converted.file);
   convert->add_option("output", converted.output, "File to write: .cscene")->required();
@@ -84,7 +84,7 @@ int main(int argument_count, char** arguments) {
   convert->add_option("--cost", converted.cost, "What simplification goes by: quadric or length (quadric)")
       ->check(CLI::IsMember({"quadric", "length"}));
   convert->add_flag("--no-index", converted.no_index, "Save no index; loading builds it");
-  collided::files::ImplicitOptions asked;
+  collided::engine::files::ImplicitOptions asked;
   CLI::App* implicit = app.add_subcommand("implicit", "Where a ray meets a polynomial surface, on which side a point is");
   declare_implicit(*implicit, asked);
   try {
@@ -94,11 +94,11 @@ int main(int argument_count, char** arguments) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 2;
   }
-  collided::files::listen_for_interrupt();
+  collided::engine::files::listen_for_interrupt();
   try {
-    if (implicit->parsed()) return collided::files::implicit(asked);
-    return check->parsed() ? collided::files::check(checked, check_options) : collided::files::convert(converted);
-  } catch (const collided::files::Interrupted&) {
+    if (implicit->parsed()) return collided::engine::files::implicit(asked);
+    return check->parsed() ? collided::engine::files::check(checked, check_options) : collided::engine::files::convert(converted);
+  } catch (const collided::engine::files::Interrupted&) {
     std::fprintf(stderr, "interrupted\n");
     return kInterrupted;
   } catch (const std::exception& error) {

@@ -10,7 +10,7 @@
 #include "server/intake/files/file_options.hpp"
 #include "server/intake/files/interrupt.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 namespace {
 
 /// The part of each triangle; parts are what a file's materials and groups have become.
@@ -198,4 +198,4 @@ std::vector<Finding> findings_of(const CheckedMesh& checked, std::size_t worst_c
   return Findings(checked, worst_count).all();
 }
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

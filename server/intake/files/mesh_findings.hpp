@@ -9,7 +9,7 @@
 #include "server/intake/scene.hpp"
 #include "server/world/self_intersections.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 
 /// A mesh of a file with what was found out about it.
 struct CheckedMesh {
@@ -55,4 +55,4 @@ struct Finding {
 /// Those of which there are any, in a fixed order. worst_count: at most so many places of each.
 std::vector<Finding> findings_of(const CheckedMesh& checked, std::size_t worst_count);
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <utility>
 
-namespace collided::files {
+namespace collided::engine::files {
 
 using namespace std::chrono_literals;
 
@@ -26,4 +26,4 @@ void ProgressLine::tell(double fraction) {
   std::fprintf(stderr, "\r  %s %3.0f %%, %.0f s left\x1b[K", task_.c_str(), 100 * fraction, left_s);
 }
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

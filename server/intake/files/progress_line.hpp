@@ -4,7 +4,7 @@
 #include <mutex>
 #include <string>
 
-namespace collided::files {
+namespace collided::engine::files {
 
 /// One line on stderr that says how far a long task is: only on a terminal and only after 400 ms; wiped in the end.
 class ProgressLine {
@@ -29,4 +29,4 @@ class ProgressLine {
   Clock::time_point told_ = begun_;
 };
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

@@ -13,7 +13,7 @@
 #include "server/world/scene_levels.hpp"
 #include "server/world/surface_distance.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 namespace {
 
 std::size_t triangles_asked(const std::string& target, std::size_t triangle_count) {
@@ -101,4 +101,4 @@ void add_levels(Scene& scene, CollapseCost cost) {
   fmt::print("           {}\n", refusals(report));
 }
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

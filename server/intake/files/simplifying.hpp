@@ -5,7 +5,7 @@
 #include "server/intake/scene.hpp"
 #include "server/intake/simplify.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 
 /// Puts a simpler mesh in the place of the scene's, and says by how much it is off. Parts keep their names; triangles get
 /// new numbers.
@@ -15,4 +15,4 @@ void simplify_to(Scene& scene, const std::string& target, CollapseCost cost);
 /// Adds the order in which the mesh is simplified, for levels of detail, and says what levels it gives.
 void add_levels(Scene& scene, CollapseCost cost);
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

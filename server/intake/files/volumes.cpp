@@ -8,7 +8,7 @@
 #include "server/geometry/bounding_volumes.hpp"
 #include "server/intake/strips.hpp"
 
-namespace collided::files {
+namespace collided::engine::files {
 namespace {
 
 template <class Make>
@@ -53,4 +53,4 @@ void print_encodings(const Scene& scene) {
   for (const EncodingSize& size : encoding_sizes(scene.mesh)) fmt::print("  {:<28} {:>12} {:>12.1f}\n", size.name, size.bytes, size.bytes_a_triangle);
 }
 
-}  // namespace collided::files
+}  // namespace collided::engine::files

@@ -15,7 +15,7 @@
 #include "server/intake/reading.hpp"
 #include "server/intake/single_precision.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 /// Place of a node: x_W = linear * x + offset.
@@ -174,4 +174,4 @@ Scene read_with_assimp(const std::string& path, const LoadOptions& options, Load
   return scene;
 }
 
-}  // namespace collided
+}  // namespace collided::engine

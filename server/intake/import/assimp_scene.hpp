@@ -4,7 +4,7 @@
 
 #include "server/intake/scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 /// The meshes of a file as Assimp reads it, each put in its place by the node that shows it, in double from there on.
 ///
@@ -13,4 +13,4 @@ namespace collided {
 /// throws    LoadError, without a consequence in its text: the caller knows it
 Scene read_with_assimp(const std::string& path, const LoadOptions& options, LoadReport& report);
 
-}  // namespace collided
+}  // namespace collided::engine

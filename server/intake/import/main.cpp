@@ -24,7 +24,7 @@ namespace {
 struct Arguments {
   std::string input;
   std::string output;
-  collided::LoadOptions options;
+  collided::engine::LoadOptions options;
 };
 
 template <class Number>
@@ -33,7 +33,7 @@ bool parse(std::string_view text, Number& number) {
   return error == std::errc{} && stop == text.data() + text.size();
 }
 
-bool parse_option(std::string_view option, std::string_view value, collided::LoadOptions& options) {
+bool parse_option(std::string_view option, std::string_view value, collided::engine::LoadOptions& options) {
   if (option == "--name") {
     options.name = value;
     return true;
@@ -67,15 +67,15 @@ void print(const char* head, const std::vector<std::string>& lines) {
   }
 }
 
-collided::Scene read(const Arguments& arguments, collided::LoadReport& report) {
-  if (collided::is_read_here(arguments.input)) return collided::load_scene(arguments.input, arguments.options, report);
-  return collided::read_with_assimp(arguments.input, arguments.options, report);
+collided::engine::Scene read(const Arguments& arguments, collided::engine::LoadReport& report) {
+  if (collided::engine::is_read_here(arguments.input)) return collided::engine::load_scene(arguments.input, arguments.options, report);
+  return collided::engine::read_with_assimp(arguments.input, arguments.options, report);
 }
 
 int convert(const Arguments& arguments, int output) {
   try {
-    collided::LoadReport report;
-    collided::save_scene(output, "scene.cscene", read(arguments, report));
+    collided::engine::LoadReport report;
+    collided::engine::save_scene(output, "scene.cscene", read(arguments, report));
     print("placed", report.placed);
     print("note", report.notes);
     print("mended", report.mended);
@@ -83,7 +83,7 @@ int convert(const Arguments& arguments, int output) {
     print("warning", report.warnings);
     return std::fflush(stdout) == 0 ? 0 : 1;
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "it needs more than %llu GiB of memory\n", collided::sandbox_memory_bytes() >> 30);
+    std::fprintf(stderr, "it needs more than %llu GiB of memory\n", collided::engine::sandbox_memory_bytes() >> 30);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
   }
@@ -104,7 +104,7 @@ int main(int argument_count, char** argument_list) {
     std::fprintf(stderr, "%s: %s\n", arguments.output.c_str(), std::strerror(errno));
     return 1;
   }
-  if (const std::string why = collided::enter_sandbox(output); !why.empty()) {
+  if (const std::string why = collided::engine::enter_sandbox(output); !why.empty()) {
     std::fprintf(stderr, "%s\n", why.c_str());
     return 1;
   }

@@ -1,9 +1,9 @@
 #include "server/intake/import/assimp_scene.hpp"
 
-namespace collided {
+namespace collided::engine {
 
 Scene read_with_assimp(const std::string&, const LoadOptions&, LoadReport&) {
   throw LoadError("this build has no Assimp, which alone reads this format");
 }
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <memory>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 constexpr rlim_t kMemoryBytes = rlim_t{8} << 30;
@@ -92,4 +92,4 @@ std::string enter_sandbox(int output) {
   return {};
 }
 
-}  // namespace collided
+}  // namespace collided::engine

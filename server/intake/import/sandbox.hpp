@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace collided {
+namespace collided::engine {
 
 /// False in sanitized builds: they map terabytes that they never touch, and make system calls of their own.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -23,4 +23,4 @@ std::string enter_sandbox(int output);
 /// Bytes of address space that the process may take.
 unsigned long long sandbox_memory_bytes();
 
-}  // namespace collided
+}  // namespace collided::engine

@@ -15,6 +15,7 @@
 #include "tests/accuracy/census/ray_inputs.hpp"
 
 namespace collided::census {
+using namespace engine;
 namespace {
 
 /// Of every decision and the bits of every number, in order. (Fowler, Noll, Vo; 1a.)

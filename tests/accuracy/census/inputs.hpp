@@ -9,6 +9,7 @@
 #include "tests/accuracy/census/grid_truth.hpp"
 
 namespace collided::census {
+using namespace engine;
 
 /// How a family's whole numbers become the doubles that are asked about: (n + offset) * 2^power. Both steps are exact.
 struct Placing {

@@ -7,6 +7,7 @@
 #include "tests/oracle/seed.hpp"
 
 namespace collided::census {
+using namespace engine;
 namespace {
 
 constexpr double kShortPart = 0.005;

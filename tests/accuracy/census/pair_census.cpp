@@ -5,6 +5,7 @@
 #include "tests/accuracy/census/subjects.hpp"
 
 namespace collided::census {
+using namespace engine;
 namespace {
 
 using Narrow = Int128;

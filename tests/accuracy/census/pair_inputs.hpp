@@ -5,6 +5,7 @@
 #include "tests/accuracy/census/inputs.hpp"
 
 namespace collided::census {
+using namespace engine;
 
 // What pairs are asked about: two shapes of one family.
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 namespace collided::census {
+using namespace engine;
 namespace {
 
 template <class Real>

@@ -4,6 +4,7 @@
 #include "server/geometry/shapes.hpp"
 
 namespace collided::census {
+using namespace engine;
 
 // Tests as they stand in the literature, without a bound on their error: the census counts what that costs.
 

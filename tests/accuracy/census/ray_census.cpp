@@ -5,6 +5,7 @@
 #include "tests/accuracy/census/subjects.hpp"
 
 namespace collided::census {
+using namespace engine;
 namespace {
 
 /// Degree 3 without a length, 10 with one.

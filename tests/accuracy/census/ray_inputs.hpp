@@ -5,6 +5,7 @@
 #include "tests/accuracy/census/inputs.hpp"
 
 namespace collided::census {
+using namespace engine;
 
 // What rays are asked about: a ray and a shape of one family.
 

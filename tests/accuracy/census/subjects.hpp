@@ -7,6 +7,7 @@
 #include "tests/accuracy/census/table.hpp"
 
 namespace collided::census {
+using namespace engine;
 
 /// How much of the census is taken.
 struct Effort {

@@ -11,6 +11,7 @@
 #include "server/exact_phase/verdict.hpp"
 
 namespace collided::census {
+using namespace engine;
 
 /// One line of the census: how often a method's yes/no was not the truth.
 struct Row {

@@ -12,6 +12,7 @@
 #include "tests/scenes/meshes.hpp"
 
 namespace collided::census {
+using namespace engine;
 namespace {
 
 /// A cube of cells x cells squares a side, every corner on the grid.

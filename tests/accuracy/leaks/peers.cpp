@@ -20,6 +20,7 @@
 #endif
 
 namespace collided::census {
+using namespace engine;
 
 #ifdef COLLIDED_EMBREE
 namespace {

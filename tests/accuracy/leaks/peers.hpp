@@ -10,6 +10,7 @@
 #include "server/geometry/ray.hpp"
 
 namespace collided::census {
+using namespace engine;
 
 class Table;
 

@@ -14,7 +14,7 @@
 #include "tests/service/allocation/counting.hpp"
 #include "tests/service/wire_network.hpp"
 
-namespace collided::service {
+namespace collided::engine::service {
 namespace {
 
 using test::Counts;
@@ -273,4 +273,4 @@ TEST_F(Allocation, NoneForABatchOfAThousandPosesUntilItIsApplied) {
 }
 
 }  // namespace
-}  // namespace collided::service
+}  // namespace collided::engine::service

@@ -6,6 +6,7 @@
 #include <random>
 
 namespace collided::testing_support {
+using namespace engine;
 namespace {
 
 constexpr std::int64_t kLongNs = CrossingRound::kLongNs;

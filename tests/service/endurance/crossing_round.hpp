@@ -9,6 +9,7 @@
 #include "tests/oracle/meeting_oracle.hpp"
 
 namespace collided::testing_support {
+using namespace engine;
 
 /// A body and who poses it; its instants count from the round's beginning.
 struct CrossingBody {

@@ -23,6 +23,7 @@
 #include "tests/service/network/tap_link.hpp"
 
 namespace collided::testing_support {
+using namespace engine;
 namespace {
 
 using namespace std::chrono_literals;

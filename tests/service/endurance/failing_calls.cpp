@@ -27,6 +27,7 @@
 #include "tests/service/preload/failing_calls.hpp"
 
 namespace collided::testing_support {
+using namespace engine;
 namespace {
 
 using service::Journal;

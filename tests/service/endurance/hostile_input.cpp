@@ -31,6 +31,7 @@
 #include "tests/service/server_wire_asker.hpp"
 
 namespace collided::testing_support {
+using namespace engine;
 namespace {
 
 using namespace std::chrono_literals;

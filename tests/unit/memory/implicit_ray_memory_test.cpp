@@ -4,7 +4,7 @@
 #include "server/intake/polynomial_text.hpp"
 #include "tests/unit/memory/counting.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 // A ray that double decides takes no memory; one that touches, which rationals decide, does, so that the count is one.
@@ -25,4 +25,4 @@ TEST(ImplicitRayMemory, RaysThatDoubleDecidesAllocateNothing) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

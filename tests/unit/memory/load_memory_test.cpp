@@ -10,7 +10,7 @@
 #include "tests/scenes/meshes.hpp"
 #include "tests/unit/memory/counting.hpp"
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 // At its peak a load holds the file as far as it is not yet read, what is read and not yet in place, and the mesh.
@@ -64,4 +64,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, LoadMemory,
                          [](const auto& format) { return std::string(format.param.name); });
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine
