@@ -151,9 +151,8 @@ std::string domain_config(const ParticipantOptions& options) {
 }
 
 Participant::Participant(const ParticipantOptions& options) {
-  // RTPS ports are 7400 + 250 * domain + ...: beyond 230 they leave the 16 bits.
-  if (options.domain < 0 || options.domain > 230) {
-    throw DdsError("domain " + std::to_string(options.domain) + ": allowed 0 to 230");
+  if (options.domain < 0 || options.domain > wire_contract::kLastDomain) {
+    throw std::invalid_argument("domain " + std::to_string(options.domain) + ": allowed 0 to " + std::to_string(wire_contract::kLastDomain));
   }
   const auto domain = static_cast<dds_domainid_t>(options.process_domain.value_or(options.domain));
   const char* const uri = std::getenv("CYCLONEDDS_URI");

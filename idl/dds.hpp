@@ -191,7 +191,7 @@ enum class Role { server, client };
 /// process_domain  Cyclone's number for this domain inside this process, when two participants of one process are to
 ///                 meet over the network stack (tests); none: `domain`
 struct ParticipantOptions {
-  int domain = 0;  // 0..230
+  int domain = 0;  // 0 to kLastDomain
   Role role = Role::client;
   std::string interface = "lo";
   std::vector<std::string> peers = {};

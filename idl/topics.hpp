@@ -12,6 +12,9 @@ namespace collided::wire_contract {
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 
+/// Of DDS. RTPS ports are 7400 + 250 * domain + ...: those of a later one leave the 16 bits.
+inline constexpr int kLastDomain = 230;
+
 enum class QueryKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep };
 /// The kinds that are answered about the world from numbers alone; a sweep has a shape too.
 inline constexpr QueryKind kWorldQuestions[] = {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near};

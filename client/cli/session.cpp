@@ -7,13 +7,6 @@
 namespace collided::cli {
 namespace {
 
-std::string first_given(std::initializer_list<std::string> values) {
-  for (const std::string& value : values) {
-    if (!value.empty()) return value;
-  }
-  return {};
-}
-
 Format format_by_name(const std::string& name) {
   if (name == "table") return Format::table;
   if (name == "plain") return Format::plain;
@@ -67,18 +60,13 @@ Printer make_printer(Io& io, const Globals& globals) {
 }
 
 ConnectOptions connect_options(const Io& io, const Globals& globals) {
-  ConnectOptions options;
-  const std::string domain = first_given({globals.domain, io.env("COLLIDED_DOMAIN"), io.env("ROS_DOMAIN_ID")});
-  constexpr std::uint64_t kLastDomain = 232;  // of DDSI's default port mapping
-  if (!domain.empty()) {
-    const std::uint64_t number = parse_count(domain);
-    if (number > kLastDomain) throw bad_use(fmt::format("domain {} is above the last one, {}", number, kLastDomain));
-    options.domain = static_cast<int>(number);
-  }
-  const std::string name_space = first_given({globals.name_space, io.env("COLLIDED_NAMESPACE")});
-  if (!name_space.empty()) options.name_space = name_space;
-  const std::string interface = first_given({globals.interface, io.env("COLLIDED_INTERFACE")});
-  if (!interface.empty()) options.interface = interface;
+  ConnectOptions options = take(ConnectOptions::from_environment([&](const char* name) {
+    const std::string_view which = name;
+    if (which == "COLLIDED_DOMAIN" && !globals.domain.empty()) return globals.domain;
+    if (which == "COLLIDED_NAMESPACE" && !globals.name_space.empty()) return globals.name_space;
+    if (which == "COLLIDED_INTERFACE" && !globals.interface.empty()) return globals.interface;
+    return io.env(name);
+  }));
   options.peers = globals.peers;
   if (!globals.wait.empty()) options.wait = parse_duration(globals.wait);
   return options;

@@ -47,6 +47,12 @@ Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 
+Result<Client> Client::connect() {
+  const Result<ConnectOptions> options = ConnectOptions::from_environment();
+  if (!options) return options.error();
+  return connect(*options);
+}
+
 Result<Client> Client::connect(const ConnectOptions& options) {
   Result<std::shared_ptr<client::Connection>> connection = client::Connection::open(options);
   if (!connection) {

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "idl/topics.hpp"
 #include "server/service/options.hpp"
 #include "server/service/quantities.hpp"
 
@@ -163,7 +164,7 @@ Allowed apply_audit(Options& options, Values values) {
 }
 
 Allowed apply_domain(Options& options, Values values) {
-  return apply_whole(options.domain, values, 0, 230);
+  return apply_whole(options.domain, values, 0, wire_contract::kLastDomain);
 }
 
 /// Letters of addresses and interfaces: they become part of DDS's own configuration.

@@ -55,15 +55,54 @@ TEST(ClientConnect, ServerOfAnotherNamespaceIsSeenButNotMet) {
             "seen on this domain: 1 participant, none of ours; start a server with 'collided'");
 }
 
+// Variables are the process's: put back as they were.
+class Variables {
+ public:
+  void set(const char* name, const char* value) {
+    const char* const before = std::getenv(name);
+    before_.emplace(name, before == nullptr ? std::optional<std::string>() : std::optional<std::string>(before));
+    if (value == nullptr) ::unsetenv(name);
+    else ::setenv(name, value, 1);
+  }
+  ~Variables() {
+    for (const auto& [name, value] : before_) value ? ::setenv(name.c_str(), value->c_str(), 1) : ::unsetenv(name.c_str());
+  }
+
+ private:
+  std::map<std::string, std::optional<std::string>> before_;
+};
+
+TEST(ClientConnect, TheEnvironmentSaysWhereToForTheLibraryAsForTheCommandLine) {
+  Variables variables;
+  for (const char* name : {"COLLIDED_DOMAIN", "COLLIDED_NAMESPACE", "COLLIDED_INTERFACE"}) variables.set(name, nullptr);
+  variables.set("ROS_DOMAIN_ID", "7");
+  EXPECT_EQ(ConnectOptions::from_environment()->domain, 7);
+  EXPECT_EQ(ConnectOptions::from_environment()->name_space, "collided");
+  EXPECT_EQ(ConnectOptions::from_environment()->interface, "lo");
+  variables.set("COLLIDED_DOMAIN", "8");
+  variables.set("COLLIDED_NAMESPACE", "lab");
+  variables.set("COLLIDED_INTERFACE", "auto");
+  EXPECT_EQ(ConnectOptions::from_environment()->domain, 8);
+  EXPECT_EQ(ConnectOptions::from_environment()->name_space, "lab");
+  EXPECT_EQ(ConnectOptions::from_environment()->interface, "auto");
+  variables.set("COLLIDED_DOMAIN", "lab");
+  ASSERT_FALSE(ConnectOptions::from_environment());
+  EXPECT_EQ(ConnectOptions::from_environment().error().code, ErrorCode::bad_input);
+  const Result<Client> client = Client::connect();
+  ASSERT_FALSE(client);
+  EXPECT_EQ(client.error().message, "domain 'lab': allowed 0 to 230");
+}
+
 TEST(ClientConnect, BadWordsAreRefusedBeforeAnythingStarts) {
   ConnectOptions options = here();
   options.name_space = "a-b";
   EXPECT_EQ(Client::connect(options).error().code, ErrorCode::bad_input);
   options = here();
-  options.domain = 500;
+  options.domain = 231;
   const Result<Client> client = Client::connect(options);
   ASSERT_FALSE(client);
-  EXPECT_NE(client.error().message.find("allowed 0 to 230"), std::string::npos) << client.error().message;
+  EXPECT_EQ(client.error().code, ErrorCode::bad_input);
+  EXPECT_EQ(client.error().message, "domain 231: allowed 0 to 230");
   options = here();
   options.peers = {"10.0.0.2", "<evil>"};
   const Result<Client> peers = Client::connect(options);

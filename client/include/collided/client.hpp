@@ -618,18 +618,25 @@ struct ServerStatus {
 };
 
 struct ConnectOptions {
-  int domain = 0;
+  int domain = 0;  // 0 to 230
   std::string name_space = "collided";
   std::string interface = "lo";  // "auto" opens it to the network
   std::vector<std::string> peers = {};
   std::chrono::nanoseconds wait{2'000'000'000};  // for a server to answer
+
+  /// As the command line has it: COLLIDED_DOMAIN (else ROS_DOMAIN_ID), COLLIDED_NAMESPACE, COLLIDED_INTERFACE where they are
+  /// set, the above where not. Error bad_input for a domain that is none.
+  /// variable  what a variable says, empty where it is not set; none: the process's own environment
+  static Result<ConnectOptions> from_environment(const std::function<std::string(const char* name)>& variable = {});
 };
 
 /// A connection to one server. Calls may come from several threads at once.
 class Client {
  public:
   /// Waits until a server answers hello; Error no_server otherwise, with what was seen on the domain.
-  static Result<Client> connect(const ConnectOptions& options = {});
+  static Result<Client> connect(const ConnectOptions& options);
+  /// To where the environment says.
+  static Result<Client> connect();
   ~Client();
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
