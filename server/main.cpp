@@ -17,7 +17,7 @@
 #include "server/service/server.hpp"
 #include "server/service/start_scenes.hpp"
 #include "server/service/supervisor.hpp"
-#include "server/service/turns.hpp"
+#include "server/service/time_slice.hpp"
 
 namespace {
 
@@ -57,7 +57,7 @@ int serve(const Options& options) {
   // One pool for all threads: what one takes and another gives back would leave holes in each one's own. What is asked
   // often takes no memory, so nobody queues for it.
   mallopt(M_ARENA_MAX, 1);
-  ask_for_turns(kShortTurn);
+  set_time_slice(kShortSlice);
   Server server(options, make_log(options.log_level, options.log_json));
   const std::string ready = server.start();
   if (options.scenes.empty()) fmt::print("{}", how_to_ask());

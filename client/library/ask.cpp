@@ -55,7 +55,7 @@ std::optional<Error> options_fault(const Request& request, const AskOptions& opt
 }
 
 // Everything but the questions; the slot's sample may hold what another request left.
-void fill_header(wire::Query& query, const Request& request, const AskOptions& options, const Fence& fence) {
+void fill_header(wire::Query& query, const Request& request, const AskOptions& options, const WriteBarrier& fence) {
   query.chunk_count =
       static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
   query.kind = static_cast<std::uint8_t>(request.kind);
@@ -107,7 +107,7 @@ Result<Answers> run(Connection& connection, const Request& request, const AskOpt
   }
   wire::Query& query = running->query();
   query.request = running->number();
-  fill_header(query, request, options, options.fresh ? connection.last_write() : Fence{});
+  fill_header(query, request, options, options.fresh ? connection.last_write() : WriteBarrier{});
 
   std::uint32_t sent = 0;
   const auto send_to = [&](std::size_t end) {

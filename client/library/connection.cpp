@@ -165,12 +165,12 @@ Connection::Waited Connection::wait(Requests::Running& request, Clock::time_poin
   }
 }
 
-Fence Connection::last_write() const {
+WriteBarrier Connection::last_write() const {
   const std::lock_guard lock(fence_mutex_);
   return last_write_;
 }
 
-void Connection::note_write(const Fence& fence) {
+void Connection::note_write(const WriteBarrier& fence) {
   const std::lock_guard lock(fence_mutex_);
   last_write_ = fence;
 }

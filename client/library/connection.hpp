@@ -16,7 +16,7 @@
 namespace collided::client {
 
 /// What a publisher wrote last, for questions that must see it.
-struct Fence {
+struct WriteBarrier {
   std::uint64_t publisher = 0;
   std::uint64_t sequence = 0;
 };
@@ -49,8 +49,8 @@ class Connection {
   Waited wait(Requests::Running& request, Clock::time_point deadline, std::uint64_t server, const std::string& what);
 
   Error disconnected() const;
-  Fence last_write() const;
-  void note_write(const Fence& fence);
+  WriteBarrier last_write() const;
+  void note_write(const WriteBarrier& fence);
 
  private:
   Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant);
@@ -67,7 +67,7 @@ class Connection {
   std::mutex greeting_mutex_;
   std::atomic<std::uint64_t> greeted_server_{0};
   mutable std::mutex fence_mutex_;
-  Fence last_write_;
+  WriteBarrier last_write_;
 
   // Last, so that they go first: their callbacks use what stands above.
   dds::Topic<wire::Query> query_topic_;

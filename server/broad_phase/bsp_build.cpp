@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/broad_phase/bsp_collapse.hpp"
-#include "server/broad_phase/bsp_likeliest.hpp"
+#include "server/broad_phase/bsp_occlusion_order.hpp"
 #include "server/broad_phase/bsp_pieces.hpp"
 #include "server/broad_phase/bsp_primitive.hpp"
 #include "server/broad_phase/bsp_split.hpp"
@@ -361,7 +361,7 @@ Layout build_layout(const TriangleMesh& mesh, const BspOptions& options, BspRepo
   primitives = {};
   join(pieces, jobs, roots, threads, layout);
   set_root_box(all, layout);
-  set_likeliest_orders(layout, threads);
+  set_occlusion_orders(layout, threads);
   if (options.progress) options.progress(1);
   return layout;
 }

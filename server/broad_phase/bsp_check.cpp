@@ -63,7 +63,7 @@ bool names_each_child_once(std::uint32_t order) {
 }
 
 bool has_good_orders(const Node& node) {
-  bool all = names_each_child_once(node.likeliest());
+  bool all = names_each_child_once(node.occlusion_order());
   for (const std::uint32_t order : node.order) all = all && names_each_child_once(order);
   for (int i = 3; i < kWidth; ++i) all = all && node.order[i] >> (3 * kWidth) == 0;
   return all;

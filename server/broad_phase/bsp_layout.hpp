@@ -36,15 +36,15 @@ inline int leaf_count(Ref ref) { return static_cast<int>((ref >> 28) & 7u) + 1; 
 /// Eight children with bounds in local coordinates, rounded outward: plane[axis][0] low, plane[axis][1] high. A
 /// missing child has low = +inf, high = -inf. order[octant] lists the children near to far for rays whose direction is
 /// negative on axis k where bit k of octant is set, three bits a child: of each cut that made the node, the side the
-/// ray comes from goes first, so the walk need not sort by distance. likeliest() lists them for a ray that any triangle
+/// ray comes from goes first, so the walk need not sort by distance. occlusion_order() lists them for a ray that any triangle
 /// stops, whatever its direction; it lies in the spare bits of the first three orders.
 struct alignas(64) Node {
   float plane[3][2][kWidth];
   Ref child[kWidth];
   std::uint32_t order[kWidth];
 
-  std::uint32_t likeliest() const { return order[0] >> 24 | order[1] >> 24 << 8 | order[2] >> 24 << 16; }
-  void set_likeliest(std::uint32_t list) {
+  std::uint32_t occlusion_order() const { return order[0] >> 24 | order[1] >> 24 << 8 | order[2] >> 24 << 16; }
+  void set_occlusion_order(std::uint32_t list) {
     for (int i = 0; i < 3; ++i) order[i] = (order[i] & 0xffffffu) | (list >> (8 * i) & 0xffu) << 24;
   }
 };

@@ -131,14 +131,14 @@ struct alignas(32) Frame {
 HWY_INLINE unsigned place_of(unsigned waiting) { return static_cast<unsigned>(__builtin_ctz(waiting)); }
 
 /// Which way a walk takes through a node: near to far, or, where any triangle will do, to the likeliest first.
-enum class Way { near_first, likeliest_first };
+enum class Way { near_first, most_occluding_first };
 
 /// Writes the children of a node and returns those that the ray may meet at a parameter in [0, limit], as in
 /// Frame::waiting.
 template <Way kWay>
 HWY_INLINE unsigned met_children(const Node& node, const Slabs& slabs, float limit, Frame& frame) {
   const RayFrame& ray = slabs.ray;
-  const std::uint32_t order = kWay == Way::near_first ? node.order[ray.octant] : node.likeliest();
+  const std::uint32_t order = kWay == Way::near_first ? node.order[ray.octant] : node.occlusion_order();
   HWY_ALIGN float unordered[kWidth];
   unsigned mask = 0;
   for (int part = 0; part < kParts; ++part) {

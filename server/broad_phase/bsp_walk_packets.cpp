@@ -136,7 +136,7 @@ class Packet {
 
   /// The children that some ray meets, the next on top: in the order that each of the rays would take alone.
   HWY_INLINE std::size_t push_children(const Node& node, const RayFrame& first, std::size_t size) {
-    const std::uint32_t order = kGoal == Goal::any ? node.likeliest() : node.order[first.octant];
+    const std::uint32_t order = kGoal == Goal::any ? node.occlusion_order() : node.order[first.octant];
     const unsigned maybe = maybe_met(node, first);
     for (int place = kWidth; place-- > 0;) {
       const unsigned child = order >> (3 * place) & 7u;

@@ -15,7 +15,7 @@ using Goal = BspTree::RayGoal;
 template <Goal kGoal, bool kCorners, class Call>
 HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray, double limit, const Call& call,
                                        WalkCost& cost) {
-  constexpr Way kWay = kGoal == Goal::any ? Way::likeliest_first : Way::near_first;
+  constexpr Way kWay = kGoal == Goal::any ? Way::most_occluding_first : Way::near_first;
   const Node* nodes = layout.nodes.data();
   const Leaf* leaves = layout.leaves.data();
   const Slabs slabs(ray);

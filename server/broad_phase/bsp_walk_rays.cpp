@@ -73,7 +73,7 @@ class Journey {
   }
 
   HWY_INLINE bool visit_node(Traveller& t) const {
-    constexpr Way kWay = kGoal == Goal::any ? Way::likeliest_first : Way::near_first;
+    constexpr Way kWay = kGoal == Goal::any ? Way::most_occluding_first : Way::near_first;
     const unsigned waiting = met_children<kWay>(nodes_[t.ref], Slabs(t.ray), t.reach.local, *t.top);
     if (waiting == 0) return next(t);
     t.ref = t.top->child[place_of(waiting)];

@@ -14,7 +14,7 @@
 #include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/service/reply_columns.hpp"
-#include "server/service/turns.hpp"
+#include "server/service/time_slice.hpp"
 #include "server/world/indexed_mesh.hpp"
 #include "server/world/query.hpp"
 
@@ -76,7 +76,7 @@ class Answering::Worker {
 void Answering::Worker::run() {
   pthread_setname_np(pthread_self(), "answer");
   // Single questions are answered by who reads them; what comes here takes long or can wait.
-  ask_for_turns(kLongTurn);
+  set_time_slice(kLongSlice);
   while (std::optional<Work> item = owner_.queue_.pop()) {
     try {
       std::visit([this](auto&& one) { work(std::move(one)); }, std::move(*item));
@@ -291,12 +291,12 @@ void Answering::Worker::send(Client& client) {
 
 // ---- the way in
 
-Answering::Answering(const World& world, const WorldClock& clock, Fences& fences, LeaseBook& leases,
+Answering::Answering(const World& world, const WorldClock& clock, WriteBarriers& write_barriers, SnapshotLeases& leases,
                      QuestionCounts& counts, BackgroundAudit& audit, const dds::Topic<wire::Reply>& replies,
                      const AnsweringOptions& options, Command command)
     : world_(world),
       clock_(clock),
-      fences_(fences),
+      write_barriers_(write_barriers),
       leases_(leases),
       counts_(counts),
       audit_(audit),
@@ -368,10 +368,10 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
 }
 
 void Answering::route(AskPointer ask, AskPointer* single) {
-  const Fences::Outcome outcome = fences_.pass(ask);
-  if (outcome == Fences::Outcome::parked) return;
-  if (outcome == Fences::Outcome::full) {
-    refuse_later(std::move(ask), fmt::format("{} questions wait for a publisher's samples, the limit", Fences::kMost));
+  const WriteBarriers::Outcome outcome = write_barriers_.pass(ask);
+  if (outcome == WriteBarriers::Outcome::parked) return;
+  if (outcome == WriteBarriers::Outcome::full) {
+    refuse_later(std::move(ask), fmt::format("{} questions wait for a publisher's samples, the limit", WriteBarriers::kMost));
   } else if (single && !*single && is_single(*ask->query)) {
     *single = std::move(ask);
   } else {
@@ -458,9 +458,9 @@ void Answering::send_text(std::uint64_t client, std::uint64_t request, ReplyStat
 void Answering::tick(std::vector<std::uint64_t> askers) {
   const std::int64_t now_ns = steady_ns();
   leases_.expire(now_ns);
-  for (AskPointer& ask : fences_.take_overdue(now_ns)) {
+  for (AskPointer& ask : write_barriers_.take_overdue(now_ns)) {
     const wire::Query& query = *ask->query;
-    const std::uint64_t applied = fences_.applied(query.fence_publisher);
+    const std::uint64_t applied = write_barriers_.applied(query.fence_publisher);
     refuse_later(std::move(ask),
                  applied == 0
                      ? fmt::format("publisher {:016x} is not known here, so its sample {} could not be waited for",
@@ -473,7 +473,7 @@ void Answering::tick(std::vector<std::uint64_t> askers) {
 
 void Answering::stop() {
   if (stopping_.exchange(true)) return;
-  for (AskPointer& ask : fences_.take_all()) refuse_later(std::move(ask), "the server is stopping");
+  for (AskPointer& ask : write_barriers_.take_all()) refuse_later(std::move(ask), "the server is stopping");
   queue_.close();
   for (std::thread& thread : threads_) thread.join();
 }

@@ -15,9 +15,9 @@
 #include "server/service/clock.hpp"
 #include "server/service/counters.hpp"
 #include "server/service/fair_queue.hpp"
-#include "server/service/fences.hpp"
+#include "server/service/write_barriers.hpp"
 #include "server/service/flight_recorder.hpp"
-#include "server/service/lease_book.hpp"
+#include "server/service/snapshot_leases.hpp"
 #include "server/service/overload.hpp"
 #include "server/service/past_states.hpp"
 #include "server/service/short_questions.hpp"
@@ -52,7 +52,7 @@ class Answering {
  public:
   using Command = std::function<void(CommandAsk)>;  // called on a worker; answers through send_text
 
-  Answering(const World& world, const WorldClock& clock, Fences& fences, LeaseBook& leases, QuestionCounts& counts,
+  Answering(const World& world, const WorldClock& clock, WriteBarriers& write_barriers, SnapshotLeases& leases, QuestionCounts& counts,
             BackgroundAudit& audit, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
             Command command);
   ~Answering();
@@ -100,8 +100,8 @@ class Answering {
 
   const World& world_;
   const WorldClock& clock_;
-  Fences& fences_;
-  LeaseBook& leases_;
+  WriteBarriers& write_barriers_;
+  SnapshotLeases& leases_;
   QuestionCounts& counts_;
   BackgroundAudit& audit_;
   PastStates past_states_;

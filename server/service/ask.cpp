@@ -8,7 +8,7 @@
 
 #include "idl/instant.hpp"
 #include "idl/question_class.hpp"
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 
 namespace collided::engine::service {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "idl/topics.hpp"
-#include "server/service/turns.hpp"
+#include "server/service/time_slice.hpp"
 #include "server/world/audit.hpp"
 
 namespace collided::engine::service {
@@ -87,7 +87,7 @@ std::shared_ptr<const BackgroundAudit::Pinned> BackgroundAudit::pin(const Snapsh
 }
 
 void BackgroundAudit::run() {
-  ask_for_turns(kLongTurn);
+  set_time_slice(kLongSlice);
   for (;;) {
     std::unique_ptr<Item> item;
     {

@@ -7,8 +7,8 @@ namespace collided::engine::service {
 
 using wire_contract::EventKind;
 
-Broadcast::Broadcast(World& world, Outlet& outlet, std::function<void(const std::string&)> notice)
-    : world_(world), outlet_(outlet), notice_(std::move(notice)), dirty_shards_(wire_contract::kContactShards, 0) {}
+Broadcast::Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice)
+    : world_(world), event_writer_(event_writer), notice_(std::move(notice)), dirty_shards_(wire_contract::kContactShards, 0) {}
 
 void Broadcast::mark_all() { dirty_shards_.assign(wire_contract::kContactShards, 1); }
 
@@ -26,9 +26,9 @@ void Broadcast::publish_events(const Stamp& stamp) {
     if (frame.size() == 0) return;
     frame.named.fill(name_of);
     if (persisted) {
-      outlet_.write_persisted(frame, stamp);
+      event_writer_.write_persisted(frame, stamp);
     } else {
-      outlet_.write_events(frame, stamp);
+      event_writer_.write_events(frame, stamp);
     }
     frame.clear();
   };
@@ -75,7 +75,7 @@ void Broadcast::publish_contacts(const Stamp& stamp) {
       notice_("more contacts hold than the contact topic carries; who joins now will not learn them all");
       continue;
     }
-    outlet_.write_contacts(contacts_, stamp, world_.last_event_sequence());
+    event_writer_.write_contacts(contacts_, stamp, world_.last_event_sequence());
   }
 }
 

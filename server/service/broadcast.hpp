@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/service/frames.hpp"
-#include "server/service/outlet.hpp"
+#include "server/service/event_writer.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {
@@ -18,7 +18,7 @@ namespace collided::engine::service {
 class Broadcast {
  public:
   /// notice  takes a sentence for the log
-  Broadcast(World& world, Outlet& outlet, std::function<void(const std::string&)> notice);
+  Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice);
 
   /// Every shard is written next time, so that who waits for all of them need not guess which are empty.
   void mark_all();
@@ -33,7 +33,7 @@ class Broadcast {
   void publish_contacts(const Stamp& stamp);
 
   World& world_;
-  Outlet& outlet_;
+  EventWriter& event_writer_;
   std::function<void(const std::string&)> notice_;
   NameBook names_;
   EventColumns events_;

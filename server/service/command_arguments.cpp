@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 #include "server/service/nearest_word.hpp"
 
 namespace collided::engine::service {

@@ -9,7 +9,7 @@
 #include "idl/commands.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/shape_scale.hpp"
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 #include "server/service/nearest_word.hpp"
 #include "server/service/object_description.hpp"
 #include "server/world/plan.hpp"

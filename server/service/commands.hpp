@@ -16,10 +16,10 @@
 #include "server/service/background_audit.hpp"
 #include "server/service/command_arguments.hpp"
 #include "server/service/durable_state.hpp"
-#include "server/service/geometry_desk.hpp"
+#include "server/service/geometry_service.hpp"
 #include "server/service/inbox.hpp"
 #include "server/service/scene_loading.hpp"
-#include "server/service/upload_desk.hpp"
+#include "server/service/upload_receiver.hpp"
 #include "server/service/work_queue.hpp"
 #include "server/service/world_loop.hpp"
 
@@ -121,8 +121,8 @@ class Commands {
   std::atomic<bool> replaying_{false};
   WorkQueue<SlowJob> slow_jobs_;
   WorkQueue<SlowJob> pair_jobs_;
-  GeometryDesk geometry_;
-  UploadDesk uploads_;
+  GeometryService geometry_;
+  UploadReceiver uploads_;
   std::map<std::string, std::string> upload_of_scene_;  // the world's thread
   std::atomic<bool> stopping_{false};
   std::shared_mutex gate_;  // shared by commands on their way to a thread; alone: no more come

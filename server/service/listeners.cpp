@@ -20,12 +20,12 @@ void take_or_end(Take&& take) {
 
 }  // namespace
 
-void WriterTable::heard(std::uint64_t writer, std::uint64_t publisher) {
+void PublisherLiveliness::heard(std::uint64_t writer, std::uint64_t publisher) {
   const std::lock_guard lock(mutex_);
   publishers_[writer] = publisher;
 }
 
-void WriterTable::liveliness(const dds::Liveliness& change) {
+void PublisherLiveliness::liveliness(const dds::Liveliness& change) {
   const std::lock_guard lock(mutex_);
   const bool alive = change.alive > alive_;
   // A writer whose lease has run out is counted as not alive, and may come back under the same handle.
@@ -40,7 +40,7 @@ void WriterTable::liveliness(const dds::Liveliness& change) {
   if (is_gone || (!alive && publishers_.size() > kMost)) publishers_.erase(found);
 }
 
-void WriterTable::lost(std::uint64_t publisher) {
+void PublisherLiveliness::lost(std::uint64_t publisher) {
   inbox_.push(WriterNews{.publisher = publisher, .kind = kind_, .alive = false});
 }
 

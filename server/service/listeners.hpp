@@ -16,9 +16,9 @@
 namespace collided::engine::service {
 
 /// Which publisher is behind which DDS writer, learnt from its samples; tells who has died.
-class WriterTable {
+class PublisherLiveliness {
  public:
-  WriterTable(Inbox& inbox, WriterKind kind) : inbox_(inbox), kind_(kind) {}
+  PublisherLiveliness(Inbox& inbox, WriterKind kind) : inbox_(inbox), kind_(kind) {}
   void heard(std::uint64_t writer, std::uint64_t publisher);
   void liveliness(const dds::Liveliness& change);
   void lost(std::uint64_t publisher);
@@ -52,8 +52,8 @@ class Listeners {
   const WorldClock& clock_;
   Inbox& inbox_;
   FlightRecorder* const flight_;
-  WriterTable object_writers_;
-  WriterTable pose_writers_;
+  PublisherLiveliness object_writers_;
+  PublisherLiveliness pose_writers_;
   std::mutex taking_definitions_;
   std::atomic<bool> definitions_left_{false};
   dds::Topic<wire::Definition> object_topic_;

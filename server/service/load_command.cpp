@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 #include "server/service/commands.hpp"
 #include "server/world/plan.hpp"
 

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 
 namespace collided::engine::service {
 namespace {

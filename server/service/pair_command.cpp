@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "server/geometry/mesh.hpp"
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 #include "server/service/commands.hpp"
 #include "server/service/nearest_word.hpp"
 #include "server/world/pair_report.hpp"

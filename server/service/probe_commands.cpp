@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 #include "server/service/commands.hpp"
 
 namespace collided::engine::service {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 
 namespace collided::engine::service {
 

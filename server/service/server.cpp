@@ -21,7 +21,7 @@
 #include "server/service/random_number.hpp"
 #include "server/service/self_test.hpp"
 #include "server/service/start_scenes.hpp"
-#include "server/service/wire_outlet.hpp"
+#include "server/service/dds_event_writer.hpp"
 #include "server/service/world_loop.hpp"
 
 namespace collided::engine::service {
@@ -94,15 +94,15 @@ struct Server::Parts {
   const Identity identity;
   WorldClock clock;
   World world;
-  Fences fences;
-  LeaseBook leases;
+  WriteBarriers write_barriers;
+  SnapshotLeases leases;
   QuestionCounts questions;
   BackgroundAudit audit;
   Overload overload;
   std::uint64_t superseded = 0;  // poses, as of the last tick
   Inbox inbox;
   std::unique_ptr<FlightRecorder> flight;  // null where it is off
-  WireOutlet outlet;
+  DdsEventWriter event_writer;
   WorldLoop loop;
   std::unique_ptr<DurableState> durable;  // null where nothing can be written
   Commands commands;
@@ -138,12 +138,12 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       audit(options.audit_every, [this](const std::string& sentence) { log->error("{}", sentence); }),
       overload([this](const std::string& sentence) { log->warn("{}", sentence); }),
       flight(record()),
-      outlet(participant, identity, flight.get()),
+      event_writer(participant, identity, flight.get()),
       loop({.world = world,
             .clock = clock,
             .inbox = inbox,
-            .outlet = outlet,
-            .fences = fences,
+            .event_writer = event_writer,
+            .write_barriers = write_barriers,
             .leases = leases,
             .questions = questions,
             .admit = [this](AskPointer ask) { answering->admit(std::move(ask)); },
@@ -230,7 +230,7 @@ Server::~Server() {
 std::string Server::start() {
   Parts& p = *parts_;
   p.answering =
-      std::make_unique<Answering>(p.world, p.clock, p.fences, p.leases, p.questions, p.audit, p.reply_topic,
+      std::make_unique<Answering>(p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit, p.reply_topic,
                                   AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options),
                                                    p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); },
                                                    &p.overload, p.flight.get()},
@@ -272,7 +272,7 @@ void Server::stop() {
   p.loop.stop();
   p.world_thread.join();
   p.listeners.reset();
-  p.outlet.leave();
+  p.event_writer.leave();
   close_epoch(p.epoch);
 }
 

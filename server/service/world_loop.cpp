@@ -36,7 +36,7 @@ void count_objects(const Snapshot& state, StatusColumns& status) {
 
 void WorldLoop::stop() {
   stopping_.store(true);
-  around_.inbox.wake();
+  with_.inbox.wake();
 }
 
 std::chrono::steady_clock::time_point WorldLoop::next_wake() const {
@@ -62,12 +62,12 @@ void WorldLoop::serve() {
   next_status_ns_ = steady_ns();
   next_step_ns_ = next_status_ns_;
   while (!stopping_.load()) {
-    around_.inbox.drain(next_wake(), arrivals_);
-    if (restore_float_environment()) ++around_.questions.float_repairs;
+    with_.inbox.drain(next_wake(), arrivals_);
+    if (restore_float_environment()) ++with_.questions.float_repairs;
     take_arrivals();
     step_if_due();
     // Samples that changed nothing need no step, but somebody may wait for them.
-    if (pending_changes_ == 0) let_fences_pass();
+    if (pending_changes_ == 0) release_passed_barriers();
     keep_time();
   }
   end_contacts();
@@ -80,10 +80,10 @@ void WorldLoop::take_arrivals() {
   for (Arrival& arrival : arrivals_) {
     const std::size_t known = publishers_.size();
     take(arrival);
-    if (publishers_.size() > known && around_.has_new_publisher) around_.has_new_publisher();
+    if (publishers_.size() > known && with_.has_new_publisher) with_.has_new_publisher();
     keep_time();
   }
-  apply([&] { return publishers_.release_parked(around_.clock.now_ns()); });
+  apply([&] { return publishers_.release_parked(with_.clock.now_ns()); });
   const std::int64_t stepped_ns = stepping_ns_ - stepping_before_ns;
   sums_.take_ns.add(static_cast<std::uint64_t>(std::max<std::int64_t>(0, steady_ns() - started_ns - stepped_ns)));
 }
@@ -94,26 +94,26 @@ void WorldLoop::keep_time() {
   const std::int64_t now_ns = steady_ns();
   if (now_ns < next_status_ns_) return;
   next_status_ns_ = now_ns + wire_contract::kStatusPeriodNs;
-  publishers_.settle(around_.clock.now_ns());
+  publishers_.settle(with_.clock.now_ns());
   if (recovering() && has_recovered()) recovering_.store(false);
   write_status(recovering() ? ServerState::recovering : ServerState::ready);
   if (now_ns < next_tick_ns_) return;
   next_tick_ns_ = now_ns + kTickNs;
   // What a lost publisher's objects may have reached grows with time, and with it what is undecided.
-  if (!around_.world.newest()->stale_objects.empty()) note_change();
-  around_.tick();
+  if (!with_.world.newest()->stale_objects.empty()) note_change();
+  with_.tick();
   say_notices();
 }
 
 /// What commands had added is there again, and so are the publishers that were there, with the time for one that came in
 /// the last moments to find this server; or the wait for them is over.
 bool WorldLoop::has_recovered() const {
-  if (around_.is_adding_again && around_.is_adding_again()) return false;
+  if (with_.is_adding_again && with_.is_adding_again()) return false;
   const std::int64_t waited_ns = steady_ns() - started_ns_;
   const bool is_early = waited_ns < wire_contract::kPublisherLeaseNs;
-  if (!is_early && around_.has_all_back && around_.has_all_back()) return true;
+  if (!is_early && with_.has_all_back && with_.has_all_back()) return true;
   if (waited_ns < options_.recovery_ns) return false;
-  around_.notice("not every publisher from before the crash has come back; ready without them");
+  with_.notice("not every publisher from before the crash has come back; ready without them");
   return true;
 }
 
@@ -124,12 +124,12 @@ void WorldLoop::apply(Apply&& once) {
 }
 
 void WorldLoop::take(Arrival& arrival) {
-  const std::int64_t now_ns = around_.clock.now_ns();
+  const std::int64_t now_ns = with_.clock.now_ns();
   if (auto* definition = std::get_if<std::unique_ptr<DefinitionSample>>(&arrival)) {
     take(**definition);
   } else if (auto* poses = std::get_if<std::unique_ptr<PoseSample>>(&arrival)) {
     apply([&] { return publishers_.move(**poses, now_ns); });
-    around_.inbox.give_back(std::move(*poses));
+    with_.inbox.give_back(std::move(*poses));
   } else if (const auto* news = std::get_if<WriterNews>(&arrival)) {
     if (news->alive) {
       publishers_.writer_alive(news->publisher, news->kind, now_ns);
@@ -142,7 +142,7 @@ void WorldLoop::take(Arrival& arrival) {
 }
 
 void WorldLoop::take(DefinitionSample& sample) {
-  const std::int64_t now_ns = around_.clock.now_ns();
+  const std::int64_t now_ns = with_.clock.now_ns();
   if (!sample.removed) {
     DecodedShape decoded = decode_shape(std::as_bytes(std::span(sample.shape_bytes)));
     if (decoded.shape) {
@@ -176,14 +176,14 @@ void WorldLoop::step_if_due() {
 void WorldLoop::step_now() {
   const std::int64_t started_ns = steady_ns();
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
-  const bool leaves_out = around_.leaves_out_details && around_.leaves_out_details();
-  const StepWishes wishes{.contacts = around_.outlet.contacts_wanted(),
-                          .persisted = around_.outlet.persisted_wanted() && !leaves_out};
-  while (!around_.world.step(around_.clock.now_ns(), std::max<std::uint64_t>(1, pending_changes_), wishes)) {
+  const bool leaves_out = with_.leaves_out_details && with_.leaves_out_details();
+  const StepOptions step_options{.contacts = with_.event_writer.contacts_wanted(),
+                                 .persisted = with_.event_writer.persisted_wanted() && !leaves_out};
+  while (!with_.world.step(with_.clock.now_ns(), std::max<std::uint64_t>(1, pending_changes_), step_options)) {
     // Readers hold every free state. Workers let theirs go within an answer's time, requests in chunks within 2 s.
     ++counts_.stalled_steps;
     sums_.stalled_steps.add(1);
-    around_.leases.expire(steady_ns());
+    with_.leases.expire(steady_ns());
     std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
   pending_changes_ = 0;
@@ -197,7 +197,7 @@ void WorldLoop::step_now() {
 
 void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   const std::int64_t ended_ns = steady_ns();
-  const StepCost& cost = around_.world.cost();
+  const StepCost& cost = with_.world.cost();
   sums_.steps.add(1);
   sums_.update_ns.add(static_cast<std::uint64_t>(cost.update_ns));
   sums_.index_ns.add(static_cast<std::uint64_t>(cost.broad_ns));
@@ -209,7 +209,7 @@ void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   sums_.filtered.add(cost.filtered);
   sums_.exact_tests.add(cost.exact_tests);
   sums_.undecided.add(cost.undecided);
-  sums_.in_doubt.set(around_.world.doubt_count());
+  sums_.in_doubt.set(with_.world.doubt_count());
   sums_.swept.add(cost.swept);
   sums_.kept_apart.add(cost.kept_apart);
   sums_.durations.add(ended_ns - started_ns);
@@ -217,7 +217,7 @@ void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
 }
 
 void WorldLoop::sum_up_poses() {
-  const InboxCounts inbox = around_.inbox.counts();
+  const InboxCounts inbox = with_.inbox.counts();
   const PublisherCounts& counts = publishers_.counts();
   sums_.poses_late.set(counts.poses_late);
   sums_.poses_unknown.set(counts.poses_unknown);
@@ -231,27 +231,27 @@ void WorldLoop::sum_up_poses() {
 
 void WorldLoop::publish() {
   broadcast_.publish();
-  if (!probes_.empty() && around_.outlet.probes_wanted()) {
-    const SnapshotRing::Lease state = around_.world.newest();
+  if (!probes_.empty() && with_.event_writer.probes_wanted()) {
+    const SnapshotRing::Lease state = with_.world.newest();
     publish_probes({.version = state->version, .world_time_ns = state->world_time_ns});
   }
-  let_fences_pass();
-  if (around_.outlet.steps_wanted()) write_step();
+  release_passed_barriers();
+  if (with_.event_writer.steps_wanted()) write_step();
 }
 
 const std::vector<ProbeReading>& WorldLoop::read_probes() {
-  probes_.read(*around_.world.newest(), [&](std::string_view name) { return around_.world.find(name); }, probe_readings_);
+  probes_.read(*with_.world.newest(), [&](std::string_view name) { return with_.world.find(name); }, probe_readings_);
   return probe_readings_;
 }
 
 void WorldLoop::publish_probes(const Stamp& stamp) {
   const auto name_of = [&](ObjectId id) {
-    const ObjectInfo* info = around_.world.info(id);
+    const ObjectInfo* info = with_.world.info(id);
     return info ? std::string_view(info->name) : std::string_view();
   };
   const auto send = [&] {
     probe_columns_.named.fill(name_of);
-    around_.outlet.write_probes(probe_columns_, stamp);
+    with_.event_writer.write_probes(probe_columns_, stamp);
     probe_columns_.clear();
   };
   const std::vector<ProbeReading>& readings = read_probes();
@@ -263,40 +263,40 @@ void WorldLoop::publish_probes(const Stamp& stamp) {
   if (probe_columns_.size() > 0) send();
 }
 
-void WorldLoop::let_fences_pass() {
+void WorldLoop::release_passed_barriers() {
   publishers_.list_applied(applied_);
-  around_.fences.update(applied_);
-  for (AskPointer& ask : around_.fences.take_ready()) around_.admit(std::move(ask));
+  with_.write_barriers.update(applied_);
+  for (AskPointer& ask : with_.write_barriers.take_ready()) with_.admit(std::move(ask));
 }
 
 void WorldLoop::write_status(ServerState state) {
-  const SnapshotRing::Lease newest = around_.world.newest();
-  const InboxCounts inbox = around_.inbox.counts();
+  const SnapshotRing::Lease newest = with_.world.newest();
+  const InboxCounts inbox = with_.inbox.counts();
   const PublisherCounts& counts = publishers_.counts();
   status_.stamp = {.version = newest->version, .world_time_ns = newest->world_time_ns};
   status_.state = state;
-  status_.last_event_sequence = around_.world.last_event_sequence();
-  status_.contact_count = static_cast<std::uint32_t>(around_.world.contacts().size());
+  status_.last_event_sequence = with_.world.last_event_sequence();
+  status_.contact_count = static_cast<std::uint32_t>(with_.world.contacts().size());
   status_.contact_hash = broadcast_.contact_hash();
   status_.contacts_truncated = newest->contacts_truncated;
   status_.poses_applied = counts.poses_applied;
   status_.poses_dropped =
       counts.poses_late + counts.poses_unknown + counts.poses_refused + inbox.poses_superseded + inbox.poses_dropped;
-  status_.questions_answered = around_.questions.answered.load();
-  status_.questions_refused = around_.questions.refused.load();
-  status_.undecided_answers = around_.questions.undecided.load();
+  status_.questions_answered = with_.questions.answered.load();
+  status_.questions_refused = with_.questions.refused.load();
+  status_.undecided_answers = with_.questions.undecided.load();
   count_objects(*newest, status_);
   list_publishers(true);
   sum_up_poses();
-  around_.outlet.write_status(status_);
+  with_.event_writer.write_status(status_);
 }
 
 /// Only what changes with every step, so that it costs little more than its publishers.
 void WorldLoop::write_step() {
-  const SnapshotRing::Lease newest = around_.world.newest();
+  const SnapshotRing::Lease newest = with_.world.newest();
   status_.stamp = {.version = newest->version, .world_time_ns = newest->world_time_ns};
   list_publishers(false);
-  around_.outlet.write_step(status_);
+  with_.event_writer.write_step(status_);
 }
 
 void WorldLoop::list_publishers(bool with_names) {
@@ -304,7 +304,7 @@ void WorldLoop::list_publishers(bool with_names) {
   status_.silent_ns.clear();
   for (auto* column : {&status_.publisher_states, &status_.publisher_names}) column->clear();
   auto applied = applied_.begin();
-  publishers_.for_each(around_.clock.now_ns(), [&](const PublisherView& view) {
+  publishers_.for_each(with_.clock.now_ns(), [&](const PublisherView& view) {
     status_.publishers.push_back(view.publisher);
     // What is in a published state, not what waits for the next step. Both lists are in the publishers' order.
     applied = std::find_if(applied, applied_.end(), [&](const auto& entry) { return entry.first >= view.publisher; });
@@ -319,7 +319,7 @@ void WorldLoop::list_publishers(bool with_names) {
 void WorldLoop::list_publisher_names() {
   const std::lock_guard lock(publisher_names_mutex_);
   publisher_names_.clear();
-  publishers_.for_each(around_.clock.now_ns(), [&](const PublisherView& view) {
+  publishers_.for_each(with_.clock.now_ns(), [&](const PublisherView& view) {
     publisher_names_.emplace(view.publisher, view.name);
     status_.publisher_names.insert(status_.publisher_names.end(), view.name.begin(), view.name.end());
     status_.publisher_names.push_back(0);
@@ -335,15 +335,15 @@ std::string WorldLoop::publisher_name(std::uint64_t publisher) const {
 /// Contacts end when one of their objects goes; a part of a scene cannot go alone, its partner can.
 void WorldLoop::end_contacts() {
   std::vector<ObjectId> objects;
-  for (const OpenContact& contact : around_.world.contacts()) {
+  for (const OpenContact& contact : with_.world.contacts()) {
     objects.push_back(contact.a);
     objects.push_back(contact.b);
   }
   std::sort(objects.begin(), objects.end());
   objects.erase(std::unique(objects.begin(), objects.end()), objects.end());
   for (const ObjectId id : objects) {
-    const ObjectInfo* info = around_.world.info(id);
-    if (info && info->moving) around_.world.remove(id, EndReason::server_stopping);
+    const ObjectInfo* info = with_.world.info(id);
+    if (info && info->moving) with_.world.remove(id, EndReason::server_stopping);
   }
   if (!objects.empty()) step_now();
 }
@@ -351,14 +351,14 @@ void WorldLoop::end_contacts() {
 /// At the first and whenever there are twice as many: a line a step would bury the log.
 void WorldLoop::say_skipped_sweeps() {
   const std::uint64_t before = counts_.sweeps_skipped;
-  counts_.sweeps_skipped += around_.world.cost().sweeps_skipped;
+  counts_.sweeps_skipped += with_.world.cost().sweeps_skipped;
   if (std::bit_width(before) == std::bit_width(counts_.sweeps_skipped)) return;
-  around_.notice("the ways of " + std::to_string(counts_.sweeps_skipped) +
+  with_.notice("the ways of " + std::to_string(counts_.sweeps_skipped) +
                  " pairs could not be followed from pose to pose to their end; contacts between two poses may be missing");
 }
 
 void WorldLoop::say_notices() {
-  for (const std::string& sentence : publishers_.take_notices()) around_.notice(sentence);
+  for (const std::string& sentence : publishers_.take_notices()) with_.notice(sentence);
 }
 
 }  // namespace collided::engine::service

@@ -12,10 +12,10 @@
 #include "server/service/broadcast.hpp"
 #include "server/service/clock.hpp"
 #include "server/service/counters.hpp"
-#include "server/service/fences.hpp"
+#include "server/service/write_barriers.hpp"
 #include "server/service/inbox.hpp"
-#include "server/service/lease_book.hpp"
-#include "server/service/outlet.hpp"
+#include "server/service/snapshot_leases.hpp"
+#include "server/service/event_writer.hpp"
 #include "server/service/publishers.hpp"
 #include "server/service/step_sums.hpp"
 #include "server/world/world.hpp"
@@ -38,13 +38,13 @@ struct LoopCounts {
 /// The one thread that writes the world: takes what has come, steps, tells what has changed.
 class WorldLoop {
  public:
-  struct Around {
+  struct Collaborators {
     World& world;
     const WorldClock& clock;
     Inbox& inbox;
-    Outlet& outlet;
-    Fences& fences;
-    LeaseBook& leases;
+    EventWriter& event_writer;
+    WriteBarriers& write_barriers;
+    SnapshotLeases& leases;
     QuestionCounts& questions;
     std::function<void(AskPointer)> admit;           // asks whose fence has been passed
     std::function<void()> tick;                      // ten times a second
@@ -57,11 +57,11 @@ class WorldLoop {
     std::function<bool()> leaves_out_details = {};   // contacts that go on are not told anew
   };
 
-  WorldLoop(const Around& around, const LoopOptions& options)
-      : around_(around),
+  WorldLoop(const Collaborators& with, const LoopOptions& options)
+      : with_(with),
         options_(options),
-        publishers_(around.world, options.limits),
-        broadcast_(around.world, around.outlet, around.notice),
+        publishers_(with.world, options.limits),
+        broadcast_(with.world, with.event_writer, with.notice),
         recovering_(options.recovery_ns > 0),
         started_ns_(steady_ns()) {}
 
@@ -73,7 +73,7 @@ class WorldLoop {
   void stop();
 
   /// For jobs on this thread.
-  World& world() { return around_.world; }
+  World& world() { return with_.world; }
   Probes& probes() { return probes_; }
   /// After probes() was changed.
   void note_probes() { probe_count_.store(probes_.size(), std::memory_order_relaxed); }
@@ -94,9 +94,9 @@ class WorldLoop {
   /// Not everything that was there before a crash may be back yet. Any thread.
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
   /// A sentence for the log; any thread.
-  void say(const std::string& sentence) const { around_.notice(sentence); }
-  bool contacts_wanted() const { return around_.outlet.contacts_wanted(); }
-  bool probes_wanted() const { return around_.outlet.probes_wanted(); }
+  void say(const std::string& sentence) const { with_.notice(sentence); }
+  bool contacts_wanted() const { return with_.event_writer.contacts_wanted(); }
+  bool probes_wanted() const { return with_.event_writer.probes_wanted(); }
   /// Any thread; as of the last change of them.
   std::size_t probe_count() const { return probe_count_.load(std::memory_order_relaxed); }
 
@@ -114,7 +114,7 @@ class WorldLoop {
   void sum_up_poses();
   void publish();
   void publish_probes(const Stamp& stamp);
-  void let_fences_pass();
+  void release_passed_barriers();
   void write_status(wire_contract::ServerState state);
   void write_step();
   void list_publishers(bool with_names);
@@ -124,7 +124,7 @@ class WorldLoop {
   void say_skipped_sweeps();
   std::chrono::steady_clock::time_point next_wake() const;
 
-  Around around_;
+  Collaborators with_;
   LoopOptions options_;
   Publishers publishers_;
   Broadcast broadcast_;
@@ -147,7 +147,7 @@ class WorldLoop {
   std::vector<ProbeReading> probe_readings_;
   ProbeColumns probe_columns_;
   StatusColumns status_;
-  Fences::Applied applied_;
+  WriteBarriers::Applied applied_;
   mutable std::mutex publisher_names_mutex_;
   std::map<std::uint64_t, std::string> publisher_names_;
 };

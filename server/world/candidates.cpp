@@ -29,10 +29,10 @@ void Candidates::decide_scenes() {
 }
 
 void Candidates::decide_pairs(const Grid& grid) {
-  const Lookers lookers = movers_to_look();
-  if (lookers.slots.size() * kWalksForAllPairs < grid.size()) {
-    for (const std::uint32_t slot : lookers.slots) {
-      if (!look_around(grid, slot, lookers.all)) return;
+  const QueryMovers query_movers = find_query_movers();
+  if (query_movers.slots.size() * kWalksForAllPairs < grid.size()) {
+    for (const std::uint32_t slot : query_movers.slots) {
+      if (!look_around(grid, slot, query_movers.all)) return;
     }
     return;
   }
@@ -43,31 +43,31 @@ void Candidates::decide_pairs(const Grid& grid) {
   consider_waiting();
 }
 
-Candidates::Lookers Candidates::movers_to_look() const {
-  Lookers lookers{.slots = {}, .all = step_.looks_at_all};
+Candidates::QueryMovers Candidates::find_query_movers() const {
+  QueryMovers query_movers{.slots = {}, .all = step_.looks_at_all};
   for (const std::uint32_t slot : rows_.moved()) {
     const ObjectInfo* info = rows_.info(slot);
     if (info == nullptr) continue;
     if (info->moving) {
-      lookers.slots.push_back(slot);
+      query_movers.slots.push_back(slot);
     } else {
-      lookers.all = true;
+      query_movers.all = true;
     }
   }
-  if (!lookers.all) {
+  if (!query_movers.all) {
     const auto add = [&](std::uint32_t slot) {
-      if (!rows_.has_moved(slot)) lookers.slots.push_back(slot);
+      if (!rows_.has_moved(slot)) query_movers.slots.push_back(slot);
     };
     std::for_each(step_.motion.young().begin(), step_.motion.young().end(), add);
     const std::vector<std::uint32_t>& travelling = step_.motion.history().travelling();
     std::for_each(travelling.begin(), travelling.end(), add);
-    return lookers;
+    return query_movers;
   }
-  lookers.slots.clear();
+  query_movers.slots.clear();
   for (std::uint32_t slot = 0; slot < rows_.size(); ++slot) {
-    if (rows_.info(slot) != nullptr && rows_.info(slot)->moving) lookers.slots.push_back(slot);
+    if (rows_.info(slot) != nullptr && rows_.info(slot)->moving) query_movers.slots.push_back(slot);
   }
-  return lookers;
+  return query_movers;
 }
 
 /// The pairs of one mover; those of two that both look are left to the lower slot. False: there is no room for more.

@@ -24,7 +24,7 @@ class Candidates {
  private:
   /// Movers such that each pair to be tested has one of them: those that moved, or all of them where something that does
   /// not move was placed.
-  struct Lookers {
+  struct QueryMovers {
     std::vector<std::uint32_t> slots;
     bool all = false;
   };
@@ -35,7 +35,7 @@ class Candidates {
     std::size_t count = 0;
   };
 
-  Lookers movers_to_look() const;
+  QueryMovers find_query_movers() const;
   bool look_around(const Grid& grid, std::uint32_t mover, bool all_look);
   bool wait_for(std::uint32_t first, std::uint32_t second);
   bool consider_waiting();

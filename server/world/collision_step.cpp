@@ -45,7 +45,7 @@ void index_motion(const StepMotion& motion, const Snapshot& current, bool has_op
 
 }  // namespace
 
-bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWishes& wishes) {
+bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOptions& step_options) {
   const OwnFloatEnvironment own_floats;
   State& s = *state_;
   Snapshot* next = s.ring.writable();
@@ -56,7 +56,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
   s.cost = {.moved = static_cast<std::uint32_t>(s.rows.moved().size())};
 
   // Ingest: what came since the last step ends contacts and goes to the snapshot.
-  s.ledger.begin_step(world_time_ns, wishes.persisted);
+  s.ledger.begin_step(world_time_ns, step_options.persisted);
   end_removed(s.removed, s.ledger);
   note_lost(s);
   s.sources.begin_step(world_time_ns, s.motion.is_any_open());
@@ -73,8 +73,8 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepWi
 
   // Decisions, into the ledger.
   if (has_open) {
-    s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, wishes, world_time_ns, s.looks_at_all}, *next->grid);
-    if (wishes.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
+    s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, step_options, world_time_ns, s.looks_at_all}, *next->grid);
+    if (step_options.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
     s.looks_at_all = s.cost.truncated;
   } else {
     s.cost.truncated = s.looks_at_all;

@@ -261,7 +261,7 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
 
 Touch Decisions::touch_at_end(const PairPiece& piece) {
   Touch touch;
-  touch.wanted = step_.wishes.contacts;
+  touch.wanted = step_.step_options.contacts;
   const auto placed_at = [&](std::uint32_t slot, const Frame& frame) {
     return Placed{.info = rows_.info(slot), .frame = &frame, .bounds = bounds_of(*rows_.info(slot), frame)};
   };
@@ -333,7 +333,7 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
                      .contact = contact,
                      .bracket_low_s = seconds_ago(piece.from_ns - clock_error_ns(piece.a, piece.b)),
                      .bracket_high_s = seconds_ago(piece.to_ns + clock_error_ns(piece.a, piece.b))};
-  if (step_.wishes.contacts) {
+  if (step_.step_options.contacts) {
     const double slack_s = 1e-9 * static_cast<double>(piece.to_ns - piece.from_ns);
     set_velocity(found, velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns, slack_s),
                  velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns, slack_s));

@@ -114,8 +114,8 @@ void Decisions::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTo
     found.contact.normal = -found.contact.normal;
   }
   set_bracket(found, sweep, mover);
-  const bool is_told = step_.wishes.persisted || !is_held;
-  if (step_.wishes.contacts && is_told) {
+  const bool is_told = step_.step_options.persisted || !is_held;
+  if (step_.step_options.contacts && is_told) {
     const double time = passed || holds_on ? sweep->bracket.high : 1;
     const Vec3& point = found.contact.point;
     const double slack_s = found.bracket_low_s - found.bracket_high_s;

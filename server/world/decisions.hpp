@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/world/apart_memory.hpp"
+#include "server/world/separation_cache.hpp"
 #include "server/world/contact_ledger.hpp"
 #include "server/world/motion_history.hpp"
 #include "server/world/object_rows.hpp"
@@ -23,7 +23,7 @@ struct StepView {
   const Sources& sources;
   const std::vector<std::shared_ptr<const StaticScene>>& scenes;  // in order of loading
   const WorldOptions& options;
-  StepWishes wishes;
+  StepOptions step_options;
   std::int64_t world_time_ns;
   bool looks_at_all;  // pairs that rest are looked at as well: the last search was cut short
 };
@@ -64,7 +64,7 @@ struct PairPiece {
 /// The decisions of one step: each candidate's contact at the end of the step, and on the way there, goes to the ledger.
 class Decisions {
  public:
-  Decisions(const StepView& step, ContactLedger& ledger, ApartMemory& apart, DecisionLists& lists, StepCost& cost)
+  Decisions(const StepView& step, ContactLedger& ledger, SeparationCache& apart, DecisionLists& lists, StepCost& cost)
       : step_(step), rows_(step.rows), motion_(step.motion), ledger_(ledger), apart_(apart), lists_(lists), cost_(cost) {}
 
   /// A mover against a scene (by number), all parts of it.
@@ -146,7 +146,7 @@ class Decisions {
   Placed placed(std::uint32_t slot) const {
     return {.info = rows_.info(slot), .frame = &rows_[slot].frame, .bounds = rows_[slot].bounds};
   }
-  /// A scene's number where ApartMemory wants a slot.
+  /// A scene's number where SeparationCache wants a slot.
   static std::uint32_t partner_of(std::size_t scene) {
     return wire_contract::kNoTriangle - static_cast<std::uint32_t>(scene);
   }
@@ -155,7 +155,7 @@ class Decisions {
   const ObjectRows& rows_;
   const StepMotion& motion_;
   ContactLedger& ledger_;
-  ApartMemory& apart_;
+  SeparationCache& apart_;
   DecisionLists& lists_;
   StepCost& cost_;
   WalkCost walk_;

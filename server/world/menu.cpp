@@ -123,9 +123,9 @@ void judge(const BoxesAnswer& given, const Truth& truth, MenuRow& row) {
 }
 
 /// The rows of one kind of question.
-class Course {
+class MethodRows {
  public:
-  Course(const Snapshot& snapshot, QueryKind kind, const std::vector<Method>& methods)
+  MethodRows(const Snapshot& snapshot, QueryKind kind, const std::vector<Method>& methods)
       : snapshot_(snapshot), kind_(kind), methods_(methods), times_ns_(methods.size()) {
     for (const Method& method : methods) rows_.push_back({.kind = kind, .method = method.name});
   }
@@ -150,7 +150,7 @@ class Course {
   QueryScratch scratch_;
 };
 
-void Course::ask(const std::vector<double>& numbers) {
+void MethodRows::ask(const std::vector<double>& numbers) {
   Questions question{.kind = kind_, .max_hits = kind_ == QueryKind::near ? 1U : 1'000'000U, .numbers = numbers};
   // Once untimed: it warms the caches for all methods alike, and is what the others are compared with.
   answer(snapshot_, question, sharp_, scratch_);
@@ -172,7 +172,7 @@ void Course::ask(const std::vector<double>& numbers) {
   }
 }
 
-void Course::finish(std::vector<MenuRow>& menu) {
+void MethodRows::finish(std::vector<MenuRow>& menu) {
   for (std::size_t m = 0; m < rows_.size(); ++m) {
     std::vector<std::int64_t>& times = times_ns_[m];
     if (times.empty()) continue;
@@ -192,11 +192,11 @@ std::vector<MenuRow> menu_of(const Snapshot& snapshot, const MenuOptions& option
   const std::vector<Method> methods = methods_for(random.size_m());
   std::vector<MenuRow> menu;
   for (const QueryKind kind : wire_contract::kWorldQuestions) {
-    Course course(snapshot, kind, methods);
+    MethodRows rows(snapshot, kind, methods);
     for (std::uint32_t i = 0; i < options.questions && !(options.cancelled && options.cancelled()); ++i) {
-      course.ask(random.question(kind));
+      rows.ask(random.question(kind));
     }
-    course.finish(menu);
+    rows.finish(menu);
   }
   return menu;
 }

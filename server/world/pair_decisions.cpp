@@ -24,7 +24,7 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   const Placed a = placed(first);
   const Placed b = placed(second);
   Touch touch;
-  touch.wanted = step_.wishes.contacts;
+  touch.wanted = step_.step_options.contacts;
   if (overlaps(a.bounds, b.bounds)) touch_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
   std::optional<SweptTouch> sweep;
@@ -37,7 +37,7 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
 SweepOptions Decisions::sweep_options(std::uint32_t mover) const {
   const double way_s = static_cast<double>(rows_[mover].posed_ns - rows_[mover].posed_before_ns) * 1e-9;
   return {.width = std::clamp(step_.options.sweep_width_s / way_s, 1e-12, 1e-3),
-          .contacts = step_.wishes.contacts,
+          .contacts = step_.step_options.contacts,
           .most_looks = kSweepLooks};
 }
 

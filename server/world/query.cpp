@@ -152,7 +152,7 @@ void push_at_once(Answers& answers, Answer answer) {
 }
 
 /// Questions one after the other, or rays in groups.
-struct Course {
+struct QuestionBatch {
   const Snapshot& snapshot;
   const Questions& asked;
   QueryScratch& scratch;
@@ -173,7 +173,7 @@ struct Course {
   void answer_rays(const double* numbers, std::size_t count) const;
 };
 
-void Course::answer_rays(const double* numbers, std::size_t count) const {
+void QuestionBatch::answer_rays(const double* numbers, std::size_t count) const {
   std::array<std::optional<Question>, kRaysAtOnce> group;
   std::array<const double*, kRaysAtOnce> of_group;
   scratch.found_by_ray.resize(kRaysAtOnce);
@@ -252,12 +252,12 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
   fill_allowed(snapshot, questions, scratch);
   const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
   const std::size_t count = questions.numbers.size() / stride;
-  const Course course{snapshot, questions, scratch, answers};
+  const QuestionBatch batch{snapshot, questions, scratch, answers};
   const bool together = questions.kind == QueryKind::ray && rays_gain_together(snapshot, questions, scratch);
   const std::size_t step = together ? kRaysAtOnce : 1;
   for (std::size_t i = 0; i < count; i += step) {
     const double* numbers = questions.numbers.data() + i * stride;
-    together ? course.answer_rays(numbers, std::min(step, count - i)) : course.answer_one(numbers);
+    together ? batch.answer_rays(numbers, std::min(step, count - i)) : batch.answer_one(numbers);
   }
   if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, questions, answers);
 }

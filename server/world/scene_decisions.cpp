@@ -32,7 +32,7 @@ void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
 /// Into part_touches: the parts that it touches where it is.
 void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
   const auto allowed = [&](std::uint32_t part) { return may_meet(a.info->filter, scene.parts[part].filter); };
-  lists_.part_touches.clear(step_.wishes.contacts);
+  lists_.part_touches.clear(step_.step_options.contacts);
   const auto test = [&](const auto& part_of_a, std::uint32_t a_triangle) {
     visit_scene(scene, bounds(part_of_a), walk_, allowed, [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
       Touch& touch = lists_.part_touches.of(part);

@@ -22,7 +22,7 @@ WayTimes way_times(const ObjectRow& row, bool is_new, const Source* source) {
   return {.from_ns = row.has_way && since_ns < to_ns ? since_ns : to_ns, .to_ns = to_ns};
 }
 
-void StepMotion::begin_step(const Sources& sources, ApartMemory& apart) {
+void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
   bounds_.resize(rows_.size());
   balls_.resize(rows_.size());
   swept_.resize(rows_.size());
@@ -129,7 +129,7 @@ void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>&
 }
 
 /// What is remembered of meshes hangs on how far they go; that of a placed triangle is off by a rounding at either end.
-void StepMotion::count_way(std::uint32_t slot, ApartMemory& apart) const {
+void StepMotion::count_way(std::uint32_t slot, SeparationCache& apart) const {
   const ObjectInfo* info = rows_.info(slot);
   if (info == nullptr || !is_bare_mesh(*info)) return;
   if (rows_.motion(slot) != Motion::moved) {

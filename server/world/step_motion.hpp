@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "server/world/apart_memory.hpp"
+#include "server/world/separation_cache.hpp"
 #include "server/world/motion_history.hpp"
 #include "server/world/object_rows.hpp"
 #include "server/world/sweep.hpp"
@@ -38,7 +38,7 @@ class StepMotion {
   explicit StepMotion(const ObjectRows& rows) : rows_(rows) {}
 
   /// Of what moved; counts how far meshes went.
-  void begin_step(const Sources& sources, ApartMemory& apart);
+  void begin_step(const Sources& sources, SeparationCache& apart);
   /// What moved rests. floor_ns: nobody asks for what was up to then.
   void end_step(std::int64_t floor_ns);
 
@@ -65,7 +65,7 @@ class StepMotion {
   void set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way);
   void remember(std::uint32_t slot, const Source& source);
   void begin_anew(const Sources& sources);
-  void count_way(std::uint32_t slot, ApartMemory& apart) const;
+  void count_way(std::uint32_t slot, SeparationCache& apart) const;
 
   const ObjectRows& rows_;
   std::vector<Aabb> bounds_;

@@ -67,7 +67,7 @@ struct StepCost {
 };
 
 /// What the subscribers want; what nobody wants is not computed.
-struct StepWishes {
+struct StepOptions {
   bool contacts = true;    // points, normals, depths
   bool persisted = false;  // an event for each contact that goes on and whose objects moved
 };
@@ -116,7 +116,7 @@ class World {
   /// The collision step (collision_step.cpp): all changes since the last become events and a new snapshot. batches:
   /// how many applied batches this step stands for (the version grows by it). Events are valid until the next call.
   /// Does nothing and returns false while readers hold every free snapshot; the changes stay for the next call.
-  bool step(std::int64_t world_time_ns, std::uint64_t batches, const StepWishes& wishes);
+  bool step(std::int64_t world_time_ns, std::uint64_t batches, const StepOptions& step_options);
   const std::vector<Event>& events() const;
   const StepCost& cost() const;
   const std::vector<OpenContact>& contacts() const;  // those that hold and pairs in doubt, in no order

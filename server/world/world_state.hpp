@@ -40,7 +40,7 @@ struct World::State {
 
   StepMotion motion{rows};
   ContactLedger ledger;
-  ApartMemory apart;  // of meshes without primitives, with each other and with scenes
+  SeparationCache apart;  // of meshes without primitives, with each other and with scenes
   DecisionLists lists;
   StepCost cost;
 

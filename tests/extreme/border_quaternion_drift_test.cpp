@@ -2,7 +2,7 @@
 // normalised in silence at any size, four random numbers become a rotation.
 #include <gtest/gtest.h>
 
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 #include "tests/extreme/worlds.hpp"
 
 namespace collided::engine {

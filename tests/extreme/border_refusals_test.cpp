@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "server/service/ask.hpp"
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 #include "tests/extreme/worlds.hpp"
 
 namespace collided::engine {

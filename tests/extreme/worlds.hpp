@@ -72,9 +72,9 @@ class Stage {
   void move(ObjectId id, const Pose& pose, bool teleport = false) {
     EXPECT_TRUE(world.move(id, pose, now_ns_ + kSecond, teleport));
   }
-  const std::vector<Event>& step(const StepWishes& wishes = {}) {
+  const std::vector<Event>& step(const StepOptions& step_options = {}) {
     now_ns_ += kSecond;
-    EXPECT_TRUE(world.step(now_ns_, 1, wishes));
+    EXPECT_TRUE(world.step(now_ns_, 1, step_options));
     return world.events();
   }
 

@@ -159,15 +159,15 @@ class WorldTwin : public testing::Test {
     return order;
   }
   void step() {
-    const StepWishes wishes{.contacts = true, .persisted = make_.chance(0.5)};
+    const StepOptions step_options{.contacts = true, .persisted = make_.chance(0.5)};
     const std::unique_ptr<World> twin = before_.make(order_before_);
     NamesById twin_names;
     twin_names.learn(twin->objects());
     for (const Change& made : changes_) made(*twin);
     names_.learn(world_->objects());
     twin_names.learn(twin->objects());
-    ASSERT_TRUE(twin->step(now_ns_, 1, wishes));
-    ASSERT_TRUE(world_->step(now_ns_, 1, wishes));
+    ASSERT_TRUE(twin->step(now_ns_, 1, step_options));
+    ASSERT_TRUE(world_->step(now_ns_, 1, step_options));
     plain_.stepped(now_ns_);
     kept_apart_count_ += world_->cost().kept_apart;
     expect_same_events(*twin, twin_names);

@@ -170,7 +170,7 @@ class WireAnswering : public testing::Test {
     if (!options.recovering) options.recovering = [] { return false; };
     reader.reset();
     answering.reset();
-    answering = std::make_unique<Answering>(world, clock, fences, leases, counts, audit, reply_topic, options, [](CommandAsk) {});
+    answering = std::make_unique<Answering>(world, clock, write_barriers, leases, counts, audit, reply_topic, options, [](CommandAsk) {});
     reader.emplace(query_topic, dds::ReaderOptions<wire::Query>{.data = [this](const dds::Taker<wire::Query>& taker) { answering->listen(taker); }});
     ASSERT_TRUE(test::eventually([&] { return writer.matched_readers() == 1; }));
     hello();
@@ -222,8 +222,8 @@ class WireAnswering : public testing::Test {
 
   World world{WorldOptions{.epoch = 4}};
   WorldClock clock;
-  Fences fences;
-  LeaseBook leases{world};
+  WriteBarriers write_barriers;
+  SnapshotLeases leases{world};
   QuestionCounts counts;
   BackgroundAudit audit{0, {}};
   std::vector<double> grazing;
@@ -384,7 +384,7 @@ TEST_F(WireAnswering, WhatWasToldOnceIsNotUnsaidByARequestInChunks) {
     EXPECT_TRUE(ears.hears(request));
     return ears.reply().version;
   };
-  for (std::size_t i = 0; i < LeaseBook::kMostStates; ++i) {
+  for (std::size_t i = 0; i < SnapshotLeases::kMostStates; ++i) {
     world.step(clock.now_ns(), 1, {});
     EXPECT_EQ(open_request(), world.newest()->version);
   }

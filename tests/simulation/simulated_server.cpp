@@ -44,16 +44,16 @@ void each_touching_pair(const World& world, Touch&& touch) {
 }  // namespace
 
 SimulatedServer::SimulatedServer(std::uint64_t epoch, std::int64_t now_ns, std::FILE* to,
-                                 RecordingOutlet::Violation violation)
+                                 RecordingEventWriter::Violation violation)
     : epoch_(epoch),
       started_ns_(now_ns),
       next_status_ns_(now_ns),
       violation_(violation),
-      outlet_(std::make_unique<RecordingOutlet>(epoch, to, violation)),
+      event_writer_(std::make_unique<RecordingEventWriter>(epoch, to, violation)),
       world_(WorldOptions{.epoch = epoch}),
       publishers_(world_, {}),
-      broadcast_(world_, *outlet_, [](const std::string&) {}) {
-  outlet_->set_time(now_ns);
+      broadcast_(world_, *event_writer_, [](const std::string&) {}) {
+  event_writer_->set_time(now_ns);
   broadcast_.mark_all();
   broadcast_.publish();
 }
@@ -80,7 +80,7 @@ void SimulatedServer::lost(std::uint64_t publisher, std::int64_t now_ns) {
 }
 
 void SimulatedServer::tick(std::int64_t now_ns) {
-  outlet_->set_time(now_ns);
+  event_writer_->set_time(now_ns);
   changes_ += publishers_.take_changes();
   if (changes_ > 0) step(now_ns);
   if (now_ns < next_status_ns_) return;
@@ -107,7 +107,7 @@ void SimulatedServer::say_status(std::int64_t now_ns) {
   status.last_event_sequence = world_.last_event_sequence();
   status.contact_count = static_cast<std::uint32_t>(world_.contacts().size());
   status.contact_hash = broadcast_.contact_hash();
-  outlet_->write_status(status);
+  event_writer_->write_status(status);
 }
 
 void SimulatedServer::compare_with_all_pairs() {
@@ -117,7 +117,7 @@ void SimulatedServer::compare_with_all_pairs() {
   const SnapshotRing::Lease newest = world_.newest();
   const auto is_stale = [&](ObjectId id) { return newest->stale[slot_of(id)] != 0; };
   bool same = true;
-  for (const auto& [pair, episode] : outlet_->open()) same = same && (touch.erase(pair) > 0 || is_stale(pair.first) || is_stale(pair.second));
+  for (const auto& [pair, episode] : event_writer_->open()) same = same && (touch.erase(pair) > 0 || is_stale(pair.first) || is_stale(pair.second));
   if (!same || !touch.empty()) violation_("contacts are not those of all pairs after step " + std::to_string(steps_));
 }
 

@@ -10,7 +10,7 @@
 #include "server/service/broadcast.hpp"
 #include "server/service/publishers.hpp"
 #include "server/world/world.hpp"
-#include "tests/simulation/recording_outlet.hpp"
+#include "tests/simulation/recording_event_writer.hpp"
 
 namespace collided::simulation {
 using namespace engine;
@@ -24,7 +24,7 @@ class SimulatedServer {
  public:
   static constexpr std::int64_t kRecoveryNs = 300'000'000;
 
-  SimulatedServer(std::uint64_t epoch, std::int64_t now_ns, std::FILE* to, RecordingOutlet::Violation violation);
+  SimulatedServer(std::uint64_t epoch, std::int64_t now_ns, std::FILE* to, RecordingEventWriter::Violation violation);
 
   std::uint64_t epoch() const { return epoch_; }
   std::uint64_t steps() const { return steps_; }
@@ -50,8 +50,8 @@ class SimulatedServer {
   std::uint64_t epoch_;
   std::int64_t started_ns_;
   std::int64_t next_status_ns_;
-  RecordingOutlet::Violation violation_;
-  std::unique_ptr<RecordingOutlet> outlet_;
+  RecordingEventWriter::Violation violation_;
+  std::unique_ptr<RecordingEventWriter> event_writer_;
   World world_;
   service::Publishers publishers_;
   service::Broadcast broadcast_;

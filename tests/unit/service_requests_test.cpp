@@ -9,8 +9,8 @@
 #include <unistd.h>
 
 #include "server/service/epoch.hpp"
-#include "server/service/fences.hpp"
-#include "server/service/lease_book.hpp"
+#include "server/service/write_barriers.hpp"
+#include "server/service/snapshot_leases.hpp"
 #include "server/service/reply_columns.hpp"
 #include "server/service/sequence_watermark.hpp"
 #include "server/service/source_clock.hpp"
@@ -158,7 +158,7 @@ class LeaseBookTest : public ::testing::Test {
     return lease ? std::optional((*lease)->version) : std::nullopt;
   }
   World world{WorldOptions{}};
-  LeaseBook book{world};
+  SnapshotLeases book{world};
   std::int64_t time_ns = 0;
 };
 
@@ -196,7 +196,7 @@ TEST_F(LeaseBookTest, OpenRequestsNeverHoldAllStates) {
     version(request, 0, 2, 1'000'000'000 * static_cast<std::int64_t>(request));
     step();
   }
-  EXPECT_LE(book.size(), LeaseBook::kMostStates);
+  EXPECT_LE(book.size(), SnapshotLeases::kMostStates);
   EXPECT_FALSE(version(1, 1, 2));
   book.expire(1'000'000'000'000);
   EXPECT_EQ(book.size(), 0U);
@@ -204,11 +204,11 @@ TEST_F(LeaseBookTest, OpenRequestsNeverHoldAllStates) {
 
 // A busy machine may need long for a large request; each chunk that comes buys it time, but not for ever.
 TEST_F(LeaseBookTest, PatienceCountsFromTheNewestChunk) {
-  constexpr std::int64_t kStep = LeaseBook::kPatienceNs * 3 / 4;
+  constexpr std::int64_t kStep = SnapshotLeases::kPatienceNs * 3 / 4;
   const auto first = version(1, 0, 100, 0);
   std::uint32_t chunk = 1;
   std::int64_t now_ns = kStep;
-  for (; now_ns <= LeaseBook::kLongestNs; now_ns += kStep) {
+  for (; now_ns <= SnapshotLeases::kLongestNs; now_ns += kStep) {
     book.expire(now_ns);
     EXPECT_EQ(version(1, chunk++, 100, now_ns), first);
     step();
@@ -216,8 +216,8 @@ TEST_F(LeaseBookTest, PatienceCountsFromTheNewestChunk) {
   book.expire(now_ns);
   EXPECT_FALSE(version(1, chunk, 100, now_ns));
   EXPECT_TRUE(version(2, 0, 3, now_ns));
-  book.expire(now_ns + LeaseBook::kPatienceNs + 1);
-  EXPECT_FALSE(version(2, 1, 3, now_ns + LeaseBook::kPatienceNs + 1));
+  book.expire(now_ns + SnapshotLeases::kPatienceNs + 1);
+  EXPECT_FALSE(version(2, 1, 3, now_ns + SnapshotLeases::kPatienceNs + 1));
 }
 
 TEST_F(LeaseBookTest, ManyAtOnceShareYoungStates) {
@@ -250,23 +250,23 @@ AskPointer fenced(std::uint64_t request, std::uint64_t sequence) {
   return ask;
 }
 
-TEST(Fences, LetPassInOrderOnceTheSampleIsIn) {
-  Fences fences;
+TEST(WriteBarriers, LetPassInOrderOnceTheSampleIsIn) {
+  WriteBarriers write_barriers;
   AskPointer first = fenced(1, 5);
   AskPointer second = fenced(2, 4);
   AskPointer third = fenced(3, 9);
-  EXPECT_EQ(fences.pass(first), Fences::Outcome::parked);
-  EXPECT_EQ(fences.pass(second), Fences::Outcome::parked);
-  EXPECT_EQ(fences.pass(third), Fences::Outcome::parked);
-  fences.update({{3, 100}, {7, 5}});
-  const std::vector<AskPointer> ready = fences.take_ready();
+  EXPECT_EQ(write_barriers.pass(first), WriteBarriers::Outcome::parked);
+  EXPECT_EQ(write_barriers.pass(second), WriteBarriers::Outcome::parked);
+  EXPECT_EQ(write_barriers.pass(third), WriteBarriers::Outcome::parked);
+  write_barriers.update({{3, 100}, {7, 5}});
+  const std::vector<AskPointer> ready = write_barriers.take_ready();
   ASSERT_EQ(ready.size(), 2U);
   EXPECT_EQ(ready[0]->query->request, 1U);
   EXPECT_EQ(ready[1]->query->request, 2U);
   AskPointer fourth = fenced(4, 5);
-  EXPECT_EQ(fences.pass(fourth), Fences::Outcome::passed);
-  EXPECT_EQ(fences.take_overdue(Fences::kPatienceNs + 1).size(), 1U);
-  EXPECT_TRUE(fences.empty());
+  EXPECT_EQ(write_barriers.pass(fourth), WriteBarriers::Outcome::passed);
+  EXPECT_EQ(write_barriers.take_overdue(WriteBarriers::kPatienceNs + 1).size(), 1U);
+  EXPECT_TRUE(write_barriers.empty());
 }
 
 // Both ends of what is allowed are answered, what lies beyond is refused by name.

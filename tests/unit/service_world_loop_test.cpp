@@ -20,7 +20,7 @@ using wire_contract::EventKind;
 using wire_contract::ServerState;
 
 /// Keeps the books that a subscriber would keep.
-class BookKeeper : public Outlet {
+class BookKeeper : public EventWriter {
  public:
   bool contacts_wanted() const override { return true; }
   bool persisted_wanted() const override { return true; }
@@ -105,7 +105,7 @@ class WorldLoopTest : public ::testing::Test {
   ~WorldLoopTest() override { stop(); }
   void start(const LoopOptions& options = {}) {
     loop = std::make_unique<WorldLoop>(
-        WorldLoop::Around{world, clock, inbox, books, fences, leases, questions,
+        WorldLoop::Collaborators{world, clock, inbox, books, write_barriers, leases, questions,
                           [this](AskPointer) { ++admitted; }, [] {}, [this](const std::string& sentence) { books.note(sentence); }},
         options);
     thread = std::thread([this] { loop->run(); });
@@ -145,8 +145,8 @@ class WorldLoopTest : public ::testing::Test {
   WorldClock clock;
   Inbox inbox;
   BookKeeper books;
-  Fences fences;
-  LeaseBook leases{world};
+  WriteBarriers write_barriers;
+  SnapshotLeases leases{world};
   QuestionCounts questions;
   std::atomic<int> admitted{0};
   std::unique_ptr<WorldLoop> loop;
@@ -235,7 +235,7 @@ TEST_F(WorldLoopTest, AFenceOpensWhenTheSampleIsInAState) {
   auto ask = std::make_unique<Ask>();
   ask->query->fence_publisher = 7;
   ask->query->fence_sequence = 2;
-  EXPECT_TRUE(fences.pass(ask) == Fences::Outcome::parked);
+  EXPECT_TRUE(write_barriers.pass(ask) == WriteBarriers::Outcome::parked);
   move(1, {1, 0, 0});
   EXPECT_TRUE(books.wait([&] { return admitted.load() == 1; }));
   const SnapshotRing::Lease state = world.newest();
@@ -333,7 +333,7 @@ TEST_F(WorldLoopTest, NoTimeIsCountedTwice) {
 TEST_F(WorldLoopTest, AfterACrashItIsNotReadyWhileScenesAreAddedAgain) {
   std::atomic<bool> adding{true};
   loop = std::make_unique<WorldLoop>(
-      WorldLoop::Around{world, clock, inbox, books, fences, leases, questions, [](AskPointer) {}, [] {},
+      WorldLoop::Collaborators{world, clock, inbox, books, write_barriers, leases, questions, [](AskPointer) {}, [] {},
                         [this](const std::string& sentence) { books.note(sentence); }, {}, [&] { return adding.load(); }},
       LoopOptions{.step_ns = 0, .recovery_ns = 1, .limits = {}});
   thread = std::thread([this] { loop->run(); });

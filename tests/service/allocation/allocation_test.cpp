@@ -64,8 +64,8 @@ struct ServingSide {
 
   World world{WorldOptions{}};
   WorldClock clock;
-  Fences fences;
-  LeaseBook leases{world};
+  WriteBarriers write_barriers;
+  SnapshotLeases leases{world};
   QuestionCounts counts;
   BackgroundAudit audit{0, {}};
   Inbox inbox;
@@ -76,7 +76,7 @@ struct ServingSide {
   // As every server has one: what it notes is counted with the rest.
   FlightRecorder flight{test::own_namespace(), 60'000'000'000,
                         (std::filesystem::temp_directory_path() / ("allocation_" + test::own_namespace())).string()};
-  Answering answering{world, clock, fences, leases, counts, audit, reply_topic,
+  Answering answering{world, clock, write_barriers, leases, counts, audit, reply_topic,
                       AnsweringOptions{.server = 1, .epoch = 1, .threads = 1, .recovering = [this] { return allocate(); }, .flight = &flight},
                       [](CommandAsk) {}};
   std::optional<Listeners> listeners;
@@ -214,16 +214,16 @@ TEST_F(Allocation, APlantedOneIsCounted) {
 
 // As many requests in chunks as may be open, each from its first chunk on.
 TEST_F(Allocation, NoneForRequestsThatKeepTheirState) {
-  LeaseBook book(serving_.world);
+  SnapshotLeases book(serving_.world);
   test::start_counting();
   {
     const test::CountHere here;
-    for (std::uint64_t request = 1; request <= 2 * LeaseBook::kMostRequests; ++request) {
+    for (std::uint64_t request = 1; request <= 2 * SnapshotLeases::kMostRequests; ++request) {
       if (!book.take(5, request, 0, 2, 0, 0)) break;
     }
   }
   EXPECT_EQ(test::stop_counting().allocations, 0U);
-  EXPECT_EQ(book.size(), LeaseBook::kMostRequests);
+  EXPECT_EQ(book.size(), SnapshotLeases::kMostRequests);
 }
 
 TEST_F(Allocation, NoneForABatchOfAThousandPosesUntilItIsApplied) {

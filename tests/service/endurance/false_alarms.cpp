@@ -92,9 +92,9 @@ int run(const std::string& server, int seconds, unsigned busy_a_core) {
   const ScratchFolder folder;
   const int domain = own_domain();
   ChildProcess process({server, "--domain", std::to_string(domain), "--state-dir", folder.path()}, folder.path(), "server");
-  std::vector<std::unique_ptr<Looker>> lookers;
-  for (int i = 0; i < 3; ++i) lookers.push_back(std::make_unique<Looker>(domain));
-  Publisher publisher = value_of(lookers[0]->client().publish("mover"), "publish");
+  std::vector<std::unique_ptr<Looker>> query_movers;
+  for (int i = 0; i < 3; ++i) query_movers.push_back(std::make_unique<Looker>(domain));
+  Publisher publisher = value_of(query_movers[0]->client().publish("mover"), "publish");
   std::vector<Publisher::Object> balls;
   for (int i = 0; i < kBalls; ++i) {
     balls.push_back(value_of(publisher.add({.name = "ball " + std::to_string(i), .shape = {SphereShape{.radius_m = 0.3}},
@@ -109,14 +109,14 @@ int run(const std::string& server, int seconds, unsigned busy_a_core) {
     }
     static_cast<void>(publisher.flush());
     for (int look = 0; look < 5; ++look) {
-      for (const auto& looker : lookers) looker->look();
+      for (const auto& looker : query_movers) looker->look();
       std::this_thread::sleep_for(2ms);
     }
   }
   std::array<int, kLimits_ms.size()> alarms{};
   int disconnected = 0;
   double worst_ms = 0;
-  for (const auto& looker : lookers) {
+  for (const auto& looker : query_movers) {
     for (std::size_t i = 0; i < alarms.size(); ++i) alarms[i] += looker->alarms(i);
     disconnected += looker->disconnected();
     worst_ms = std::max(worst_ms, looker->worst_ms());

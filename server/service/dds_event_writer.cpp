@@ -1,4 +1,4 @@
-#include "server/service/wire_outlet.hpp"
+#include "server/service/dds_event_writer.hpp"
 
 #include <unistd.h>
 
@@ -35,7 +35,7 @@ void write(dds::Writer<T>& writer, const T& sample) {
 
 }  // namespace
 
-WireOutlet::WireOutlet(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight)
+DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight)
     : flight_(flight),
       event_topic_(participant, identity.name_space),
       persisted_topic_(participant, identity.name_space, wire_contract::kPersistedTopic),
@@ -58,11 +58,11 @@ WireOutlet::WireOutlet(const dds::Participant& participant, const Identity& iden
 }
 
 template <class T>
-void WireOutlet::note(recording::Recorded topic, const T& sample) {
+void DdsEventWriter::note(recording::Recorded topic, const T& sample) {
   if (flight_) flight_->note(topic, sample);
 }
 
-void WireOutlet::write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp) {
+void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp) {
   frame_->first_sequence = events.first_sequence;
   frame_->version = stamp.version;
   frame_->world_time_ns = stamp.world_time_ns;
@@ -80,16 +80,16 @@ void WireOutlet::write_frame(dds::Writer<wire::EventFrame>& writer, const EventC
   write(writer, *frame_);
 }
 
-void WireOutlet::write_events(const EventColumns& events, const Stamp& stamp) {
+void DdsEventWriter::write_events(const EventColumns& events, const Stamp& stamp) {
   write_frame(event_writer_, events, stamp);
   note(recording::Recorded::event, *frame_);
 }
 
-void WireOutlet::write_persisted(const EventColumns& events, const Stamp& stamp) {
+void DdsEventWriter::write_persisted(const EventColumns& events, const Stamp& stamp) {
   write_frame(persisted_writer_, events, stamp);
 }
 
-void WireOutlet::write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
+void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
   shard_->shard = contacts.shard;
   shard_->version = stamp.version;
   shard_->as_of_sequence = as_of_sequence;
@@ -106,7 +106,7 @@ void WireOutlet::write_contacts(const ContactColumns& contacts, const Stamp& sta
   write(contact_writer_, *shard_);
 }
 
-void WireOutlet::write_probes(const ProbeColumns& probes, const Stamp& stamp) {
+void DdsEventWriter::write_probes(const ProbeColumns& probes, const Stamp& stamp) {
   probes_->version = stamp.version;
   probes_->world_time_ns = stamp.world_time_ns;
   dds::borrow(probes_->states, probes.states);
@@ -121,7 +121,7 @@ void WireOutlet::write_probes(const ProbeColumns& probes, const Stamp& stamp) {
   write(probe_writer_, *probes_);
 }
 
-void WireOutlet::write_status(const StatusColumns& status) {
+void DdsEventWriter::write_status(const StatusColumns& status) {
   status_->version = status.stamp.version;
   status_->world_time_ns = status.stamp.world_time_ns;
   status_->last_event_sequence = status.last_event_sequence;
@@ -143,7 +143,7 @@ void WireOutlet::write_status(const StatusColumns& status) {
   write(status_writer_, *status_);
 }
 
-void WireOutlet::write_step(const StatusColumns& status) {
+void DdsEventWriter::write_step(const StatusColumns& status) {
   step_->version = status.stamp.version;
   step_->world_time_ns = status.stamp.world_time_ns;
   borrow_publishers(*step_, status);
@@ -151,7 +151,7 @@ void WireOutlet::write_step(const StatusColumns& status) {
   if (step_readers_.load() > 0) write(step_writer_, *step_);
 }
 
-void WireOutlet::leave() {
+void DdsEventWriter::leave() {
   constexpr std::int64_t kPatienceNs = 500'000'000;
   event_writer_.wait_for_acknowledgements(kPatienceNs);
   contact_writer_.wait_for_acknowledgements(kPatienceNs);

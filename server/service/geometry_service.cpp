@@ -1,4 +1,4 @@
-#include "server/service/geometry_desk.hpp"
+#include "server/service/geometry_service.hpp"
 
 #include <algorithm>
 
@@ -10,24 +10,24 @@ namespace collided::engine::service {
 namespace names = wire_contract::command;
 using wire_contract::ReplyStatus;
 
-GeometryDesk::GeometryDesk(const World& world, Send send) : world_(world), send_(std::move(send)), jobs_(kMostJobs) {
+GeometryService::GeometryService(const World& world, Send send) : world_(world), send_(std::move(send)), jobs_(kMostJobs) {
   thread_ = std::thread([this] {
     while (std::optional<CommandAsk> ask = jobs_.pop()) answer(*ask);
   });
 }
 
-void GeometryDesk::stop() {
+void GeometryService::stop() {
   stopping_.store(true);
   jobs_.close();
   if (thread_.joinable()) thread_.join();
 }
 
-void GeometryDesk::take(CommandAsk ask) {
+void GeometryService::take(CommandAsk ask) {
   if (!jobs_.has_room()) return send_(ask, ReplyStatus::refused, refusal_text("too many viewers ask for shapes already", "ask again"));
   jobs_.push(std::move(ask));
 }
 
-void GeometryDesk::answer(const CommandAsk& ask) {
+void GeometryService::answer(const CommandAsk& ask) {
   try {
     if (stopping_.load()) throw BadCommand("the server is stopping");
     const Arguments arguments(ask.text);
@@ -43,7 +43,7 @@ void GeometryDesk::answer(const CommandAsk& ask) {
   }
 }
 
-std::string GeometryDesk::shapes(const Arguments& arguments) {
+std::string GeometryService::shapes(const Arguments& arguments) {
   arguments.allow_only({"only", "skip", "mask", "moving"});
   const std::string only = arguments.text("only");
   const std::string skip = arguments.text("skip");
@@ -60,7 +60,7 @@ std::string GeometryDesk::shapes(const Arguments& arguments) {
       numbers_));
 }
 
-std::string GeometryDesk::surface(const Arguments& arguments) {
+std::string GeometryService::surface(const Arguments& arguments) {
   arguments.allow_only({"surface", "epoch", "edges", "crease_cosine"});
   const double cosine = arguments.number("crease_cosine", 0.5);
   if (!(cosine >= -1 && cosine <= 1)) throw BadCommand("surface: crease_cosine is out of range; allowed: -1 to 1");
@@ -70,7 +70,7 @@ std::string GeometryDesk::surface(const Arguments& arguments) {
   return first_page(encode_surface(found, arguments.truth("edges", false) ? std::optional(cosine) : std::nullopt));
 }
 
-std::string GeometryDesk::more(const Arguments& arguments) {
+std::string GeometryService::more(const Arguments& arguments) {
   arguments.allow_only({"transfer", "first"});
   const std::uint64_t number = arguments.whole("transfer", 0, ~std::uint64_t{0});
   const std::uint64_t first = arguments.whole("first", 0, kMaxGeometryBytes);
@@ -89,7 +89,7 @@ std::string GeometryDesk::more(const Arguments& arguments) {
   return page;
 }
 
-std::string GeometryDesk::first_page(std::string bytes) {
+std::string GeometryService::first_page(std::string bytes) {
   if (bytes.size() <= kPageBytes) return encode_page(0, bytes.size(), 0, bytes);
   make_room(bytes.size());
   transfers_.push_back({.number = ++newest_transfer_, .bytes = std::move(bytes), .asked_at = Clock::now()});
@@ -97,7 +97,7 @@ std::string GeometryDesk::first_page(std::string bytes) {
   return encode_page(kept.number, kept.bytes.size(), 0, std::string_view(kept.bytes).substr(0, kPageBytes));
 }
 
-void GeometryDesk::make_room(std::size_t byte_count) {
+void GeometryService::make_room(std::size_t byte_count) {
   std::uint64_t kept = byte_count;
   for (const Transfer& transfer : transfers_) kept += transfer.bytes.size();
   const Clock::time_point stale = Clock::now() - kPatience;

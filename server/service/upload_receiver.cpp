@@ -1,4 +1,4 @@
-#include "server/service/upload_desk.hpp"
+#include "server/service/upload_receiver.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 #include <filesystem>
 
 #include "idl/commands.hpp"
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 #include "server/service/random_number.hpp"
 
 namespace collided::engine::service {
@@ -52,7 +52,7 @@ bool write_at(int file, const std::vector<std::byte>& bytes, std::uint64_t first
 
 }  // namespace
 
-UploadDesk::UploadDesk(std::string folder, const std::vector<CommandAsk>& keep, Send send, Load load)
+UploadReceiver::UploadReceiver(std::string folder, const std::vector<CommandAsk>& keep, Send send, Load load)
     : folder_(std::move(folder)), send_(std::move(send)), load_(std::move(load)), jobs_(kMostJobs) {
   std::error_code error;
   if (!folder_.empty()) {
@@ -74,25 +74,25 @@ UploadDesk::UploadDesk(std::string folder, const std::vector<CommandAsk>& keep, 
   });
 }
 
-void UploadDesk::stop() {
+void UploadReceiver::stop() {
   stopping_.store(true);
   jobs_.close();
   if (thread_.joinable()) thread_.join();
   while (!uploads_.empty()) drop(uploads_.begin());
 }
 
-void UploadDesk::take(CommandAsk ask) {
+void UploadReceiver::take(CommandAsk ask) {
   if (!jobs_.has_room()) return send_(ask, ReplyStatus::refused, refusal_text("too many pieces of uploads wait already", "send it again"));
   jobs_.push(std::move(ask));
 }
 
-bool UploadDesk::has_taken(const std::string& path) const { return !folder_.empty() && path.starts_with(folder_ + "/"); }
+bool UploadReceiver::has_taken(const std::string& path) const { return !folder_.empty() && path.starts_with(folder_ + "/"); }
 
-void UploadDesk::forget(const std::string& path) {
+void UploadReceiver::forget(const std::string& path) {
   if (has_taken(path)) jobs_.push(Forget{path});
 }
 
-void UploadDesk::work(const CommandAsk& ask) {
+void UploadReceiver::work(const CommandAsk& ask) {
   try {
     if (stopping_.load()) throw BadCommand("the server is stopping");
     drop_forgotten();
@@ -106,7 +106,7 @@ void UploadDesk::work(const CommandAsk& ask) {
   }
 }
 
-std::string UploadDesk::begin(const CommandAsk& ask, const Arguments& arguments) {
+std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"file", "bytes", "checksum"});
   const std::string name = arguments.text("file");
   const std::uint64_t bytes = arguments.whole("bytes", 0, kMostNumber);
@@ -141,7 +141,7 @@ std::string UploadDesk::begin(const CommandAsk& ask, const Arguments& arguments)
   return json{{"upload", number}, {"piece_bytes", kPieceBytes}}.dump();
 }
 
-std::string UploadDesk::piece(const CommandAsk& ask, const Arguments& arguments) {
+std::string UploadReceiver::piece(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"upload", "first", "checksum"});
   Upload& upload = find(ask, arguments);
   const std::uint64_t first = arguments.whole("first", 0, kMostNumber);
@@ -163,7 +163,7 @@ std::string UploadDesk::piece(const CommandAsk& ask, const Arguments& arguments)
 }
 
 /// The file is whole, as it was sent, and on the disk: what has been told to be loaded must outlive a crash.
-void UploadDesk::commit(const CommandAsk& ask, const Arguments& arguments) {
+void UploadReceiver::commit(const CommandAsk& ask, const Arguments& arguments) {
   Upload& upload = find(ask, arguments);
   if (upload.missing > 0) throw BadCommand(fmt::format("upload: {} pieces of {} are missing. Nothing was loaded", upload.missing, upload.pieces.size()));
   uLong all = 0;
@@ -188,7 +188,7 @@ void UploadDesk::commit(const CommandAsk& ask, const Arguments& arguments) {
   }
 }
 
-UploadDesk::Upload& UploadDesk::find(const CommandAsk& ask, const Arguments& arguments) {
+UploadReceiver::Upload& UploadReceiver::find(const CommandAsk& ask, const Arguments& arguments) {
   const auto found = uploads_.find(arguments.whole("upload", 0, kMostNumber));
   if (found == uploads_.end() || found->second.client != ask.client) {
     throw BadCommand(fmt::format("upload: there is none of that number under way; what is not gone on with for {} s is thrown away",
@@ -197,20 +197,20 @@ UploadDesk::Upload& UploadDesk::find(const CommandAsk& ask, const Arguments& arg
   return found->second;
 }
 
-void UploadDesk::drop(std::map<std::uint64_t, Upload>::iterator upload) {
+void UploadReceiver::drop(std::map<std::uint64_t, Upload>::iterator upload) {
   if (upload->second.file >= 0) ::close(upload->second.file);
   const std::string path = upload->second.path;
   uploads_.erase(upload);
   remove_file(path);
 }
 
-void UploadDesk::remove_file(const std::string& path) {
+void UploadReceiver::remove_file(const std::string& path) {
   std::error_code ignored;
   fs::remove_all(fs::path(path).parent_path(), ignored);
   bytes_.erase(path);
 }
 
-void UploadDesk::drop_forgotten() {
+void UploadReceiver::drop_forgotten() {
   const Clock::time_point stale = Clock::now() - kPatience;
   for (auto upload = uploads_.begin(); upload != uploads_.end();) {
     const auto here = upload++;

@@ -12,7 +12,7 @@ namespace collided::engine::service {
 /// Questions that wait until a publisher's sample has become part of a published state ("read your own writes").
 ///
 /// threads  any; update() after each step, by the world's thread
-class Fences {
+class WriteBarriers {
  public:
   static constexpr std::size_t kMost = 1'024;
   static constexpr std::int64_t kPatienceNs = 1'000'000'000;

@@ -1,4 +1,4 @@
-#include "server/world/apart_memory.hpp"
+#include "server/world/separation_cache.hpp"
 
 #include <utility>
 
@@ -17,37 +17,37 @@ std::uint64_t key_of(std::uint32_t slot, std::uint32_t partner) {
 
 }  // namespace
 
-ApartMemory::Odometer& ApartMemory::odometer_of(std::uint32_t slot) {
+SeparationCache::Odometer& SeparationCache::odometer_of(std::uint32_t slot) {
   if (slot >= odometers_.size()) odometers_.resize(slot + 1);
   return odometers_[slot];
 }
 
-void ApartMemory::moved(std::uint32_t slot, double at_most_m) {
+void SeparationCache::moved(std::uint32_t slot, double at_most_m) {
   Odometer& odometer = odometer_of(slot);
   odometer.gone_m = (odometer.gone_m + at_most_m) * kRoundedUp;
 }
 
-void ApartMemory::placed(std::uint32_t slot) {
+void SeparationCache::placed(std::uint32_t slot) {
   Odometer& odometer = odometer_of(slot);
   odometer.gone_m = 0;
   ++odometer.placements;
 }
 
-void ApartMemory::clear() { pairs_.clear(); }
+void SeparationCache::clear() { pairs_.clear(); }
 
-const ApartMemory::Pair* ApartMemory::find(std::uint32_t slot, std::uint32_t partner) const {
+const SeparationCache::Pair* SeparationCache::find(std::uint32_t slot, std::uint32_t partner) const {
   const auto found = pairs_.find(key_of(slot, partner));
   return found == pairs_.end() ? nullptr : &found->second;
 }
 
-ApartMemory::Pair* ApartMemory::find_or_add(std::uint32_t slot, std::uint32_t partner) {
+SeparationCache::Pair* SeparationCache::find_or_add(std::uint32_t slot, std::uint32_t partner) {
   const std::uint64_t key = key_of(slot, partner);
   const auto found = pairs_.find(key);
   if (found != pairs_.end()) return &found->second;
   return pairs_.size() < kMost ? &pairs_[key] : nullptr;
 }
 
-bool ApartMemory::holds(std::uint32_t slot, std::uint32_t partner) const {
+bool SeparationCache::holds(std::uint32_t slot, std::uint32_t partner) const {
   const Pair* pair = find(slot, partner);
   if (pair == nullptr) return false;
   pair->asked = step_;
@@ -62,7 +62,7 @@ bool ApartMemory::holds(std::uint32_t slot, std::uint32_t partner) const {
   return gone_m * (1 + 0x1p-50) < pair->gap_m;
 }
 
-void ApartMemory::remember(std::uint32_t slot, std::uint32_t partner, double gap_m) {
+void SeparationCache::remember(std::uint32_t slot, std::uint32_t partner, double gap_m) {
   Pair* pair = find_or_add(slot, partner);
   if (pair == nullptr) return;
   if (partner < slot) std::swap(slot, partner);
@@ -75,18 +75,18 @@ void ApartMemory::remember(std::uint32_t slot, std::uint32_t partner, double gap
   pair->asked = step_;
 }
 
-bool ApartMemory::is_worth_looking(std::uint32_t slot, std::uint32_t partner) const {
+bool SeparationCache::is_worth_looking(std::uint32_t slot, std::uint32_t partner) const {
   const Pair* pair = find(slot, partner);
   return pair == nullptr ? pairs_.size() < kMost : step_ >= pair->look_again;
 }
 
-void ApartMemory::looked_in_vain(std::uint32_t slot, std::uint32_t partner) {
+void SeparationCache::looked_in_vain(std::uint32_t slot, std::uint32_t partner) {
   if (Pair* pair = find_or_add(slot, partner)) {
     *pair = {.look_again = step_ + kStepsBetweenLooks, .asked = step_};
   }
 }
 
-void ApartMemory::end_step() {
+void SeparationCache::end_step() {
   if (++step_ % kStepsKept != 0) return;
   std::erase_if(pairs_, [&](const auto& pair) { return pair.second.asked + kStepsKept < step_; });
 }

@@ -1,4 +1,4 @@
-#include "server/service/turns.hpp"
+#include "server/service/time_slice.hpp"
 
 #include <sched.h>
 #include <sys/resource.h>
@@ -25,7 +25,7 @@ static_assert(sizeof(SchedulingAttributes) == 48);
 
 }  // namespace
 
-bool ask_for_turns(std::chrono::nanoseconds turn) {
+bool set_time_slice(std::chrono::nanoseconds turn) {
   // Under another policy somebody has decided already.
   if (sched_getscheduler(0) != SCHED_OTHER) return false;
   SchedulingAttributes attributes;

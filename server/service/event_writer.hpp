@@ -38,9 +38,9 @@ struct StatusColumns {
 };
 
 /// Where the world's thread writes; topics.cpp in the server, a list in tests. Called by that one thread.
-class Outlet {
+class EventWriter {
  public:
-  virtual ~Outlet() = default;
+  virtual ~EventWriter() = default;
   virtual bool contacts_wanted() const = 0;  // somebody reads events or contacts
   virtual bool persisted_wanted() const = 0;
   virtual bool probes_wanted() const = 0;

@@ -10,6 +10,6 @@ namespace collided::engine::bsp {
 ///
 /// source  the ratio: Nah, Manocha, "SATO: Surface Area Traversal Order for Shadow Ray Tracing", 2014; the mean count:
 ///         Crofton's formula
-void set_likeliest_orders(Layout& layout, unsigned threads);
+void set_occlusion_orders(Layout& layout, unsigned threads);
 
 }  // namespace collided::engine::bsp

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "server/service/outlet.hpp"
+#include "server/service/event_writer.hpp"
 #include "tests/simulation/record.hpp"
 
 namespace collided::simulation {
@@ -15,10 +15,10 @@ using namespace engine;
 
 /// What a server writes, for the record; and the contract of events checked as it is written: no gap in the sequence,
 /// began and ended alternate, every end has a reason and the episode that it ends, brackets are in order.
-class RecordingOutlet : public service::Outlet {
+class RecordingEventWriter : public service::EventWriter {
  public:
   using Violation = std::function<void(const std::string&)>;
-  RecordingOutlet(std::uint64_t epoch, std::FILE* to, Violation violation)
+  RecordingEventWriter(std::uint64_t epoch, std::FILE* to, Violation violation)
       : epoch_(epoch), to_(to), violation_(std::move(violation)) {}
 
   void set_time(std::int64_t now_ns) { now_ns_ = now_ns; }

@@ -1,4 +1,4 @@
-#include "server/broad_phase/bsp_likeliest.hpp"
+#include "server/broad_phase/bsp_occlusion_order.hpp"
 
 #include <algorithm>
 #include <array>
@@ -47,9 +47,9 @@ float box_surface(const Node& node, int slot) {
 /// That a line through the box of so much surface meets what is in it.
 float chance_of_meeting(float surface, float box) { return box > 0 ? 1 - std::exp(-surface / box) : 1; }
 
-class Likeliest {
+class OcclusionOrders {
  public:
-  explicit Likeliest(Layout& layout) : layout_(layout), leaves_(layout.leaves.size()), nodes_(layout.nodes.size()) {}
+  explicit OcclusionOrders(Layout& layout) : layout_(layout), leaves_(layout.leaves.size()), nodes_(layout.nodes.size()) {}
 
   void look_at_leaves(unsigned threads) {
     std::vector<std::uint8_t> counts(leaves_.size());
@@ -110,7 +110,7 @@ class Likeliest {
       whole.cost += unmet * reached * cost[s];
       unmet *= 1 - reached * chance[s];
     }
-    node.set_likeliest(list);
+    node.set_occlusion_order(list);
     return whole;
   }
 
@@ -121,10 +121,10 @@ class Likeliest {
 
 }  // namespace
 
-void set_likeliest_orders(Layout& layout, unsigned threads) {
-  Likeliest likeliest(layout);
-  likeliest.look_at_leaves(threads);
-  likeliest.order_nodes();
+void set_occlusion_orders(Layout& layout, unsigned threads) {
+  OcclusionOrders orders(layout);
+  orders.look_at_leaves(threads);
+  orders.order_nodes();
 }
 
 }  // namespace collided::engine::bsp

@@ -15,7 +15,7 @@ namespace collided::engine::service {
 /// limited time; the oldest request gives way, and its later chunks are refused.
 ///
 /// threads  any
-class LeaseBook {
+class SnapshotLeases {
  public:
   static constexpr std::size_t kMostStates = 8;  // of SnapshotRing::kStates, the rest is for workers and the writer
   static constexpr std::size_t kMostRequests = 1'024;
@@ -24,7 +24,7 @@ class LeaseBook {
   /// A new request joins a state this young rather than pushing out an old request.
   static constexpr std::int64_t kSharedAgeNs = 20'000'000;
 
-  explicit LeaseBook(const World& world) : world_(world) { entries_.reserve(kMostRequests + 1); }
+  explicit SnapshotLeases(const World& world) : world_(world) { entries_.reserve(kMostRequests + 1); }
 
   /// The state for one chunk; none for a later chunk whose request is not (or no longer) here.
   /// least_version  no older state will do; beyond the newest: only that one

@@ -1,4 +1,4 @@
-#include "tests/simulation/recording_outlet.hpp"
+#include "tests/simulation/recording_event_writer.hpp"
 
 namespace collided::simulation {
 using namespace engine;
@@ -6,7 +6,7 @@ using namespace engine;
 using wire_contract::EndReason;
 using wire_contract::EventKind;
 
-void RecordingOutlet::check(const service::EventColumns& events, std::size_t i) {
+void RecordingEventWriter::check(const service::EventColumns& events, std::size_t i) {
   const std::uint64_t sequence = events.first_sequence + i;
   const auto say = [&](const char* what) { violation_("event " + std::to_string(sequence) + ' ' + what); };
   if (sequence != last_sequence_ + 1) say("does not follow the one before");
@@ -32,7 +32,7 @@ void RecordingOutlet::check(const service::EventColumns& events, std::size_t i) 
   open_.erase(found);
 }
 
-void RecordingOutlet::write_events(const service::EventColumns& events, const service::Stamp&) {
+void RecordingEventWriter::write_events(const service::EventColumns& events, const service::Stamp&) {
   for (std::size_t i = 0; i < events.size(); ++i) check(events, i);
   payload_.put(epoch_);
   payload_.put(events.first_sequence);
@@ -50,7 +50,7 @@ void RecordingOutlet::write_events(const service::EventColumns& events, const se
   payload_.send(Kind::frame, now_ns_, to_);
 }
 
-void RecordingOutlet::write_contacts(const service::ContactColumns& contacts, const service::Stamp&,
+void RecordingEventWriter::write_contacts(const service::ContactColumns& contacts, const service::Stamp&,
                                      std::uint64_t as_of_sequence) {
   payload_.put(epoch_);
   payload_.put(as_of_sequence);
@@ -67,7 +67,7 @@ void RecordingOutlet::write_contacts(const service::ContactColumns& contacts, co
   payload_.send(Kind::shard, now_ns_, to_);
 }
 
-void RecordingOutlet::write_status(const service::StatusColumns& status) {
+void RecordingEventWriter::write_status(const service::StatusColumns& status) {
   if (status.last_event_sequence != last_sequence_) violation_("a bookmark that does not name the last event");
   if (status.contact_count != open_.size()) violation_("a bookmark that counts other contacts than events left open");
   payload_.put(epoch_);

@@ -19,7 +19,7 @@ namespace collided::engine::service {
 /// Takes files of clients in pieces, in any order and any number of times, each with its checksum, into a folder of its
 /// own; a file that is there to its last byte is handed on to be loaded. On a thread of its own. What is begun and not gone
 /// on with for a minute is thrown away; all that lies there is at most a gibibyte.
-class UploadDesk {
+class UploadReceiver {
  public:
   using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;
   /// The `load` that a client asked for, and the file it meant; throws BadCommand.
@@ -27,10 +27,10 @@ class UploadDesk {
 
   /// folder  empty: every upload is refused. Made when it is needed.
   /// keep    of an earlier server's files, those in whose folder's name one of these texts speaks stay; the others go
-  UploadDesk(std::string folder, const std::vector<CommandAsk>& keep, Send send, Load load);
-  ~UploadDesk() { stop(); }
-  UploadDesk(const UploadDesk&) = delete;
-  UploadDesk& operator=(const UploadDesk&) = delete;
+  UploadReceiver(std::string folder, const std::vector<CommandAsk>& keep, Send send, Load load);
+  ~UploadReceiver() { stop(); }
+  UploadReceiver(const UploadReceiver&) = delete;
+  UploadReceiver& operator=(const UploadReceiver&) = delete;
 
   /// Any thread; the answer comes later. An `upload`, a `piece`, or a `load` of an upload.
   void take(CommandAsk ask);

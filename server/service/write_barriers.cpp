@@ -1,16 +1,16 @@
-#include "server/service/fences.hpp"
+#include "server/service/write_barriers.hpp"
 
 #include <algorithm>
 #include <utility>
 
 namespace collided::engine::service {
 
-bool Fences::reached(const wire::Query& query) const {
+bool WriteBarriers::reached(const wire::Query& query) const {
   const std::uint64_t applied = applied_locked(query.fence_publisher);
   return applied != 0 && applied >= query.fence_sequence;
 }
 
-Fences::Outcome Fences::pass(AskPointer& ask) {
+WriteBarriers::Outcome WriteBarriers::pass(AskPointer& ask) {
   if ((*ask->query).fence_publisher == 0 || ask->passed_fence) return Outcome::passed;
   const std::lock_guard lock(mutex_);
   if (reached(*ask->query)) return Outcome::passed;
@@ -19,18 +19,18 @@ Fences::Outcome Fences::pass(AskPointer& ask) {
   return Outcome::parked;
 }
 
-void Fences::update(const Applied& applied) {
+void WriteBarriers::update(const Applied& applied) {
   const std::lock_guard lock(mutex_);
   applied_ = applied;
 }
 
-std::uint64_t Fences::applied_locked(std::uint64_t publisher) const {
+std::uint64_t WriteBarriers::applied_locked(std::uint64_t publisher) const {
   const auto found = std::lower_bound(applied_.begin(), applied_.end(), Applied::value_type{publisher, 0});
   return found != applied_.end() && found->first == publisher ? found->second : 0;
 }
 
 template <class Chosen>
-std::vector<AskPointer> Fences::take_if(Chosen&& chosen) {
+std::vector<AskPointer> WriteBarriers::take_if(Chosen&& chosen) {
   const std::lock_guard lock(mutex_);
   std::vector<AskPointer> taken;
   const auto rest =
@@ -40,13 +40,13 @@ std::vector<AskPointer> Fences::take_if(Chosen&& chosen) {
   return taken;
 }
 
-std::vector<AskPointer> Fences::take_ready() {
+std::vector<AskPointer> WriteBarriers::take_ready() {
   std::vector<AskPointer> ready = take_if([&](const Ask& ask) { return reached(*ask.query); });
   for (AskPointer& ask : ready) ask->passed_fence = true;
   return ready;
 }
 
-std::vector<AskPointer> Fences::take_overdue(std::int64_t now_ns) {
+std::vector<AskPointer> WriteBarriers::take_overdue(std::int64_t now_ns) {
   return take_if([&](const Ask& ask) {
     const std::int64_t deadline_ns = ask.query->deadline_ns;
     const std::int64_t patience_ns = deadline_ns > 0 ? std::min(deadline_ns, kPatienceNs) : kPatienceNs;
@@ -54,16 +54,16 @@ std::vector<AskPointer> Fences::take_overdue(std::int64_t now_ns) {
   });
 }
 
-std::vector<AskPointer> Fences::take_all() {
+std::vector<AskPointer> WriteBarriers::take_all() {
   return take_if([](const Ask&) { return true; });
 }
 
-std::uint64_t Fences::applied(std::uint64_t publisher) const {
+std::uint64_t WriteBarriers::applied(std::uint64_t publisher) const {
   const std::lock_guard lock(mutex_);
   return applied_locked(publisher);
 }
 
-bool Fences::empty() const {
+bool WriteBarriers::empty() const {
   const std::lock_guard lock(mutex_);
   return waiting_.empty();
 }

@@ -6,7 +6,7 @@
 
 #include "idl/dds.hpp"
 #include "server/service/flight_recorder.hpp"
-#include "server/service/outlet.hpp"
+#include "server/service/event_writer.hpp"
 
 namespace collided::engine::service {
 
@@ -19,10 +19,10 @@ struct Identity {
 };
 
 /// The world's thread's writers of events, contacts, probes and status.
-class WireOutlet : public Outlet {
+class DdsEventWriter : public EventWriter {
  public:
   /// flight  hears of everything written; may be null
-  WireOutlet(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight);
+  DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight);
 
   bool contacts_wanted() const override { return event_readers_.load() > 0 || contact_readers_.load() > 0; }
   bool persisted_wanted() const override { return persisted_readers_.load() > 0; }

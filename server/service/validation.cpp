@@ -1,4 +1,4 @@
-#include "server/service/border.hpp"
+#include "server/service/validation.hpp"
 
 #include <fmt/format.h>
 

@@ -18,13 +18,13 @@ namespace collided::engine::service {
 
 /// Tells viewers what is where, in pages, on a thread of its own: the commands shapes, surface and more. Every buffer
 /// is of one state; what was begun is kept until its last page was sent, for half a minute, or until too much waits.
-class GeometryDesk {
+class GeometryService {
  public:
   using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;
-  GeometryDesk(const World& world, Send send);
-  ~GeometryDesk() { stop(); }
-  GeometryDesk(const GeometryDesk&) = delete;
-  GeometryDesk& operator=(const GeometryDesk&) = delete;
+  GeometryService(const World& world, Send send);
+  ~GeometryService() { stop(); }
+  GeometryService(const GeometryService&) = delete;
+  GeometryService& operator=(const GeometryService&) = delete;
 
   /// Any thread; the answer comes later.
   void take(CommandAsk ask);

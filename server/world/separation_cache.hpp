@@ -10,7 +10,7 @@ namespace collided::engine {
 /// have met, and are not tested again. For pairs whose test is dear: meshes.
 /// A partner is an object's slot, or a number of the caller's for what does not move.
 /// One thread.
-class ApartMemory {
+class SeparationCache {
  public:
   static constexpr std::size_t kMost = 100'000;  // pairs; more are tested as if nothing were known
 

@@ -2,13 +2,13 @@
 
 #include <limits>
 
-#include "server/world/apart_memory.hpp"
+#include "server/world/separation_cache.hpp"
 
 namespace collided::engine {
 namespace {
 
-TEST(ApartMemory, HoldsUntilTheGapIsUsedUpByEither) {
-  ApartMemory memory;
+TEST(SeparationCache, HoldsUntilTheGapIsUsedUpByEither) {
+  SeparationCache memory;
   memory.remember(3, 7, 1.0);
   EXPECT_TRUE(memory.holds(3, 7));
   EXPECT_TRUE(memory.holds(7, 3));
@@ -20,8 +20,8 @@ TEST(ApartMemory, HoldsUntilTheGapIsUsedUpByEither) {
   EXPECT_FALSE(memory.holds(7, 3)) << "1.0 of 1.0 gone: they may touch";
 }
 
-TEST(ApartMemory, NothingHoldsOfAnObjectThatWasPlaced) {
-  ApartMemory memory;
+TEST(SeparationCache, NothingHoldsOfAnObjectThatWasPlaced) {
+  SeparationCache memory;
   memory.moved(3, 5);
   memory.remember(3, 7, 1.0);
   memory.placed(3);
@@ -35,16 +35,16 @@ TEST(ApartMemory, NothingHoldsOfAnObjectThatWasPlaced) {
 }
 
 // A long way is summed in steps that each vanish in it; none of them may be lost.
-TEST(ApartMemory, ManySmallStepsAreNotRoundedAway) {
-  ApartMemory memory;
+TEST(SeparationCache, ManySmallStepsAreNotRoundedAway) {
+  SeparationCache memory;
   memory.moved(1, 0x1p60);
   memory.remember(1, 2, 100.0);
   for (int i = 0; i < 100; ++i) memory.moved(1, 1.0);
   EXPECT_FALSE(memory.holds(1, 2));
 }
 
-TEST(ApartMemory, WhatWasLookedForInVainIsLookedForAgainLater) {
-  ApartMemory memory;
+TEST(SeparationCache, WhatWasLookedForInVainIsLookedForAgainLater) {
+  SeparationCache memory;
   EXPECT_TRUE(memory.is_worth_looking(1, 2));
   memory.looked_in_vain(1, 2);
   EXPECT_FALSE(memory.is_worth_looking(2, 1));
@@ -53,8 +53,8 @@ TEST(ApartMemory, WhatWasLookedForInVainIsLookedForAgainLater) {
   EXPECT_TRUE(memory.is_worth_looking(2, 1));
 }
 
-TEST(ApartMemory, ForgetsWhatNobodyAsksFor) {
-  ApartMemory memory;
+TEST(SeparationCache, ForgetsWhatNobodyAsksFor) {
+  SeparationCache memory;
   memory.remember(1, 2, 1e9);
   memory.remember(3, 4, 1e9);
   for (int step = 0; step < 1'000; ++step) {
@@ -64,11 +64,11 @@ TEST(ApartMemory, ForgetsWhatNobodyAsksFor) {
   EXPECT_EQ(memory.size(), 1U);
 }
 
-TEST(ApartMemory, KeepsABoundedNumberOfPairs) {
-  ApartMemory memory;
-  for (std::uint32_t i = 0; i < ApartMemory::kMost + 1'000; ++i) memory.remember(i, i + 1, 1.0);
-  EXPECT_EQ(memory.size(), ApartMemory::kMost);
-  EXPECT_FALSE(memory.is_worth_looking(ApartMemory::kMost + 10, 5));
+TEST(SeparationCache, KeepsABoundedNumberOfPairs) {
+  SeparationCache memory;
+  for (std::uint32_t i = 0; i < SeparationCache::kMost + 1'000; ++i) memory.remember(i, i + 1, 1.0);
+  EXPECT_EQ(memory.size(), SeparationCache::kMost);
+  EXPECT_FALSE(memory.is_worth_looking(SeparationCache::kMost + 10, 5));
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
-#include "server/service/lease_book.hpp"
+#include "server/service/snapshot_leases.hpp"
 
 #include <algorithm>
 
 namespace collided::engine::service {
 
 /// How many different states are pinned; two leases of one state point at one snapshot.
-std::size_t LeaseBook::states() const {
+std::size_t SnapshotLeases::states() const {
   std::size_t count = 0;
   for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
     const bool seen =
@@ -15,7 +15,7 @@ std::size_t LeaseBook::states() const {
   return count;
 }
 
-SnapshotRing::Lease LeaseBook::pin(std::uint64_t least_version, std::int64_t now_ns) {
+SnapshotRing::Lease SnapshotLeases::pin(std::uint64_t least_version, std::int64_t now_ns) {
   if (entries_.size() >= kMostRequests) entries_.erase(entries_.begin());
   SnapshotRing::Lease newest = world_.newest();
   const bool pinned_already =
@@ -27,7 +27,7 @@ SnapshotRing::Lease LeaseBook::pin(std::uint64_t least_version, std::int64_t now
   return newest;
 }
 
-std::optional<SnapshotRing::Lease> LeaseBook::take(std::uint64_t client, std::uint64_t request,
+std::optional<SnapshotRing::Lease> SnapshotLeases::take(std::uint64_t client, std::uint64_t request,
                                                    std::uint32_t chunk_index, std::uint32_t chunk_count,
                                                    std::uint64_t least_version, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
@@ -46,14 +46,14 @@ std::optional<SnapshotRing::Lease> LeaseBook::take(std::uint64_t client, std::ui
   return lease;
 }
 
-void LeaseBook::expire(std::int64_t now_ns) {
+void SnapshotLeases::expire(std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   std::erase_if(entries_, [&](const Entry& entry) {
     return now_ns - entry.heard_ns > kPatienceNs || now_ns - entry.pinned_ns > kLongestNs;
   });
 }
 
-std::size_t LeaseBook::size() const {
+std::size_t SnapshotLeases::size() const {
   const std::lock_guard lock(mutex_);
   return entries_.size();
 }

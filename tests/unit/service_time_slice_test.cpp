@@ -9,7 +9,7 @@
 #include <cstring>
 #include <thread>
 
-#include "server/service/turns.hpp"
+#include "server/service/time_slice.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -35,14 +35,14 @@ TEST(Turns, AreThoseOfWhoAsksAndOfWhomItStarts) {
   std::thread([] {
     const Scheduling before = of_this_thread();
     if (before.runtime_ns == 0) GTEST_SKIP() << "a kernel before 6.12 has turns of one length for all";
-    ASSERT_TRUE(ask_for_turns(kShortTurn));
+    ASSERT_TRUE(set_time_slice(kShortSlice));
     std::thread([&] {
       const Scheduling after = of_this_thread();
       EXPECT_EQ(after.runtime_ns, 100'000U);
       EXPECT_LT(after.runtime_ns, before.runtime_ns);
       EXPECT_EQ(after.policy, before.policy);
       EXPECT_EQ(after.nice, before.nice);
-      ASSERT_TRUE(ask_for_turns(kLongTurn));
+      ASSERT_TRUE(set_time_slice(kLongSlice));
       EXPECT_EQ(of_this_thread().runtime_ns, 20'000'000U);
     }).join();
     EXPECT_EQ(of_this_thread().runtime_ns, 100'000U);
@@ -54,7 +54,7 @@ TEST(Turns, LeaveAnotherPolicyAlone) {
   std::thread([] {
     const sched_param none{};
     ASSERT_EQ(sched_setscheduler(0, SCHED_BATCH, &none), 0);
-    EXPECT_FALSE(ask_for_turns(kShortTurn));
+    EXPECT_FALSE(set_time_slice(kShortSlice));
     EXPECT_EQ(sched_getscheduler(0), SCHED_BATCH);
   }).join();
 }
