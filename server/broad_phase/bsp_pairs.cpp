@@ -299,8 +299,8 @@ HWY_INLINE unsigned not_parted(const Facets& a, const Facets& b, int lane, unsig
 class PairWalk {
  public:
   PairWalk(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped, BspTree::PairCandidate candidate,
-           void* context, WalkCost& cost)
-      : a_(a), b_(b), frame_(frame), swapped_(swapped), candidate_(candidate), context_(context), cost_(cost) {}
+           WalkCost& cost)
+      : a_(a), b_(b), frame_(frame), swapped_(swapped), candidate_(candidate), cost_(cost) {}
 
   void run() {
     SixBoxes boxes_a, boxes_b;
@@ -412,8 +412,8 @@ class PairWalk {
         ++cost_.candidates;
         const std::uint32_t triangle_a = leaf_a.triangle[__builtin_ctz(mask)];
         const std::uint32_t triangle_b = leaf_b.triangle[lane_b];
-        const bool go_on = swapped_ ? candidate_(context_, triangle_b, triangle_a)
-                                    : candidate_(context_, triangle_a, triangle_b);
+        const bool go_on = swapped_ ? candidate_(triangle_b, triangle_a)
+                                    : candidate_(triangle_a, triangle_b);
         if (!go_on) return false;
       }
     }
@@ -425,15 +425,14 @@ class PairWalk {
   const PairFrame& frame_;
   bool swapped_;
   BspTree::PairCandidate candidate_;
-  void* context_;
   WalkCost& cost_;
   FacetCache cache_a_;
   FacetCache cache_b_;
 };
 
 void WalkPairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped,
-               BspTree::PairCandidate candidate, void* context, WalkCost& cost) {
-  PairWalk(a, b, frame, swapped, candidate, context, cost).run();
+               BspTree::PairCandidate candidate, WalkCost& cost) {
+  PairWalk(a, b, frame, swapped, candidate, cost).run();
 }
 
 }  // namespace collided::engine::bsp::HWY_NAMESPACE
@@ -445,8 +444,8 @@ namespace collided::engine::bsp {
 HWY_EXPORT(WalkPairs);
 
 void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped,
-                BspTree::PairCandidate candidate, void* context, WalkCost& cost) {
-  HWY_DYNAMIC_DISPATCH(WalkPairs)(a, b, frame, swapped, candidate, context, cost);
+                BspTree::PairCandidate candidate, WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkPairs)(a, b, frame, swapped, candidate, cost);
 }
 
 }  // namespace collided::engine::bsp

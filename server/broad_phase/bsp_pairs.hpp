@@ -32,6 +32,6 @@ PairCase prepare_pairs(const Layout& a, const Layout& b, const Mat3& rotation, c
 
 /// Calls candidate with (triangle of a, triangle of b); where swapped, the other way round.
 void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped,
-                BspTree::PairCandidate candidate, void* context, WalkCost& cost);
+                BspTree::PairCandidate candidate, WalkCost& cost);
 
 }  // namespace collided::engine::bsp

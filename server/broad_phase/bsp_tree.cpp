@@ -70,41 +70,39 @@ std::variant<BspTree, BspRefusal> BspTree::load(const TriangleMesh& mesh, std::s
 const BspReport& BspTree::report() const { return storage_->report; }
 const Aabb& BspTree::bounds() const { return storage_->bounds; }
 
-void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, RayCandidate candidate, void* context,
-                       WalkCost& cost) const {
+void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, RayCandidate candidate, WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
   if (layout.root == bsp::kNothing || !(limit >= 0)) return;
-  bsp::walk_ray(layout, ray, limit, slack_m, candidate, context, cost);
+  bsp::walk_ray(layout, ray, limit, slack_m, candidate, cost);
 }
 
 void BspTree::walk_ray(const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh, RayTriangle candidate,
-                       void* context, WalkCost& cost) const {
+                       WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
   if (layout.root == bsp::kNothing || !(limit >= 0)) return;
-  bsp::walk_ray(layout, ray, limit, slack_m, mesh, candidate, context, cost);
+  bsp::walk_ray(layout, ray, limit, slack_m, mesh, candidate, cost);
 }
 
 void BspTree::walk_ray_nearest(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
-                               void* context, WalkCost& cost) const {
+                               WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
   if (layout.root == bsp::kNothing || !(limit >= 0)) return;
-  bsp::walk_ray_nearest(layout, ray, limit, mesh, candidate, context, cost);
+  bsp::walk_ray_nearest(layout, ray, limit, mesh, candidate, cost);
 }
 
 std::uint32_t BspTree::meet_ray(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
-                                void* context, WalkCost& cost) const {
+                                WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
   if (layout.root == bsp::kNothing || !(limit >= 0)) return kNoTriangle;
-  return bsp::meet_ray(layout, ray, limit, mesh, candidate, context, cost);
+  return bsp::meet_ray(layout, ray, limit, mesh, candidate, cost);
 }
 
-void BspTree::walk_rays(std::span<RayTask> tasks, const TriangleMesh& mesh, RayGoal goal,
-                        RayTriangle candidate) const {
+void BspTree::walk_rays(std::span<RayTask> tasks, const TriangleMesh& mesh, RayGoal goal) const {
   const bsp::Layout& layout = storage_->layout;
-  if (layout.root != bsp::kNothing) bsp::walk_rays(layout, tasks, mesh, goal, candidate);
+  if (layout.root != bsp::kNothing) bsp::walk_rays(layout, tasks, mesh, goal);
 }
 
-void BspTree::walk_box(const Aabb& asked, BoxCandidate candidate, void* context, WalkCost& cost) const {
+void BspTree::walk_box(const Aabb& asked, BoxCandidate candidate, WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
   if (layout.root == bsp::kNothing || asked.empty()) return;
   // Just beyond the scene, and finite, so that missing children stay out.
@@ -117,10 +115,10 @@ void BspTree::walk_box(const Aabb& asked, BoxCandidate candidate, void* context,
     box.low[axis] = bsp::round_down(low[axis] - 0x1p-50);
     box.high[axis] = bsp::round_up(high[axis] + 0x1p-50);
   }
-  bsp::walk_box(layout, box, candidate, context, cost);
+  bsp::walk_box(layout, box, candidate, cost);
 }
 
-void BspTree::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate, void* context,
+void BspTree::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate,
                         WalkCost& cost) const {
   const bsp::Layout& layout = storage_->layout;
   if (layout.root == bsp::kNothing || !(limit_m2 >= 0)) return;
@@ -136,11 +134,11 @@ void BspTree::walk_near(const Vec3& point, double limit_m2, double slack_m, Near
     ends.low[axis] = bsp::round_down(center - around);
     ends.high[axis] = bsp::round_up(center + around);
   }
-  bsp::walk_near(layout, ends, limit_m2, candidate, context, cost);
+  bsp::walk_near(layout, ends, limit_m2, candidate, cost);
 }
 
 void BspTree::walk_pairs(const BspTree& other, const Mat3& rotation, const Vec3& position, double slack_m,
-                         PairCandidate candidate, void* context, WalkCost& cost) const {
+                         PairCandidate candidate, WalkCost& cost) const {
   const bsp::Layout& own = storage_->layout;
   const bsp::Layout& others = other.storage_->layout;
   if (own.root == bsp::kNothing || others.root == bsp::kNothing) return;
@@ -156,18 +154,18 @@ void BspTree::walk_pairs(const BspTree& other, const Mat3& rotation, const Vec3&
   } else {
     found = bsp::prepare_pairs(own, others, rotation, position, slack_m, frame);
   }
-  if (found == bsp::PairCase::odd) return pair_all(other, rotation, position, slack_m, candidate, context, cost);
+  if (found == bsp::PairCase::odd) return pair_all(other, rotation, position, slack_m, candidate, cost);
   if (found == bsp::PairCase::apart) return;
   if (swapped) {
-    bsp::walk_pairs(others, own, frame, true, candidate, context, cost);
+    bsp::walk_pairs(others, own, frame, true, candidate, cost);
   } else {
-    bsp::walk_pairs(own, others, frame, false, candidate, context, cost);
+    bsp::walk_pairs(own, others, frame, false, candidate, cost);
   }
 }
 
 /// Every triangle near the other's bounds with all of the other's.
 void BspTree::pair_all(const BspTree& other, const Mat3& rotation, const Vec3& position, double slack_m,
-                       PairCandidate candidate, void* context, WalkCost& cost) const {
+                       PairCandidate candidate, WalkCost& cost) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Aabb everything{.low = Vec3::Constant(-kInfinity), .high = Vec3::Constant(kInfinity)};
   const Aabb& placed = other.bounds();
@@ -179,27 +177,13 @@ void BspTree::pair_all(const BspTree& other, const Mat3& rotation, const Vec3& p
   const Vec3 reach = rotation.cwiseAbs() * half + Vec3::Constant(slack_m + rounding);
   Aabb near{.low = center - reach, .high = center + reach};
   if (!near.low.allFinite() || !near.high.allFinite()) near = everything;
-  struct Context {
-    const BspTree& other;
-    const Aabb& everything;
-    PairCandidate candidate;
-    void* context;
-    WalkCost& cost;
-    std::uint32_t triangle = 0;
+  const auto outer = [&](std::uint32_t triangle) {
     bool go_on = true;
-  } all{other, everything, candidate, context, cost};
-  const auto outer = [](void* raw, std::uint32_t triangle) {
-    Context& c = *static_cast<Context*>(raw);
-    c.triangle = triangle;
-    const auto inner = [](void* raw_too, std::uint32_t other_triangle) {
-      Context& all_of_it = *static_cast<Context*>(raw_too);
-      all_of_it.go_on = all_of_it.candidate(all_of_it.context, all_of_it.triangle, other_triangle);
-      return all_of_it.go_on;
-    };
-    c.other.walk_box(c.everything, inner, raw, c.cost);
-    return c.go_on;
+    const auto inner = [&](std::uint32_t other_triangle) { return go_on = candidate(triangle, other_triangle); };
+    other.walk_box(everything, inner, cost);
+    return go_on;
   };
-  walk_box(near, outer, &all, cost);
+  walk_box(near, outer, cost);
 }
 
 }  // namespace collided::engine

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/geometry/aabb.hpp"
+#include "server/geometry/function_ref.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/ray.hpp"
 
@@ -78,67 +79,69 @@ class BspTree {
   const Aabb& bounds() const;
 
   /// Called with a candidate; returns the limit from then on (s along the ray, see walk_ray).
-  using RayCandidate = double (*)(void* context, std::uint32_t triangle, double limit);
+  using RayCandidate = FunctionRef<double(std::uint32_t triangle, double limit)>;
   /// Near to far along the ray. limit: only s in [0, limit] matters, in units of the direction's length; a negative
   /// returned limit ends the walk. slack_m widens every bound (0 for static meshes; the pose's rounding otherwise).
-  void walk_ray(const Ray& ray, double limit, double slack_m, RayCandidate candidate, void* context,
-                WalkCost& cost) const;
+  void walk_ray(const Ray& ray, double limit, double slack_m, RayCandidate candidate, WalkCost& cost) const;
 
   /// The same with the candidate's corners, equal to the mesh's. Where the tree holds them itself this saves the
   /// way to the mesh, the dearest part of a ray in a large scene.
-  using RayTriangle = double (*)(void* context, std::uint32_t triangle, const Triangle& corners, double limit);
+  using RayTriangle = FunctionRef<double(std::uint32_t triangle, const Triangle& corners, double limit)>;
   void walk_ray(const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh, RayTriangle candidate,
-                void* context, WalkCost& cost) const;
+                WalkCost& cost) const;
 
   /// The same for who takes every triangle that the ray meets and wants the nearest: told are those that no surely met
   /// nearer one rules out, seldom more than one.
-  void walk_ray_nearest(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate, void* context,
+  void walk_ray_nearest(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
                         WalkCost& cost) const;
 
   static constexpr std::uint32_t kNoTriangle = 0xffffffffu;
   /// A triangle that the ray meets with s in [0, limit], or kNoTriangle. Candidates are told only where floats leave
   /// doubt; a negative returned limit says that the ray meets it. The limit must be that of the ray to 2^-40, infinite
   /// for an endless ray only.
-  std::uint32_t meet_ray(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate, void* context,
+  std::uint32_t meet_ray(const Ray& ray, double limit, const TriangleMesh& mesh, RayTriangle candidate,
                          WalkCost& cost) const;
 
   /// What a batch of rays wants: every candidate as walk_ray tells them, or as walk_ray_nearest, or as meet_ray.
   enum class RayGoal { every, nearest, any };
 
-  /// One ray of a batch: as the arguments of walk_ray. The ray must live as long as the walk.
+  /// Who hears of the candidates of a task that names nobody.
+  static double tell_nobody(std::uint32_t, const Triangle&, double limit) { return limit; }
+
+  /// One ray of a batch: as the arguments of walk_ray. The ray and who hears of its candidates must live as long as the
+  /// walk.
   struct RayTask {
     const Ray* ray = nullptr;
     double limit = 0;
-    void* context = nullptr;
+    RayTriangle candidate = tell_nobody;
     WalkCost* cost = nullptr;
     std::uint32_t met = kNoTriangle;  // written for RayGoal::any
   };
   /// Many rays, some of them walked in turn, so that one works while the others wait for memory: for rays of no common
   /// direction through large scenes. Each ray hears of the same candidates in the same order as alone.
-  void walk_rays(std::span<RayTask> tasks, const TriangleMesh& mesh, RayGoal goal, RayTriangle candidate) const;
+  void walk_rays(std::span<RayTask> tasks, const TriangleMesh& mesh, RayGoal goal) const;
 
   /// Called with a candidate; false ends the walk.
-  using BoxCandidate = bool (*)(void* context, std::uint32_t triangle);
+  using BoxCandidate = FunctionRef<bool(std::uint32_t triangle)>;
   /// Triangles whose bounds overlap the asked box, touching included.
-  void walk_box(const Aabb& asked, BoxCandidate candidate, void* context, WalkCost& cost) const;
+  void walk_box(const Aabb& asked, BoxCandidate candidate, WalkCost& cost) const;
 
   /// Called with a candidate; returns the limit from then on, the square of a distance.
-  using NearCandidate = double (*)(void* context, std::uint32_t triangle, double limit_m2);
+  using NearCandidate = FunctionRef<double(std::uint32_t triangle, double limit_m2)>;
   /// Triangles that may lie within sqrt(limit_m2) of the point, roughly near to far.
-  void walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate, void* context,
-                 WalkCost& cost) const;
+  void walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate, WalkCost& cost) const;
 
   /// Called with a candidate pair; false ends the walk.
-  using PairCandidate = bool (*)(void* context, std::uint32_t triangle, std::uint32_t other_triangle);
+  using PairCandidate = FunctionRef<bool(std::uint32_t triangle, std::uint32_t other_triangle)>;
   /// Pairs of this tree's triangles and the other's that may meet, where the other's point p lies at
   /// rotation * p + position here, off by at most slack_m on each axis. Both trees are descended at once. rotation is
   /// orthonormal to within rounding; any other keeps the promise but not the speed.
   void walk_pairs(const BspTree& other, const Mat3& rotation, const Vec3& position, double slack_m,
-                  PairCandidate candidate, void* context, WalkCost& cost) const;
+                  PairCandidate candidate, WalkCost& cost) const;
 
  private:
   void pair_all(const BspTree& other, const Mat3& rotation, const Vec3& position, double slack_m,
-                PairCandidate candidate, void* context, WalkCost& cost) const;
+                PairCandidate candidate, WalkCost& cost) const;
 
   struct Storage;
   std::unique_ptr<Storage> storage_;

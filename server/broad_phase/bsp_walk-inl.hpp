@@ -310,11 +310,10 @@ class TriangleTest {
 /// Who hears of a ray's candidates: by number, or by number and corners.
 struct NumberCall {
   BspTree::RayCandidate candidate;
-  void* context;
 
   template <bool kCorners>
   HWY_INLINE double tell(const Leaf& leaf, int lane, double limit) const {
-    return candidate(context, leaf.triangle[lane], limit);
+    return candidate(leaf.triangle[lane], limit);
   }
 };
 
@@ -331,15 +330,14 @@ HWY_INLINE Triangle corners_of(const Leaf& leaf, int lane, const LocalFrame& fra
 
 struct TriangleCall {
   BspTree::RayTriangle candidate;
-  void* context;
   const TriangleMesh& mesh;
   const LocalFrame& frame;
 
   template <bool kCorners>
   HWY_INLINE double tell(const Leaf& leaf, int lane, double limit) const {
     const std::uint32_t number = leaf.triangle[lane];
-    if constexpr (!kCorners) return candidate(context, number, mesh.triangle(number), limit);
-    return candidate(context, number, corners_of(leaf, lane, frame), limit);
+    if constexpr (!kCorners) return candidate(number, mesh.triangle(number), limit);
+    return candidate(number, corners_of(leaf, lane, frame), limit);
   }
 };
 

@@ -54,8 +54,7 @@ HWY_INLINE unsigned overlapping(const Boxes& boxes, const LocalBox& asked) {
   return bits_of(all);
 }
 
-void WalkBox(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate candidate, void* context,
-             WalkCost& cost) {
+void WalkBox(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate candidate, WalkCost& cost) {
   Ref stack[kStackSize];
   int size = 0;
   stack[size++] = layout.root;
@@ -70,7 +69,7 @@ void WalkBox(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate 
       }
       for (mask &= (2u << (leaf_count(ref) - 1)) - 1; mask != 0; mask &= mask - 1) {
         ++cost.candidates;
-        if (!candidate(context, leaf.triangle[__builtin_ctz(mask)])) return;
+        if (!candidate(leaf.triangle[__builtin_ctz(mask)])) return;
       }
       continue;
     }
@@ -248,7 +247,7 @@ HWY_INLINE int push_sorted(const Node& node, unsigned mask, const float* entry, 
 }
 
 void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, BspTree::NearCandidate candidate,
-              void* context, WalkCost& cost) {
+              WalkCost& cost) {
   Waiting stack[kStackSize];
   HWY_ALIGN float distance[kWidth];
   int size = 0;
@@ -277,7 +276,7 @@ void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bs
         hn::Store(squares_below(leaf, first, layout.has_corners, point), kFloats, distance + first);
       }
       const double before_m2 = limit_m2;
-      limit_m2 = tell_near(NumberCall{candidate, context}, leaf, mask, distance, point, limit_m2, cost);
+      limit_m2 = tell_near(NumberCall{candidate}, leaf, mask, distance, point, limit_m2, cost);
       lists_all = limit_m2 == before_m2;
       if (!(limit_m2 >= 0)) return;
       limit = point.local_limit(limit_m2);
@@ -307,14 +306,13 @@ float LocalPoint::local_limit(double limit_m2) const {
   return round_up(std::min(local, 0x1p127));
 }
 
-void walk_box(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate candidate, void* context,
-              WalkCost& cost) {
-  HWY_DYNAMIC_DISPATCH(WalkBox)(layout, asked, candidate, context, cost);
+void walk_box(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate candidate, WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkBox)(layout, asked, candidate, cost);
 }
 
 void walk_near(const Layout& layout, const LocalPoint& point, double limit_m2, BspTree::NearCandidate candidate,
-               void* context, WalkCost& cost) {
-  HWY_DYNAMIC_DISPATCH(WalkNear)(layout, point, limit_m2, candidate, context, cost);
+               WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkNear)(layout, point, limit_m2, candidate, cost);
 }
 
 }  // namespace collided::engine::bsp

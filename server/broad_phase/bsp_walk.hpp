@@ -9,33 +9,32 @@ namespace collided::engine::bsp {
 /// limits are not negative.
 
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,
-              void* context, WalkCost& cost);
+              WalkCost& cost);
 
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
-              BspTree::RayTriangle candidate, void* context, WalkCost& cost);
+              BspTree::RayTriangle candidate, WalkCost& cost);
 
 void walk_ray_nearest(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
-                      BspTree::RayTriangle candidate, void* context, WalkCost& cost);
+                      BspTree::RayTriangle candidate, WalkCost& cost);
 
 std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
-                       BspTree::RayTriangle candidate, void* context, WalkCost& cost);
+                       BspTree::RayTriangle candidate, WalkCost& cost);
 
 /// By one of the two below, whichever suits the first rays; only the costs differ.
 void walk_rays(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
-               BspTree::RayGoal goal, BspTree::RayTriangle candidate);
+               BspTree::RayGoal goal);
 void walk_rays_in_turn(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
-                       BspTree::RayGoal goal, BspTree::RayTriangle candidate);
+                       BspTree::RayGoal goal);
 /// Eight at a time through each node; for goals nearest and any.
 void walk_ray_packets(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
-                      BspTree::RayGoal goal, BspTree::RayTriangle candidate);
+                      BspTree::RayGoal goal);
 
 /// A box in local coordinates, already grown by every rounding.
 struct LocalBox {
   float low[3];
   float high[3];
 };
-void walk_box(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate candidate, void* context,
-              WalkCost& cost);
+void walk_box(const Layout& layout, const LocalBox& asked, BspTree::BoxCandidate candidate, WalkCost& cost);
 
 /// The point's low and high ends, already grown by every rounding; squares of distances times limit_scale (twice,
 /// since its square may not fit) are local.
@@ -47,6 +46,6 @@ struct LocalPoint {
   float local_limit(double limit_m2) const;
 };
 void walk_near(const Layout& layout, const LocalPoint& point, double limit_m2, BspTree::NearCandidate candidate,
-               void* context, WalkCost& cost);
+               WalkCost& cost);
 
 }  // namespace collided::engine::bsp

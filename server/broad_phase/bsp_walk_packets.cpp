@@ -25,8 +25,7 @@ struct alignas(32) Waiting {
 template <Goal kGoal, bool kCorners>
 class Packet {
  public:
-  Packet(const Layout& layout, const TriangleMesh& mesh, BspTree::RayTriangle candidate)
-      : layout_(layout), mesh_(mesh), candidate_(candidate) {}
+  Packet(const Layout& layout, const TriangleMesh& mesh) : layout_(layout), mesh_(mesh) {}
 
   /// False, and nothing done, where the rays do not agree on the order of children.
   bool walk(std::span<BspTree::RayTask> tasks) {
@@ -51,7 +50,7 @@ class Packet {
 
  private:
   HWY_INLINE TriangleCall call_of(std::size_t i) const {
-    return {candidate_, tasks_[i].context, mesh_, layout_.frame};
+    return {tasks_[i].candidate, mesh_, layout_.frame};
   }
 
   void fill() {
@@ -194,7 +193,6 @@ class Packet {
 
   const Layout& layout_;
   const TriangleMesh& mesh_;
-  BspTree::RayTriangle candidate_;
   std::span<BspTree::RayTask> tasks_;
   const RayFrame* first_ = nullptr;  // of the rays under way
   bool is_under_way_[kWidth];
@@ -215,23 +213,21 @@ class Packet {
 };
 
 template <Goal kGoal, bool kCorners>
-void walk_packets(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
-                  BspTree::RayTriangle candidate) {
-  Packet<kGoal, kCorners> packet(layout, mesh, candidate);
+void walk_packets(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh) {
+  Packet<kGoal, kCorners> packet(layout, mesh);
   for (std::size_t begin = 0; begin < tasks.size(); begin += kWidth) {
     const auto some = tasks.subspan(begin, std::min<std::size_t>(kWidth, tasks.size() - begin));
-    if (!packet.walk(some)) walk_rays_in_turn(layout, some, mesh, kGoal, candidate);
+    if (!packet.walk(some)) walk_rays_in_turn(layout, some, mesh, kGoal);
   }
 }
 
-void WalkPackets(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh, Goal goal,
-                 BspTree::RayTriangle candidate) {
+void WalkPackets(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh, Goal goal) {
   if (goal == Goal::any) {
-    layout.has_corners ? walk_packets<Goal::any, true>(layout, tasks, mesh, candidate)
-                       : walk_packets<Goal::any, false>(layout, tasks, mesh, candidate);
+    layout.has_corners ? walk_packets<Goal::any, true>(layout, tasks, mesh)
+                       : walk_packets<Goal::any, false>(layout, tasks, mesh);
   } else {
-    layout.has_corners ? walk_packets<Goal::nearest, true>(layout, tasks, mesh, candidate)
-                       : walk_packets<Goal::nearest, false>(layout, tasks, mesh, candidate);
+    layout.has_corners ? walk_packets<Goal::nearest, true>(layout, tasks, mesh)
+                       : walk_packets<Goal::nearest, false>(layout, tasks, mesh);
   }
 }
 
@@ -244,8 +240,8 @@ namespace collided::engine::bsp {
 HWY_EXPORT(WalkPackets);
 
 void walk_ray_packets(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
-                      BspTree::RayGoal goal, BspTree::RayTriangle candidate) {
-  HWY_DYNAMIC_DISPATCH(WalkPackets)(layout, tasks, mesh, goal, candidate);
+                      BspTree::RayGoal goal) {
+  HWY_DYNAMIC_DISPATCH(WalkPackets)(layout, tasks, mesh, goal);
 }
 
 namespace {
@@ -272,11 +268,11 @@ bool is_coherent(const Layout& layout, std::span<const BspTree::RayTask> tasks) 
 }  // namespace
 
 void walk_rays(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
-               BspTree::RayGoal goal, BspTree::RayTriangle candidate) {
+               BspTree::RayGoal goal) {
   if (goal != BspTree::RayGoal::every && is_coherent(layout, tasks)) {
-    walk_ray_packets(layout, tasks, mesh, goal, candidate);
+    walk_ray_packets(layout, tasks, mesh, goal);
   } else {
-    walk_rays_in_turn(layout, tasks, mesh, goal, candidate);
+    walk_rays_in_turn(layout, tasks, mesh, goal);
   }
 }
 

@@ -75,23 +75,23 @@ HWY_INLINE std::uint32_t walk_any(const Layout& layout, const Ray& world_ray, do
 }
 
 void WalkRay(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,
-             void* context, WalkCost& cost) {
-  walk_any<Goal::every>(layout, ray, limit, slack_m, NumberCall{candidate, context}, cost);
+             WalkCost& cost) {
+  walk_any<Goal::every>(layout, ray, limit, slack_m, NumberCall{candidate}, cost);
 }
 
 void WalkRayTriangles(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
-                      BspTree::RayTriangle candidate, void* context, WalkCost& cost) {
-  walk_any<Goal::every>(layout, ray, limit, slack_m, TriangleCall{candidate, context, mesh, layout.frame}, cost);
+                      BspTree::RayTriangle candidate, WalkCost& cost) {
+  walk_any<Goal::every>(layout, ray, limit, slack_m, TriangleCall{candidate, mesh, layout.frame}, cost);
 }
 
 void WalkRayNearest(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
-                    BspTree::RayTriangle candidate, void* context, WalkCost& cost) {
-  walk_any<Goal::nearest>(layout, ray, limit, 0, TriangleCall{candidate, context, mesh, layout.frame}, cost);
+                    BspTree::RayTriangle candidate, WalkCost& cost) {
+  walk_any<Goal::nearest>(layout, ray, limit, 0, TriangleCall{candidate, mesh, layout.frame}, cost);
 }
 
 std::uint32_t MeetRay(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
-                      BspTree::RayTriangle candidate, void* context, WalkCost& cost) {
-  return walk_any<Goal::any>(layout, ray, limit, 0, TriangleCall{candidate, context, mesh, layout.frame}, cost);
+                      BspTree::RayTriangle candidate, WalkCost& cost) {
+  return walk_any<Goal::any>(layout, ray, limit, 0, TriangleCall{candidate, mesh, layout.frame}, cost);
 }
 
 }  // namespace collided::engine::bsp::HWY_NAMESPACE
@@ -106,23 +106,23 @@ HWY_EXPORT(WalkRayNearest);
 HWY_EXPORT(MeetRay);
 
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, BspTree::RayCandidate candidate,
-              void* context, WalkCost& cost) {
-  HWY_DYNAMIC_DISPATCH(WalkRay)(layout, ray, limit, slack_m, candidate, context, cost);
+              WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkRay)(layout, ray, limit, slack_m, candidate, cost);
 }
 
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
-              BspTree::RayTriangle candidate, void* context, WalkCost& cost) {
-  HWY_DYNAMIC_DISPATCH(WalkRayTriangles)(layout, ray, limit, slack_m, mesh, candidate, context, cost);
+              BspTree::RayTriangle candidate, WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkRayTriangles)(layout, ray, limit, slack_m, mesh, candidate, cost);
 }
 
 void walk_ray_nearest(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
-                      BspTree::RayTriangle candidate, void* context, WalkCost& cost) {
-  HWY_DYNAMIC_DISPATCH(WalkRayNearest)(layout, ray, limit, mesh, candidate, context, cost);
+                      BspTree::RayTriangle candidate, WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkRayNearest)(layout, ray, limit, mesh, candidate, cost);
 }
 
 std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
-                       BspTree::RayTriangle candidate, void* context, WalkCost& cost) {
-  return HWY_DYNAMIC_DISPATCH(MeetRay)(layout, ray, limit, mesh, candidate, context, cost);
+                       BspTree::RayTriangle candidate, WalkCost& cost) {
+  return HWY_DYNAMIC_DISPATCH(MeetRay)(layout, ray, limit, mesh, candidate, cost);
 }
 
 }  // namespace collided::engine::bsp

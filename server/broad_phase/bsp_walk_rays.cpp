@@ -34,12 +34,8 @@ struct Traveller {
 template <Goal kGoal, bool kCorners>
 class Journey {
  public:
-  Journey(const Layout& layout, const TriangleMesh& mesh, BspTree::RayTriangle candidate)
-      : layout_(layout),
-        mesh_(mesh),
-        candidate_(candidate),
-        nodes_(layout.nodes.data()),
-        leaves_(layout.leaves.data()) {}
+  Journey(const Layout& layout, const TriangleMesh& mesh)
+      : layout_(layout), mesh_(mesh), nodes_(layout.nodes.data()), leaves_(layout.leaves.data()) {}
 
   /// False: the ray meets nothing here.
   HWY_INLINE bool start(BspTree::RayTask& task, Traveller& t) const {
@@ -69,7 +65,7 @@ class Journey {
 
  private:
   HWY_INLINE TriangleCall call_of(const Traveller& t) const {
-    return {candidate_, t.task->context, mesh_, layout_.frame};
+    return {t.task->candidate, mesh_, layout_.frame};
   }
 
   HWY_INLINE bool visit_node(Traveller& t) const {
@@ -155,7 +151,6 @@ class Journey {
 
   const Layout& layout_;
   const TriangleMesh& mesh_;
-  BspTree::RayTriangle candidate_;
   const Node* nodes_;
   const Leaf* leaves_;
 };
@@ -186,20 +181,18 @@ void walk_in_turn(const Journey<kGoal, kCorners>& journey, std::span<BspTree::Ra
 }
 
 template <Goal kGoal>
-void walk_rays_for(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
-                   BspTree::RayTriangle candidate) {
+void walk_rays_for(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh) {
   if (layout.has_corners) {
-    walk_in_turn(Journey<kGoal, true>(layout, mesh, candidate), tasks);
+    walk_in_turn(Journey<kGoal, true>(layout, mesh), tasks);
   } else {
-    walk_in_turn(Journey<kGoal, false>(layout, mesh, candidate), tasks);
+    walk_in_turn(Journey<kGoal, false>(layout, mesh), tasks);
   }
 }
 
-void WalkRays(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh, Goal goal,
-              BspTree::RayTriangle candidate) {
-  if (goal == Goal::nearest) return walk_rays_for<Goal::nearest>(layout, tasks, mesh, candidate);
-  if (goal == Goal::any) return walk_rays_for<Goal::any>(layout, tasks, mesh, candidate);
-  walk_rays_for<Goal::every>(layout, tasks, mesh, candidate);
+void WalkRays(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh, Goal goal) {
+  if (goal == Goal::nearest) return walk_rays_for<Goal::nearest>(layout, tasks, mesh);
+  if (goal == Goal::any) return walk_rays_for<Goal::any>(layout, tasks, mesh);
+  walk_rays_for<Goal::every>(layout, tasks, mesh);
 }
 
 }  // namespace collided::engine::bsp::HWY_NAMESPACE
@@ -211,8 +204,8 @@ namespace collided::engine::bsp {
 HWY_EXPORT(WalkRays);
 
 void walk_rays_in_turn(const Layout& layout, std::span<BspTree::RayTask> tasks, const TriangleMesh& mesh,
-                       BspTree::RayGoal goal, BspTree::RayTriangle candidate) {
-  HWY_DYNAMIC_DISPATCH(WalkRays)(layout, tasks, mesh, goal, candidate);
+                       BspTree::RayGoal goal) {
+  HWY_DYNAMIC_DISPATCH(WalkRays)(layout, tasks, mesh, goal);
 }
 
 }  // namespace collided::engine::bsp

@@ -30,20 +30,20 @@ class Grid {
 
   /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order. False ends
   /// the walk.
-  using PairFound = bool (*)(void* context, std::uint32_t first, std::uint32_t second);
-  void pairs(PairFound found, void* context, WalkCost& cost) const;
+  using PairFound = FunctionRef<bool(std::uint32_t first, std::uint32_t second)>;
+  void pairs(PairFound found, WalkCost& cost) const;
 
   /// False ends the walk.
-  using BoxFound = bool (*)(void* context, std::uint32_t box);
-  void walk_box(const Aabb& asked, BoxFound found, void* context, WalkCost& cost) const;
+  using BoxFound = FunctionRef<bool(std::uint32_t box)>;
+  void walk_box(const Aabb& asked, BoxFound found, WalkCost& cost) const;
 
   /// As BspTree::walk_ray: s along the ray in units of its direction's length; returns the limit from then on.
-  using RayFound = double (*)(void* context, std::uint32_t box, double limit);
-  void walk_ray(const Ray& ray, double limit, RayFound found, void* context, WalkCost& cost) const;
+  using RayFound = FunctionRef<double(std::uint32_t box, double limit)>;
+  void walk_ray(const Ray& ray, double limit, RayFound found, WalkCost& cost) const;
 
   /// As BspTree::walk_near, squares of distances.
-  using NearFound = double (*)(void* context, std::uint32_t box, double limit_m2);
-  void walk_near(const Vec3& point, double limit_m2, NearFound found, void* context, WalkCost& cost) const;
+  using NearFound = FunctionRef<double(std::uint32_t box, double limit_m2)>;
+  void walk_near(const Vec3& point, double limit_m2, NearFound found, WalkCost& cost) const;
 
  private:
   struct Storage;

@@ -40,7 +40,6 @@ struct Meetings {
 struct Search {
   const Levels& levels;
   Grid::PairFound found;
-  void* context;
   WalkCost& cost;
 
   Key last_key(std::uint32_t block) const { return levels.keys[block * kBlock + kBlock - 1]; }
@@ -48,7 +47,7 @@ struct Search {
   bool report(std::uint32_t number, std::uint32_t place) const {
     ++cost.candidates;
     const std::uint32_t other = levels.numbers[place];
-    return found(context, std::min(number, other), std::max(number, other));
+    return found(std::min(number, other), std::max(number, other));
   }
 
   /// Keys of a row beside differ by the same amount all over the level: window w holds the keys in
@@ -169,8 +168,8 @@ struct Search {
   }
 };
 
-void FindPairs(const Levels& levels, Grid::PairFound found, void* context, WalkCost& cost) {
-  const Search search{levels, found, context, cost};
+void FindPairs(const Levels& levels, Grid::PairFound found, WalkCost& cost) {
+  const Search search{levels, found, cost};
   for (std::size_t l = 0; l < levels.levels.size(); ++l) {
     if (!search.own_level(levels.levels[l])) return;
     for (std::size_t larger = l + 1; larger < levels.levels.size(); ++larger) {
@@ -193,24 +192,18 @@ HWY_EXPORT(FindPairs);
 
 namespace {
 
-void find_few_pairs(const Levels& levels, Grid::PairFound found, void* context, WalkCost& cost) {
-  struct Call {
-    const Levels& levels;
-    Grid::PairFound found;
-    void* context;
-  } call{levels, found, context};
-  const auto named = [](void* raw, std::uint32_t first, std::uint32_t second) {
-    const Call& c = *static_cast<Call*>(raw);
-    return c.found(c.context, c.levels.few_numbers[first], c.levels.few_numbers[second]);
+void find_few_pairs(const Levels& levels, Grid::PairFound found, WalkCost& cost) {
+  const auto named = [&](std::uint32_t first, std::uint32_t second) {
+    return found(levels.few_numbers[first], levels.few_numbers[second]);
   };
-  levels.few.pairs(named, &call, cost);
+  levels.few.pairs(named, cost);
 }
 
 }  // namespace
 
-void find_pairs(const Levels& levels, Grid::PairFound found, void* context, WalkCost& cost) {
-  if (levels.few.size() > 0) return find_few_pairs(levels, found, context, cost);
-  HWY_DYNAMIC_DISPATCH(FindPairs)(levels, found, context, cost);
+void find_pairs(const Levels& levels, Grid::PairFound found, WalkCost& cost) {
+  if (levels.few.size() > 0) return find_few_pairs(levels, found, cost);
+  HWY_DYNAMIC_DISPATCH(FindPairs)(levels, found, cost);
 }
 
 }  // namespace collided::engine::grid

@@ -227,7 +227,7 @@ CellRange cells_reaching(const Level& level, const Vec3& low, const Vec3& high) 
   return range;
 }
 
-void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, void* context, WalkCost& cost) {
+void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, WalkCost& cost) {
   if (asked.empty()) return;
   const auto overlaps_asked = [&](const Entry& entry) {
     bool all = true;
@@ -239,7 +239,7 @@ void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, voi
   const auto visit = [&](const Entry& entry) {
     if (!overlaps_asked(entry)) return true;
     ++cost.candidates;
-    return found(context, entry.box());
+    return found(entry.box());
   };
   for (std::uint32_t i = levels.loose_begin; i < levels.loose_end; ++i) {
     if (!visit(levels.entry(i))) return;
@@ -249,12 +249,11 @@ void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, voi
   }
 }
 
-void walk_ray(const Levels& levels, const Ray& ray, double limit, Grid::RayFound found, void* context,
-              WalkCost& cost) {
+void walk_ray(const Levels& levels, const Ray& ray, double limit, Grid::RayFound found, WalkCost& cost) {
   if (!(limit >= 0)) return;
   const auto visit = [&](const Entry& entry, double current) {
     ++cost.candidates;
-    return found(context, entry.box(), current);
+    return found(entry.box(), current);
   };
   for (std::uint32_t i = levels.loose_begin; i < levels.loose_end && limit >= 0; ++i) {
     const Span span = clip(ray, levels.entry(i), limit);
@@ -265,12 +264,11 @@ void walk_ray(const Levels& levels, const Ray& ray, double limit, Grid::RayFound
   }
 }
 
-void walk_near(const Levels& levels, const Vec3& point, double limit_m2, Grid::NearFound found, void* context,
-               WalkCost& cost) {
+void walk_near(const Levels& levels, const Vec3& point, double limit_m2, Grid::NearFound found, WalkCost& cost) {
   if (!(limit_m2 >= 0)) return;
   const auto visit = [&](const Entry& entry, double current) {
     ++cost.candidates;
-    return found(context, entry.box(), current);
+    return found(entry.box(), current);
   };
   for (std::uint32_t i = levels.loose_begin; i < levels.loose_end && limit_m2 >= 0; ++i) {
     if (is_within(levels.entry(i), point, limit_m2)) limit_m2 = visit(levels.entry(i), limit_m2);

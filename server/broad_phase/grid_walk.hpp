@@ -8,12 +8,10 @@
 namespace collided::engine::grid {
 
 /// The walks of Grid over its levels; pairs and boxes in SIMD, chosen at run time.
-void find_pairs(const Levels& levels, Grid::PairFound found, void* context, WalkCost& cost);
-void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, void* context, WalkCost& cost);
-void walk_ray(const Levels& levels, const Ray& ray, double limit, Grid::RayFound found, void* context,
-              WalkCost& cost);
-void walk_near(const Levels& levels, const Vec3& point, double limit_m2, Grid::NearFound found, void* context,
-               WalkCost& cost);
+void find_pairs(const Levels& levels, Grid::PairFound found, WalkCost& cost);
+void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, WalkCost& cost);
+void walk_ray(const Levels& levels, const Ray& ray, double limit, Grid::RayFound found, WalkCost& cost);
+void walk_near(const Levels& levels, const Vec3& point, double limit_m2, Grid::NearFound found, WalkCost& cost);
 
 /// Cells whose boxes may reach [low, high], within the occupied ones; may be empty (low > high on some axis).
 CellRange cells_reaching(const Level& level, const Vec3& low, const Vec3& high);

@@ -91,8 +91,8 @@ void SweepAndPrune::clear() {
   box_count_ = 0;
 }
 
-void SweepAndPrune::pairs(PairFound found, void* context, WalkCost& cost) const {
-  sweep::find_pairs({blocks_, numbers_, static_cast<std::uint32_t>(order_.size()), report_.axis}, found, context, cost);
+void SweepAndPrune::pairs(PairFound found, WalkCost& cost) const {
+  sweep::find_pairs({blocks_, numbers_, static_cast<std::uint32_t>(order_.size()), report_.axis}, found, cost);
 }
 
 std::size_t SweepAndPrune::bytes() const {

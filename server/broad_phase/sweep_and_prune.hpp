@@ -38,8 +38,8 @@ class SweepAndPrune {
 
   /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order. False ends
   /// the walk.
-  using PairFound = bool (*)(void* context, std::uint32_t first, std::uint32_t second);
-  void pairs(PairFound found, void* context, WalkCost& cost) const;
+  using PairFound = FunctionRef<bool(std::uint32_t first, std::uint32_t second)>;
+  void pairs(PairFound found, WalkCost& cost) const;
 
  private:
   struct Place {

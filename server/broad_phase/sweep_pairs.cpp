@@ -14,7 +14,7 @@ namespace collided::engine::sweep::HWY_NAMESPACE {
 constexpr std::uint32_t kBlock = BoxBlock::kSize;
 
 /// Every box against those that begin, on the axis, before it ends. The NaN behind the last ends the last ways.
-void FindPairs(const Ordered& ordered, SweepAndPrune::PairFound found, void* context, WalkCost& cost) {
+void FindPairs(const Ordered& ordered, SweepAndPrune::PairFound found, WalkCost& cost) {
   const std::uint32_t* numbers = ordered.numbers.data();
   for (std::uint32_t place = 0; place < ordered.count; ++place) {
     const BoxBlock& own = ordered.blocks[place / kBlock];
@@ -27,7 +27,7 @@ void FindPairs(const Ordered& ordered, SweepAndPrune::PairFound found, void* con
         ++cost.candidates;
         const std::uint32_t a = numbers[place];
         const std::uint32_t b = numbers[block * kBlock + static_cast<std::uint32_t>(__builtin_ctz(met))];
-        if (!found(context, std::min(a, b), std::max(a, b))) return;
+        if (!found(std::min(a, b), std::max(a, b))) return;
       }
       if (++block == ordered.blocks.size() || !(ordered.blocks[block].low[ordered.axis][0] <= end)) break;
     }
@@ -42,8 +42,8 @@ namespace collided::engine::sweep {
 
 HWY_EXPORT(FindPairs);
 
-void find_pairs(const Ordered& ordered, SweepAndPrune::PairFound found, void* context, WalkCost& cost) {
-  HWY_DYNAMIC_DISPATCH(FindPairs)(ordered, found, context, cost);
+void find_pairs(const Ordered& ordered, SweepAndPrune::PairFound found, WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(FindPairs)(ordered, found, cost);
 }
 
 }  // namespace collided::engine::sweep

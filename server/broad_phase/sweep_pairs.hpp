@@ -15,6 +15,6 @@ struct Ordered {
   int axis;
 };
 
-void find_pairs(const Ordered& ordered, SweepAndPrune::PairFound found, void* context, WalkCost& cost);
+void find_pairs(const Ordered& ordered, SweepAndPrune::PairFound found, WalkCost& cost);
 
 }  // namespace collided::engine::sweep

@@ -75,7 +75,7 @@ Verdict careful_decision(const ConvexPair& pair, const Proposal& proposal) {
     if (parted.yes()) return {Decision::no, level};
   }
   for (const Vec3& point : witnesses.point) {
-    const Verdict held = pair.both_hold(pair.context, point);
+    const Verdict held = pair.both_hold(point);
     level = std::max(level, held.level);
     if (held.yes()) return {Decision::yes, level};
   }
@@ -114,7 +114,7 @@ Decision sets_overlap_by_rationals(const ConvexPair& pair) {
     if (!n.isZero(0) && parted_along<Dyadic>(n, pair.a, pair.b) == Decision::yes) return Decision::no;
   }
   for (const Vec3& point : witnesses.point) {
-    if (pair.both_hold(pair.context, point).yes()) return Decision::yes;
+    if (pair.both_hold(point).yes()) return Decision::yes;
   }
   return Decision::undecided;
 }

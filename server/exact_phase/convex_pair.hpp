@@ -4,6 +4,7 @@
 #include "server/exact_phase/convex.hpp"
 #include "server/exact_phase/separation.hpp"
 #include "server/exact_phase/verdict.hpp"
+#include "server/geometry/function_ref.hpp"
 
 namespace collided::engine::kernel {
 
@@ -12,9 +13,11 @@ struct ConvexPair {
   Convex a;
   Convex b;
   /// Exact; yes proves that the sets overlap.
-  using BothHold = Verdict (*)(const void* context, const Vec3& point);
-  BothHold both_hold = nullptr;
-  const void* context = nullptr;
+  using BothHold = FunctionRef<Verdict(const Vec3& point)>;
+  BothHold both_hold = leave_open;
+
+  /// For pairs that nobody asks whether they overlap.
+  static Verdict leave_open(const Vec3&) { return {Decision::undecided, Level::filter}; }
 };
 
 /// Whether two convex sets share a point. A search in plain double proposes, a certificate decides: a plane between the

@@ -13,11 +13,6 @@ namespace {
 using kernel::Convex;
 using kernel::ConvexPair;
 
-struct Views {
-  const ShapeView& a;
-  const ShapeView& b;
-};
-
 Convex convex(const ShapeView& view) {
   return std::visit([](const auto* shape) { return Convex(*shape); }, view);
 }
@@ -34,13 +29,17 @@ Verdict holds(const ShapeView& view, const Vec3& point) {
       view);
 }
 
-Verdict both_hold(const void* raw, const Vec3& point) {
-  const Views& views = *static_cast<const Views*>(raw);
-  const Verdict a = holds(views.a, point);
-  if (!a.yes()) return a;
-  const Verdict b = holds(views.b, point);
-  return {b.decision, std::max(a.level, b.level)};
-}
+struct BothHold {
+  const ShapeView& a;
+  const ShapeView& b;
+
+  Verdict operator()(const Vec3& point) const {
+    const Verdict held = holds(a, point);
+    if (!held.yes()) return held;
+    const Verdict b_held = holds(b, point);
+    return {b_held.decision, std::max(held.level, b_held.level)};
+  }
+};
 
 /// Rationals alone.
 Decision surely_holds(const ShapeView& view, const Vec3& point) {
@@ -55,36 +54,32 @@ Decision surely_holds(const ShapeView& view, const Vec3& point) {
       view);
 }
 
-Verdict surely_both_hold(const void* raw, const Vec3& point) {
-  const Views& views = *static_cast<const Views*>(raw);
-  return {kernel::both(surely_holds(views.a, point), surely_holds(views.b, point)), Level::rational};
-}
-
 }  // namespace
 
 Verdict overlaps_in_general(const ShapeView& a, const ShapeView& b) {
-  const Views views{a, b};
-  const Verdict verdict = kernel::sets_overlap({convex(a), convex(b), both_hold, &views});
+  const BothHold both_hold{a, b};
+  const Verdict verdict = kernel::sets_overlap({convex(a), convex(b), both_hold});
   if (verdict.decision != Decision::undecided) return verdict;
   // Both orders are tried, so that the order asked in is not to be seen.
-  return kernel::sets_overlap({convex(b), convex(a), both_hold, &views});
+  return kernel::sets_overlap({convex(b), convex(a), both_hold});
 }
 
 Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b) {
-  const Views views{a, b};
-  return kernel::sets_overlap_by_rationals({convex(a), convex(b), surely_both_hold, &views});
+  const auto both_hold = [&](const Vec3& point) {
+    return Verdict{kernel::both(surely_holds(a, point), surely_holds(b, point)), Level::rational};
+  };
+  return kernel::sets_overlap_by_rationals({convex(a), convex(b), both_hold});
 }
 
 Contact contact_in_general(const ShapeView& a, const ShapeView& b) {
-  const Views views{a, b};
-  return kernel::contact_of({convex(a), convex(b), both_hold, &views});
+  return kernel::contact_of({convex(a), convex(b), BothHold{a, b}});
 }
 
 Closest closest_in_general(const Vec3& point, const ShapeView& shape) {
   const Sphere at{point, 0};
   const ShapeView point_view = &at;
-  const Views views{shape, point_view};
-  const ConvexPair pair{convex(shape), Convex(at), both_hold, &views};
+  const BothHold both_hold{shape, point_view};
+  const ConvexPair pair{convex(shape), Convex(at), both_hold};
   if (kernel::sets_overlap(pair).yes()) return {0, 0, point, kernel::contact_of(pair).normal, 0};
   const Separation apart = kernel::separation_of(pair);
   Closest result{apart.distance_m, apart.error_m, apart.on_a, apart.normal};

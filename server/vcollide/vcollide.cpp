@@ -42,7 +42,7 @@ struct Meeting {
   bool all = false;
   std::vector<std::array<int, 2>> pairs{};
 
-  bool test(std::uint32_t triangle_a, std::uint32_t triangle_b) {
+  bool operator()(std::uint32_t triangle_a, std::uint32_t triangle_b) {
     if (!overlaps(of_a.at(triangle_a), of_b.at(triangle_b)).yes()) return true;
     pairs.push_back({a.triangle_ids[triangle_a], b.triangle_ids[triangle_b]});
     return all;
@@ -125,12 +125,12 @@ void VCollide::State::find_candidates() {
   grid.rebuild(bounds);
   candidates.clear();
   cost = {};
-  const auto found = [](void* context, std::uint32_t first, std::uint32_t second) {
-    static_cast<std::vector<Pair>*>(context)->emplace_back(static_cast<int>(first), static_cast<int>(second));
+  const auto found = [&](std::uint32_t first, std::uint32_t second) {
+    candidates.emplace_back(static_cast<int>(first), static_cast<int>(second));
     return true;
   };
   WalkCost of_grid;
-  grid.pairs(found, &candidates, of_grid);
+  grid.pairs(found, of_grid);
   if (!inactive_pairs.empty())
     std::erase_if(candidates, [&](const Pair& pair) { return inactive_pairs.contains(pair); });
   std::sort(candidates.begin(), candidates.end());
@@ -140,11 +140,8 @@ std::vector<std::array<int, 2>> VCollide::State::meet(const Pair& pair, bool all
   const Object& a = object(pair.first);
   const Object& b = object(pair.second);
   Meeting meeting{{*a.info.mesh->mesh, a.frame}, {*b.info.mesh->mesh, b.frame}, a, b, all};
-  const auto candidate = [](void* context, std::uint32_t triangle_a, std::uint32_t triangle_b) {
-    return static_cast<Meeting*>(context)->test(triangle_a, triangle_b);
-  };
   walk_mesh_pairs({&a.info, &a.frame, bounds[static_cast<std::size_t>(pair.first)]},
-                  {&b.info, &b.frame, bounds[static_cast<std::size_t>(pair.second)]}, candidate, &meeting, cost);
+                  {&b.info, &b.frame, bounds[static_cast<std::size_t>(pair.second)]}, meeting, cost);
   std::sort(meeting.pairs.begin(), meeting.pairs.end());
   meeting.pairs.erase(std::unique(meeting.pairs.begin(), meeting.pairs.end()), meeting.pairs.end());
   return std::move(meeting.pairs);

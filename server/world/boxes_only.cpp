@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "server/world/question_shapes.hpp"
 #include "server/world/snapshot.hpp"
@@ -35,35 +34,19 @@ double distance2(const Vec3& point, const Aabb& box) {
   return (box.low - point).cwiseMax(point - box.high).cwiseMax(Vec3::Zero()).squaredNorm();
 }
 
-/// The least of some measure over the boxes that a walk offers.
-template <class Measure>
-struct Least {
-  const Snapshot& snapshot;
-  const StaticScene* scene;
-  Measure measure;
-  double best;
-
-  static double triangle(void* raw, std::uint32_t number, double) {
-    Least& self = *static_cast<Least*>(raw);
-    self.best = std::min(self.best, self.measure(bounds(self.scene->mesh.triangle(number))));
-    return self.best;
-  }
-  static double object(void* raw, std::uint32_t slot, double) {
-    Least& self = *static_cast<Least*>(raw);
-    self.best = std::min(self.best, self.measure(self.snapshot.bounds[slot]));
-    return self.best;
-  }
-};
-
+/// The least of some measure over the boxes that the walks offer.
 template <class Measure, class WalkTree, class WalkGrid>
 double least(const Snapshot& snapshot, double limit, Measure&& measure, WalkTree&& walk_tree, WalkGrid&& walk_grid) {
-  Least<Measure&> least{snapshot, nullptr, measure, limit};
+  double best = limit;
   for (const auto& scene : snapshot.scenes) {
-    least.scene = scene.get();
-    walk_tree(scene->tree, least.best, &Least<Measure&>::triangle, &least);
+    const auto triangle = [&](std::uint32_t number, double) {
+      return best = std::min(best, measure(bounds(scene->mesh.triangle(number))));
+    };
+    walk_tree(scene->tree, best, triangle);
   }
-  if (snapshot.grid) walk_grid(*snapshot.grid, least.best, &Least<Measure&>::object, &least);
-  return least.best;
+  const auto object = [&](std::uint32_t slot, double) { return best = std::min(best, measure(snapshot.bounds[slot])); };
+  if (snapshot.grid) walk_grid(*snapshot.grid, best, object);
+  return best;
 }
 
 std::optional<double> ray_distance(const Snapshot& snapshot, const double* n) {
@@ -74,11 +57,11 @@ std::optional<double> ray_distance(const Snapshot& snapshot, const double* n) {
   // A little beyond the limit, so that a box at the very end is told from none.
   const double s = least(
       snapshot, std::nextafter(limit, kNever), [&](const Aabb& box) { return entry(ray, box); },
-      [&](const BspTree& tree, double from, BspTree::RayCandidate call, void* context) {
-        tree.walk_ray(ray, from, 0, call, context, cost);
+      [&](const BspTree& tree, double from, BspTree::RayCandidate call) {
+        tree.walk_ray(ray, from, 0, call, cost);
       },
-      [&](const Grid& grid, double from, Grid::RayFound call, void* context) {
-        grid.walk_ray(ray, from, call, context, cost);
+      [&](const Grid& grid, double from, Grid::RayFound call) {
+        grid.walk_ray(ray, from, call, cost);
       });
   return s <= limit && s < kNever ? std::optional(s * length_m) : std::nullopt;
 }
@@ -89,38 +72,31 @@ std::optional<double> near_distance(const Snapshot& snapshot, const double* n) {
   WalkCost cost;
   const double square = least(
       snapshot, std::nextafter(limit, kNever), [&](const Aabb& box) { return distance2(point, box); },
-      [&](const BspTree& tree, double from, BspTree::NearCandidate call, void* context) {
-        tree.walk_near(point, from, 0, call, context, cost);
+      [&](const BspTree& tree, double from, BspTree::NearCandidate call) {
+        tree.walk_near(point, from, 0, call, cost);
       },
-      [&](const Grid& grid, double from, Grid::NearFound call, void* context) {
-        grid.walk_near(point, from, call, context, cost);
+      [&](const Grid& grid, double from, Grid::NearFound call) {
+        grid.walk_near(point, from, call, cost);
       });
   return square <= limit && square < kNever ? std::optional(std::sqrt(square)) : std::nullopt;
 }
 
 std::set<ObjectId> overlapping(const Snapshot& snapshot, const Aabb& asked) {
-  struct Context {
-    const Snapshot& snapshot;
-    const StaticScene* scene;
-    std::set<ObjectId> objects;
-  } context{snapshot, nullptr, {}};
+  std::set<ObjectId> objects;
   WalkCost cost;
   for (const auto& scene : snapshot.scenes) {
-    context.scene = scene.get();
-    const auto triangle = [](void* raw, std::uint32_t number) {
-      Context& c = *static_cast<Context*>(raw);
-      c.objects.insert(c.scene->part_objects[c.scene->part_of(number)]);
+    const auto triangle = [&](std::uint32_t number) {
+      objects.insert(scene->part_objects[scene->part_of(number)]);
       return true;
     };
-    scene->tree.walk_box(asked, triangle, &context, cost);
+    scene->tree.walk_box(asked, triangle, cost);
   }
-  const auto object = [](void* raw, std::uint32_t slot) {
-    Context& c = *static_cast<Context*>(raw);
-    c.objects.insert((*c.snapshot.objects)[slot]->id);
+  const auto object = [&](std::uint32_t slot) {
+    objects.insert((*snapshot.objects)[slot]->id);
     return true;
   };
-  if (snapshot.grid) snapshot.grid->walk_box(asked, object, &context, cost);
-  return std::move(context.objects);
+  if (snapshot.grid) snapshot.grid->walk_box(asked, object, cost);
+  return objects;
 }
 
 }  // namespace

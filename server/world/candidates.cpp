@@ -36,10 +36,8 @@ void Candidates::decide_pairs(const Grid& grid) {
     }
     return;
   }
-  const auto found = [](void* context, std::uint32_t first, std::uint32_t second) {
-    return static_cast<Candidates*>(context)->wait_for(first, second);
-  };
-  grid.pairs(found, this, walk_);
+  const auto found = [&](std::uint32_t first, std::uint32_t second) { return wait_for(first, second); };
+  grid.pairs(found, walk_);
   consider_waiting();
 }
 
@@ -72,18 +70,11 @@ Candidates::QueryMovers Candidates::find_query_movers() const {
 
 /// The pairs of one mover; those of two that both look are left to the lower slot. False: there is no room for more.
 bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_look) {
-  struct Context {
-    Candidates& candidates;
-    std::uint32_t mover;
-    bool all_look;
-  } context{*this, mover, all_look};
-  const auto found = [](void* raw, std::uint32_t other) {
-    const Context& c = *static_cast<Context*>(raw);
-    const ObjectRows& rows = c.candidates.rows_;
-    const bool looks_too = rows.info(other)->moving && (c.all_look || rows.has_moved(other) || c.candidates.step_.motion.is_open(other));
-    return other == c.mover || (looks_too && other < c.mover) || c.candidates.consider(c.mover, other);
+  const auto found = [&](std::uint32_t other) {
+    const bool looks_too = rows_.info(other)->moving && (all_look || rows_.has_moved(other) || step_.motion.is_open(other));
+    return other == mover || (looks_too && other < mover) || consider(mover, other);
   };
-  grid.walk_box(step_.motion.bounds()[mover], found, &context, walk_);
+  grid.walk_box(step_.motion.bounds()[mover], found, walk_);
   return !cost_.truncated;
 }
 

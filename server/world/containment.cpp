@@ -40,15 +40,14 @@ struct Crossings {
   std::vector<std::uint32_t> crossed = {};
   bool doubtful = false;
 
-  static double candidate(void* raw, std::uint32_t number, double limit) {
+  double operator()(std::uint32_t number, double limit) {
     constexpr double kNearEdge = 1e-6;
-    Crossings& self = *static_cast<Crossings*>(raw);
     RayHit hit;
-    const Verdict verdict = cast_ray(self.ray, place(*self.object.frame, self.object.info->mesh->mesh->triangle(number)), hit);
-    if (verdict.decision == Decision::undecided) self.doubtful = true;
+    const Verdict verdict = cast_ray(ray, place(*object.frame, object.info->mesh->mesh->triangle(number)), hit);
+    if (verdict.decision == Decision::undecided) doubtful = true;
     if (verdict.yes()) {
-      self.doubtful = self.doubtful || hit.weights.minCoeff() < kNearEdge;
-      self.crossed.push_back(number);
+      doubtful = doubtful || hit.weights.minCoeff() < kNearEdge;
+      crossed.push_back(number);
     }
     return limit;
   }
@@ -58,7 +57,7 @@ struct Crossings {
     const Mat3 back = object.frame->rotation.transpose();
     const Ray local{.origin = back * (ray.origin - object.frame->position), .direction = back * ray.direction};
     const double slack_m = placement_slack(*object.frame, ray.origin.lpNorm<1>() * 2, mesh.radius_m);
-    mesh.tree.walk_ray(local, std::numeric_limits<double>::infinity(), slack_m, &Crossings::candidate, this, cost);
+    mesh.tree.walk_ray(local, std::numeric_limits<double>::infinity(), slack_m, *this, cost);
     std::sort(crossed.begin(), crossed.end());
     crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
     return !doubtful;

@@ -94,41 +94,28 @@ void NearWalk::keep(const AnswerHit& hit) {
 }
 
 void NearWalk::walk_scene(const StaticScene& scene) {
-  struct Context {
-    NearWalk& walk;
-    const StaticScene& scene;
-  } context{*this, scene};
-  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
-    Context& c = *static_cast<Context*>(raw);
-    const std::uint32_t part = c.scene.part_of(triangle);
-    const ObjectId object = c.scene.part_objects[part];
-    if (c.walk.question.allows(object)) {
-      c.walk.test(c.scene.mesh.triangle(triangle), object, triangle - c.scene.parts[part].first_triangle);
-    }
-    return c.walk.limit_m2;
+  const auto candidate = [&](std::uint32_t triangle, double) {
+    const std::uint32_t part = scene.part_of(triangle);
+    const ObjectId object = scene.part_objects[part];
+    if (question.allows(object)) test(scene.mesh.triangle(triangle), object, triangle - scene.parts[part].first_triangle);
+    return limit_m2;
   };
-  scene.tree.walk_near(point, limit_m2, 0, candidate, &context, question.walk);
+  scene.tree.walk_near(point, limit_m2, 0, candidate, question.walk);
 }
 
 void NearWalk::walk_level(const SceneLevel& level, const StaticScene& scene) {
-  struct Context {
-    NearWalk& walk;
-    const SceneLevel& level;
-    const StaticScene& scene;
-  } context{*this, level, scene};
-  const auto candidate = [](void* raw, std::uint32_t triangle, double) {
-    Context& c = *static_cast<Context*>(raw);
-    const std::uint32_t part = c.level.part_of[triangle];
-    const ObjectId object = c.scene.part_objects[part];
-    if (c.walk.question.allows(object)) {
-      c.walk.test(c.level.mesh.triangle(triangle), object, c.level.originals[triangle] - c.scene.parts[part].first_triangle);
+  const auto candidate = [&](std::uint32_t triangle, double) {
+    const std::uint32_t part = level.part_of[triangle];
+    const ObjectId object = scene.part_objects[part];
+    if (question.allows(object)) {
+      test(level.mesh.triangle(triangle), object, level.originals[triangle] - scene.parts[part].first_triangle);
     }
-    return c.walk.limit_m2;
+    return limit_m2;
   };
   // What is within reach may have its simpler form a little outside.
   off_by_m = level.off_by_m;
   set_limit();
-  level.tree.walk_near(point, limit_m2, 0, candidate, &context, question.walk);
+  level.tree.walk_near(point, limit_m2, 0, candidate, question.walk);
   off_by_m = 0;
   set_limit();
 }
@@ -136,18 +123,13 @@ void NearWalk::walk_level(const SceneLevel& level, const StaticScene& scene) {
 /// Calls test_one(number) for what an index in an object's frame says that may be near enough.
 template <class Test>
 void NearWalk::walk_local(const BspTree& tree, double radius_m, const Frame& frame, Test&& test_one) {
-  struct Context {
-    NearWalk& walk;
-    Test& test_one;
-  } context{*this, test_one};
-  const auto candidate = [](void* raw, std::uint32_t number, double) {
-    Context& c = *static_cast<Context*>(raw);
-    c.test_one(number);
-    return c.walk.limit_m2;
+  const auto candidate = [&](std::uint32_t number, double) {
+    test_one(number);
+    return limit_m2;
   };
   const Vec3 away = point - frame.position;
   const double slack_m = placement_slack(frame, away.lpNorm<1>() + point.lpNorm<1>(), radius_m);
-  tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, &context, question.walk);
+  tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, question.walk);
 }
 
 /// Of parts the tree knows bounds alone, which only its box walk asks for: cubes that grow until the nearest found lies
@@ -155,11 +137,10 @@ void NearWalk::walk_local(const BspTree& tree, double radius_m, const Frame& fra
 template <class Test>
 void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& test_one) {
   const double all_m = (point - frame.position).lpNorm<1>() + 2 * parts.radius_m;
-  const auto candidate = [](void* raw, std::uint32_t number) {
-    (**static_cast<std::remove_reference_t<Test>**>(raw))(number);
+  const auto candidate = [&](std::uint32_t number) {
+    test_one(number);
     return true;
   };
-  auto* test = &test_one;
   double reach_m = parts.radius_m / 64;
   for (bool is_last = false; !is_last; reach_m *= 4) {
     const double known_m = std::sqrt(limit_m2) * (1 + 1e-9);
@@ -167,7 +148,7 @@ void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& 
     const double half_m = is_last ? std::min(known_m, all_m) : reach_m;
     Aabb cube;
     cube.extend(point);
-    parts.tree.walk_box(seen_from(frame, grown(cube, half_m), parts.radius_m), candidate, &test, question.walk);
+    parts.tree.walk_box(seen_from(frame, grown(cube, half_m), parts.radius_m), candidate, question.walk);
     is_last = is_last || std::sqrt(limit_m2) < half_m;
   }
 }
@@ -192,12 +173,11 @@ void NearWalk::walk_object(std::uint32_t slot) {
 }
 
 void NearWalk::walk_movers(const Grid& grid) {
-  const auto candidate = [](void* raw, std::uint32_t slot, double) {
-    NearWalk& w = *static_cast<NearWalk*>(raw);
-    w.walk_object(slot);
-    return w.limit_m2;
+  const auto candidate = [&](std::uint32_t slot, double) {
+    walk_object(slot);
+    return limit_m2;
   };
-  grid.walk_near(point, limit_m2, candidate, this, question.walk);
+  grid.walk_near(point, limit_m2, candidate, question.walk);
 }
 
 /// What was not looked for may be nearer by this much.

@@ -71,7 +71,7 @@ void ask_overlap(Question& question, const Asked& asked) {
   }
   if (!question.snapshot.grid) return;
   const Primitive primitive = asked;
-  auto visit = [&](std::uint32_t slot) {
+  const auto candidate = [&](std::uint32_t slot) {
     if (!question.allows(question.object(slot).id)) return true;
     Touch touch;
     touch.wanted = !any;
@@ -79,10 +79,7 @@ void ask_overlap(Question& question, const Asked& asked) {
     take(question.object(slot).id, touch);
     return !ended();
   };
-  const auto candidate = [](void* raw, std::uint32_t slot) {
-    return (*static_cast<decltype(visit)*>(raw))(slot);
-  };
-  question.snapshot.grid->walk_box(bounds(asked), candidate, &visit, question.walk);
+  question.snapshot.grid->walk_box(bounds(asked), candidate, question.walk);
 }
 
 /// Deepest first; ties by object.

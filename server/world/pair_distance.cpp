@@ -14,31 +14,23 @@ ConvexPart any_part(const Placed& object) {
 }
 
 /// A point of b's mesh near the point, from where the search comes nearer by going to and fro.
-struct NearestTriangle {
-  const Placed& object;
-  Vec3 point;
-  std::uint32_t triangle = 0;
-  double best_m2 = std::numeric_limits<double>::infinity();
-
-  static double candidate(void* raw, std::uint32_t number, double) {
-    NearestTriangle& self = *static_cast<NearestTriangle*>(raw);
-    const Closest found = closest(self.point, place(*self.object.frame, self.object.info->mesh->mesh->triangle(number)));
-    const double m2 = found.distance_m * found.distance_m;
-    if (m2 < self.best_m2) {
-      self.best_m2 = m2;
-      self.triangle = number;
-    }
-    return self.best_m2 * (1 + 0x1p-40);
-  }
-};
-
 std::uint32_t nearest_triangle(const Placed& object, const Vec3& point, WalkCost& cost) {
-  NearestTriangle search{object, point};
   const Vec3 local = object.frame->rotation.transpose() * (point - object.frame->position);
   const IndexedMesh& mesh = *object.info->mesh;
+  std::uint32_t triangle = 0;
+  double best_m2 = std::numeric_limits<double>::infinity();
+  const auto candidate = [&](std::uint32_t number, double) {
+    const Closest found = closest(point, place(*object.frame, mesh.mesh->triangle(number)));
+    const double m2 = found.distance_m * found.distance_m;
+    if (m2 < best_m2) {
+      best_m2 = m2;
+      triangle = number;
+    }
+    return best_m2 * (1 + 0x1p-40);
+  };
   mesh.tree.walk_near(local, std::numeric_limits<double>::infinity(),
-                      placement_slack(*object.frame, point.lpNorm<1>(), mesh.radius_m), &NearestTriangle::candidate, &search, cost);
-  return search.triangle;
+                      placement_slack(*object.frame, point.lpNorm<1>(), mesh.radius_m), candidate, cost);
+  return triangle;
 }
 
 /// Two parts whose distance is a good first bound.
@@ -77,11 +69,10 @@ struct TriangleWalk {
   double radius_m;  // about the point that the walk goes out from
   Nearest& nearest;
 
-  static double candidate(void* raw, std::uint32_t number, double) {
-    TriangleWalk& self = *static_cast<TriangleWalk*>(raw);
-    const Triangle found = place(*self.other.frame, self.other.info->mesh->mesh->triangle(number));
-    self.nearest.take(self.is_of_a ? separation(self.triangle, found) : separation(found, self.triangle));
-    return self.limit_m2();
+  double operator()(std::uint32_t number, double) const {
+    const Triangle found = place(*other.frame, other.info->mesh->mesh->triangle(number));
+    nearest.take(is_of_a ? separation(triangle, found) : separation(found, triangle));
+    return limit_m2();
   }
   double limit_m2() const { return square_up(nearest.reach_m() + radius_m); }
 };
@@ -97,10 +88,10 @@ void search_meshes(const Placed& a, const Placed& b, Nearest& nearest, WalkCost&
     const Triangle triangle = place(*from.frame, from.info->mesh->mesh->triangle(i));
     const Vec3 middle = triangle.a / 3 + triangle.b / 3 + triangle.c / 3;
     const double radius_m = std::max({(triangle.a - middle).norm(), (triangle.b - middle).norm(), (triangle.c - middle).norm()}) * (1 + 0x1p-40);
-    TriangleWalk walk{other, triangle, from_a, radius_m, nearest};
+    const TriangleWalk walk{other, triangle, from_a, radius_m, nearest};
     const Vec3 local = other.frame->rotation.transpose() * (middle - other.frame->position);
     mesh.tree.walk_near(local, walk.limit_m2(), placement_slack(*other.frame, middle.lpNorm<1>(), mesh.radius_m),
-                        &TriangleWalk::candidate, &walk, cost);
+                        walk, cost);
   }
 }
 

@@ -22,9 +22,8 @@ struct PairWalk {
       tell_one(PlacedPart{place(*object.frame, mesh.mesh->triangle(triangle)), triangle});
       return goes_on;
     };
-    const auto call = [](void* raw, std::uint32_t triangle) { return (*static_cast<decltype(candidate)*>(raw))(triangle); };
     const Aabb near = grown(bounds_of_part(part), gap_m);
-    mesh.tree.walk_box(seen_from(*object.frame, near, mesh.radius_m), call, const_cast<void*>(static_cast<const void*>(&candidate)), cost);
+    mesh.tree.walk_box(seen_from(*object.frame, near, mesh.radius_m), candidate, cost);
   }
 
   void primitives_of_a() {
@@ -45,16 +44,12 @@ struct PairWalk {
       return goes_on;
     });
     if (!goes_on || !b.info->mesh) return;
-    struct Context {
-      PairWalk& walk;
-      PlacedTriangles of_a;
-      PlacedTriangles of_b;
-    } context{*this, {*a.info->mesh->mesh, *a.frame}, {*b.info->mesh->mesh, *b.frame}};
-    const auto candidate = [](void* raw, std::uint32_t triangle_a, std::uint32_t triangle_b) {
-      Context& c = *static_cast<Context*>(raw);
-      return c.walk.tell({c.of_a.at(triangle_a), triangle_a}, {c.of_b.at(triangle_b), triangle_b});
+    PlacedTriangles all_of_a(*a.info->mesh->mesh, *a.frame);
+    PlacedTriangles all_of_b(*b.info->mesh->mesh, *b.frame);
+    const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b) {
+      return tell({all_of_a.at(triangle_a), triangle_a}, {all_of_b.at(triangle_b), triangle_b});
     };
-    walk_mesh_pairs(a, b, candidate, &context, cost, gap_m);
+    walk_mesh_pairs(a, b, candidate, cost, gap_m);
   }
 };
 

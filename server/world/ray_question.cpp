@@ -99,19 +99,16 @@ struct SceneWalk {
   RayWalk* walk;
   const StaticScene* scene;
 
-  static double candidate(void* raw, std::uint32_t triangle, const Triangle& corners, double) {
-    const SceneWalk& self = *static_cast<SceneWalk*>(raw);
-    const std::uint32_t part = self.scene->part_of(triangle);
-    const ObjectId object = self.scene->part_objects[part];
-    if (self.walk->question.allows(object)) {
-      self.walk->test(corners, object, triangle - self.scene->parts[part].first_triangle);
-    }
-    return self.walk->limit;
+  double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
+    const std::uint32_t part = scene->part_of(triangle);
+    const ObjectId object = scene->part_objects[part];
+    if (walk->question.allows(object)) walk->test(corners, object, triangle - scene->parts[part].first_triangle);
+    return walk->limit;
   }
   /// The triangle that meet_ray found: it has been told, or is sure and has not been.
-  void meet(std::uint32_t triangle) {
+  void meet(std::uint32_t triangle) const {
     if (triangle == BspTree::kNoTriangle || walk->over()) return;
-    candidate(this, triangle, scene->mesh.triangle(triangle), walk->limit);
+    (*this)(triangle, scene->mesh.triangle(triangle), walk->limit);
   }
 };
 
@@ -126,28 +123,23 @@ BspTree::RayGoal RayWalk::goal(std::size_t scene) const {
 
 void RayWalk::walk_scene(std::size_t index) {
   const StaticScene& scene = *question.snapshot.scenes[index];
-  SceneWalk context{this, &scene};
+  const SceneWalk candidate{this, &scene};
   switch (goal(index)) {
     case BspTree::RayGoal::every:
-      return scene.tree.walk_ray(ray, limit, 0, scene.mesh, &SceneWalk::candidate, &context, question.walk);
+      return scene.tree.walk_ray(ray, limit, 0, scene.mesh, candidate, question.walk);
     case BspTree::RayGoal::nearest:
-      return scene.tree.walk_ray_nearest(ray, limit, scene.mesh, &SceneWalk::candidate, &context, question.walk);
+      return scene.tree.walk_ray_nearest(ray, limit, scene.mesh, candidate, question.walk);
     case BspTree::RayGoal::any:
-      return context.meet(scene.tree.meet_ray(ray, limit, scene.mesh, &SceneWalk::candidate, &context, question.walk));
+      return candidate.meet(scene.tree.meet_ray(ray, limit, scene.mesh, candidate, question.walk));
   }
 }
 
 /// Calls test_one(number) for what an index in an object's frame says that the ray may meet.
 template <class Test>
 void RayWalk::walk_local(const BspTree& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one) {
-  struct Context {
-    RayWalk& walk;
-    Test& test_one;
-  } context{*this, test_one};
-  const auto candidate = [](void* raw, std::uint32_t number, double) {
-    Context& c = *static_cast<Context*>(raw);
-    c.test_one(number);
-    return c.walk.limit;
+  const auto candidate = [&](std::uint32_t number, double) {
+    test_one(number);
+    return limit;
   };
   const Vec3 away = ray.origin - frame.position;
   const Ray local{.origin = frame.rotation.transpose() * away, .direction = frame.rotation.transpose() * ray.direction};
@@ -155,10 +147,10 @@ void RayWalk::walk_local(const BspTree& tree, double radius_m, std::size_t count
   // Only a finite view of the ray can be walked; beyond it everything is a candidate.
   if (local.origin.allFinite() && local.direction.allFinite() && std::isfinite(slack_m)) {
     // The limit is in s, which turning keeps up to the rounding of the matrix.
-    tree.walk_ray(local, limit * (1 + 0x1p-48), slack_m, candidate, &context, question.walk);
+    tree.walk_ray(local, limit * (1 + 0x1p-48), slack_m, candidate, question.walk);
     return;
   }
-  for (std::uint32_t i = 0; i < count && !over(); ++i) candidate(&context, i, limit);
+  for (std::uint32_t i = 0; i < count && !over(); ++i) candidate(i, limit);
 }
 
 /// Of parts the tree knows bounds alone, which only its box walk asks for: the ray goes through in pieces, near to far,
@@ -183,8 +175,8 @@ void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Fra
   }
   std::vector<std::uint32_t> before;
   std::vector<std::uint32_t> here;
-  const auto collect = [](void* raw, std::uint32_t number) {
-    static_cast<std::vector<std::uint32_t>*>(raw)->push_back(number);
+  const auto collect = [&](std::uint32_t number) {
+    here.push_back(number);
     return true;
   };
   for (int piece = 0; piece < kPieces && !over(); ++piece) {
@@ -195,7 +187,7 @@ void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Fra
     box.extend(origin + from * direction);
     box.extend(origin + to * direction);
     here.clear();
-    parts.tree.walk_box(grown(box, slack_m), collect, &here, question.walk);
+    parts.tree.walk_box(grown(box, slack_m), collect, question.walk);
     std::sort(here.begin(), here.end());
     for (const std::uint32_t number : here) {
       if (over()) return;
@@ -255,12 +247,11 @@ RayWalk started(Question& question, const double* n) {
 
 void RayWalk::finish() {
   if (!over() && question.snapshot.grid && question.snapshot.grid->size() > 0) {
-    const auto candidate = [](void* raw, std::uint32_t slot, double) {
-      RayWalk& w = *static_cast<RayWalk*>(raw);
-      w.walk_object(slot);
-      return w.limit;
+    const auto candidate = [&](std::uint32_t slot, double) {
+      walk_object(slot);
+      return limit;
     };
-    question.snapshot.grid->walk_ray(ray, limit, candidate, this, question.walk);
+    question.snapshot.grid->walk_ray(ray, limit, candidate, question.walk);
   }
   if (question.asked.mode == RayMode::all) finish_all(question);
   if (closest() && !question.found.empty() && !question.found.front().is_at_start()) {
@@ -281,7 +272,7 @@ namespace {
 
 /// The rays under way through one scene: in turn, but for the odd one whose goal is its own.
 void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t index) {
-  std::array<SceneWalk, kRaysAtOnce> contexts;
+  std::array<SceneWalk, kRaysAtOnce> candidates;
   std::array<BspTree::RayTask, kRaysAtOnce> tasks;
   const StaticScene& scene = *walks.front()->question.snapshot.scenes[index];
   const BspTree::RayGoal goal = walks.front()->goal(index);
@@ -292,12 +283,12 @@ void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t in
       walk->walk_scene(index);
       continue;
     }
-    contexts[count] = {&*walk, &scene};
-    tasks[count] = {.ray = &walk->ray, .limit = walk->limit, .context = &contexts[count], .cost = &walk->question.walk};
+    candidates[count] = {&*walk, &scene};
+    tasks[count] = {.ray = &walk->ray, .limit = walk->limit, .candidate = candidates[count], .cost = &walk->question.walk};
     ++count;
   }
-  scene.tree.walk_rays(std::span(tasks).first(count), scene.mesh, goal, &SceneWalk::candidate);
-  for (std::size_t i = 0; i < count; ++i) contexts[i].meet(tasks[i].met);
+  scene.tree.walk_rays(std::span(tasks).first(count), scene.mesh, goal);
+  for (std::size_t i = 0; i < count; ++i) candidates[i].meet(tasks[i].met);
 }
 
 }  // namespace

@@ -85,18 +85,13 @@ void Decisions::sweep_sphere_parts(const MovingSphere& way, const ObjectInfo& mo
 }
 
 void Decisions::sweep_parts(std::uint32_t mover, const StaticScene& scene) {
-  struct Context {
-    Decisions& decisions;
-    const ObjectInfo& mover;
-    const StaticScene& scene;
-  } context{*this, *rows_.info(mover), scene};
-  const auto touch_of = [](void* raw, std::uint32_t triangle) -> SweptTouch* {
-    const Context& c = *static_cast<Context*>(raw);
-    const std::uint32_t part = c.scene.part_of(triangle);
-    return c.decisions.is_sweepable(c.mover, c.scene, part) ? &c.decisions.part_sweep(part) : nullptr;
+  const ObjectInfo& info = *rows_.info(mover);
+  const auto touch_of = [&](std::uint32_t triangle) {
+    const std::uint32_t part = scene.part_of(triangle);
+    return is_sweepable(info, scene, part) ? &part_sweep(part) : nullptr;
   };
-  const SweptBody body(context.mover, motion_.body_way(mover));
-  if (!sweep_scene(body, SweptBody(scene), sweep_options(mover), walk_, touch_of, &context)) ++cost_.sweeps_skipped;
+  const SweptBody body(info, motion_.body_way(mover));
+  if (!sweep_scene(body, SweptBody(scene), sweep_options(mover), walk_, touch_of)) ++cost_.sweeps_skipped;
   for (PartSweep& sweep : lists_.part_sweeps) sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
 }
 

@@ -51,34 +51,22 @@ inline double square_up(double distance_m) {
 template <class Allowed, class Visit>
 void visit_scene_near(const StaticScene& scene, const Vec3& point, double limit_m2, WalkCost& cost, Allowed&& allowed,
                       Visit&& visit) {
-  struct Context {
-    const StaticScene& scene;
-    Allowed& allowed;
-    Visit& visit;
-  } context{scene, allowed, visit};
-  const auto candidate = [](void* raw, std::uint32_t triangle, double limit) {
-    Context& c = *static_cast<Context*>(raw);
-    const std::uint32_t part = c.scene.part_of(triangle);
-    return c.allowed(part) ? c.visit(triangle, part, c.scene.mesh.triangle(triangle)) : limit;
+  const auto candidate = [&](std::uint32_t triangle, double limit) {
+    const std::uint32_t part = scene.part_of(triangle);
+    return allowed(part) ? visit(triangle, part, scene.mesh.triangle(triangle)) : limit;
   };
-  scene.tree.walk_near(point, limit_m2, 0, candidate, &context, cost);
+  scene.tree.walk_near(point, limit_m2, 0, candidate, cost);
 }
 
 /// Calls visit(triangle, part, corners) for each static triangle near the box whose part is allowed.
 /// allowed(part) -> bool; visit -> bool, false ends the walk.
 template <class Allowed, class Visit>
 void visit_scene(const StaticScene& scene, const Aabb& near, WalkCost& cost, Allowed&& allowed, Visit&& visit) {
-  struct Context {
-    const StaticScene& scene;
-    Allowed& allowed;
-    Visit& visit;
-  } context{scene, allowed, visit};
-  const auto candidate = [](void* raw, std::uint32_t triangle) {
-    Context& c = *static_cast<Context*>(raw);
-    const std::uint32_t part = c.scene.part_of(triangle);
-    return !c.allowed(part) || c.visit(triangle, part, c.scene.mesh.triangle(triangle));
+  const auto candidate = [&](std::uint32_t triangle) {
+    const std::uint32_t part = scene.part_of(triangle);
+    return !allowed(part) || visit(triangle, part, scene.mesh.triangle(triangle));
   };
-  scene.tree.walk_box(near, candidate, &context, cost);
+  scene.tree.walk_box(near, candidate, cost);
 }
 
 /// Calls visit(triangle, corners, mover_triangle, mover_corners) for each static triangle and each of the mesh at the
@@ -86,17 +74,12 @@ void visit_scene(const StaticScene& scene, const Aabb& near, WalkCost& cost, All
 template <class Visit>
 void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const Frame& frame, WalkCost& cost,
                        Visit&& visit, double gap_m = 0) {
-  struct Context {
-    const StaticScene& scene;
-    PlacedTriangles placed;
-    Visit& visit;
-  } context{scene, {*mesh.mesh, frame}, visit};
-  const auto candidate = [](void* raw, std::uint32_t triangle, std::uint32_t mover_triangle) {
-    Context& c = *static_cast<Context*>(raw);
-    return c.visit(triangle, c.scene.mesh.triangle(triangle), mover_triangle, c.placed.at(mover_triangle));
+  PlacedTriangles placed(*mesh.mesh, frame);
+  const auto candidate = [&](std::uint32_t triangle, std::uint32_t mover_triangle) {
+    return visit(triangle, scene.mesh.triangle(triangle), mover_triangle, placed.at(mover_triangle));
   };
   const double slack_m = placement_slack(frame, 0, mesh.radius_m);
-  scene.tree.walk_pairs(mesh.tree, frame.rotation, frame.position, slack_m + gap_m, candidate, &context, cost);
+  scene.tree.walk_pairs(mesh.tree, frame.rotation, frame.position, slack_m + gap_m, candidate, cost);
 }
 
 }  // namespace collided::engine

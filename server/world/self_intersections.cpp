@@ -77,20 +77,17 @@ struct Search {
     if (control.progress) control.progress(static_cast<double>(own_count) / static_cast<double>(is_flat.size()));
     return !control.cancelled || !control.cancelled();
   }
-};
 
-bool take_pair(void* context, std::uint32_t a, std::uint32_t b) {
-  Search& search = *static_cast<Search*>(context);
-  ++search.result.candidate_count;
-  search.own_count += a == b ? 1 : 0;
-  // Each pair comes in both orders.
-  if (a < b && !search.is_flat[a] && !search.is_flat[b] && meet(search.mesh, a, b)) {
-    search.result.pairs.push_back({a, b});
+  bool operator()(std::uint32_t a, std::uint32_t b) {
+    ++result.candidate_count;
+    own_count += a == b ? 1 : 0;
+    // Each pair comes in both orders.
+    if (a < b && !is_flat[a] && !is_flat[b] && meet(mesh, a, b)) result.pairs.push_back({a, b});
+    result.is_complete = result.candidate_count < SelfIntersections::kMostCandidates &&
+                         result.pairs.size() < SelfIntersections::kMostPairs && tell();
+    return result.is_complete;
   }
-  search.result.is_complete = search.result.candidate_count < SelfIntersections::kMostCandidates &&
-                              search.result.pairs.size() < SelfIntersections::kMostPairs && search.tell();
-  return search.result.is_complete;
-}
+};
 
 }  // namespace
 
@@ -98,7 +95,7 @@ SelfIntersections self_intersections(const TriangleMesh& mesh, const BspTree& tr
   Search search{.mesh = mesh, .control = control, .is_flat = std::vector<bool>(mesh.triangles.size())};
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) search.is_flat[i] = has_zero_area(mesh.triangle(i));
   WalkCost cost;
-  tree.walk_pairs(tree, Mat3::Identity(), Vec3::Zero(), 0, take_pair, &search, cost);
+  tree.walk_pairs(tree, Mat3::Identity(), Vec3::Zero(), 0, search, cost);
   std::vector<TrianglePair>& pairs = search.result.pairs;
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

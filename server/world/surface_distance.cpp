@@ -42,22 +42,16 @@ double distance_at_most(const Vec3& point, const Triangle& triangle) {
 
 /// The nearest triangle of a part, and how far it is at most.
 Nearest nearest(const Vec3& point, std::uint32_t part, const PartedSurface& to) {
-  struct Walk {
-    const PartedSurface& to;
-    const Vec3& point;
-    std::uint32_t part;
-    Nearest best;
-  } walk{to, point, part, {}};
-  const auto look = [](void* context, std::uint32_t triangle, double limit_m2) {
-    auto& w = *static_cast<Walk*>(context);
-    if (w.to.part_of[triangle] != w.part) return limit_m2;
-    const double upper_m = distance_at_most(w.point, w.to.mesh.triangle(triangle));
-    if (upper_m < w.best.upper_m) w.best = {upper_m, triangle};
-    return w.best.upper_m * w.best.upper_m * (1 + 0x1p-48);
+  Nearest best;
+  const auto look = [&](std::uint32_t triangle, double limit_m2) {
+    if (to.part_of[triangle] != part) return limit_m2;
+    const double upper_m = distance_at_most(point, to.mesh.triangle(triangle));
+    if (upper_m < best.upper_m) best = {upper_m, triangle};
+    return best.upper_m * best.upper_m * (1 + 0x1p-48);
   };
   WalkCost cost;
-  to.tree.walk_near(point, kNoBound, 0, look, &walk, cost);
-  return walk.best;
+  to.tree.walk_near(point, kNoBound, 0, look, cost);
+  return best;
 }
 
 /// The points of one surface and how far they are from the other.

@@ -45,17 +45,12 @@ void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost) {
     return true;
   });
   if (!other.info->mesh) return;
-  struct Context {
-    SphereSweep& sweep;
-    const Placed& other;
-  } context{sweep, other};
-  const auto candidate = [](void* raw, std::uint32_t triangle) {
-    Context& c = *static_cast<Context*>(raw);
-    sweep_any(c.sweep, place(*c.other.frame, c.other.info->mesh->mesh->triangle(triangle)), triangle);
+  const auto candidate = [&](std::uint32_t triangle) {
+    sweep_any(sweep, place(*other.frame, other.info->mesh->mesh->triangle(triangle)), triangle);
     return true;
   };
   const IndexedMesh& mesh = *other.info->mesh;
-  mesh.tree.walk_box(seen_from(*other.frame, bounds(sweep.mover), mesh.radius_m), candidate, &context, cost);
+  mesh.tree.walk_box(seen_from(*other.frame, bounds(sweep.mover), mesh.radius_m), candidate, cost);
 }
 
 SweptTouch turned_round(SweptTouch touch) {

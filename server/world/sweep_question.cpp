@@ -31,17 +31,11 @@ struct First {
 
 /// One sweep of all of a scene that may answer: its first contact is that of the scene.
 void meet_scene(Question& question, const SweptBody& body, const StaticScene& scene, First& first) {
-  struct Context {
-    Question& question;
-    const StaticScene& scene;
-    SweptTouch touch;
-  } context{question, scene, {}};
-  const auto touch_of = [](void* raw, std::uint32_t triangle) -> SweptTouch* {
-    Context& c = *static_cast<Context*>(raw);
-    return c.question.allows_part(c.scene, c.scene.part_of(triangle)) ? &c.touch : nullptr;
+  SweptTouch touch;
+  const auto touch_of = [&](std::uint32_t triangle) {
+    return question.allows_part(scene, scene.part_of(triangle)) ? &touch : nullptr;
   };
-  const bool is_whole = sweep_scene(body, SweptBody(scene), {.width = kAskedWidth}, question.walk, touch_of, &context);
-  const SweptTouch& touch = context.touch;
+  const bool is_whole = sweep_scene(body, SweptBody(scene), {.width = kAskedWidth}, question.walk, touch_of);
   question.exact_tests += touch.exact_tests;
   question.undecided = question.undecided || touch.undecided || !is_whole;
   if (!touch.yes) return;
@@ -58,7 +52,7 @@ void ask_sweep(Question& question, const double* n) {
   const SweptBody body(mover, BodyWay(frame_at(n), frame_at(n + wire_contract::kPoseNumbers)));
   First first;
   for (const auto& scene : question.snapshot.scenes) meet_scene(question, body, *scene, first);
-  auto visit = [&](std::uint32_t slot) {
+  const auto candidate = [&](std::uint32_t slot) {
     const ObjectInfo& other = question.object(slot);
     if (!question.allows(other.id)) return true;
     SweptTouch touch;
@@ -70,8 +64,7 @@ void ask_sweep(Question& question, const double* n) {
     return true;
   };
   if (question.snapshot.grid) {
-    const auto candidate = [](void* raw, std::uint32_t slot) { return (*static_cast<decltype(visit)*>(raw))(slot); };
-    question.snapshot.grid->walk_box(bounds(mover, body.way, reach_of(mover)), candidate, &visit, question.walk);
+    question.snapshot.grid->walk_box(bounds(mover, body.way, reach_of(mover)), candidate, question.walk);
   }
   if (!first.any) return;
   first.hit.exit_m = std::min(first.low, first.hit.distance_m);

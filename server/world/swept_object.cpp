@@ -31,9 +31,8 @@ struct PartPair {
 /// is looked at primitive by primitive.
 class Search {
  public:
-  Search(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, TouchOf touch_of,
-         void* context)
-      : a_(a), b_(b), options_(options), cost_(cost), touch_of_(touch_of), context_(context) {}
+  Search(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, TouchOf touch_of)
+      : a_(a), b_(b), options_(options), cost_(cost), touch_of_(touch_of) {}
 
   /// `is_one`: every triangle of b counts to the same.
   bool is_one = false;
@@ -51,7 +50,7 @@ class Search {
   void primitive_and_mesh(const PartOnWay& primitive, const SweptBody& other, bool primitive_is_a);
   void meshes();
   bool is_settled(std::uint32_t b_triangle, const TimeSpan& span) const {
-    const SweptTouch* touch = touch_of_(context_, b_triangle);
+    const SweptTouch* touch = touch_of_(b_triangle);
     return touch == nullptr || (touch->yes && touch->bracket.high <= span.low);
   }
   static bool has_mesh(const SweptBody& body) { return body.mesh != nullptr && !body.mesh->triangles.empty(); }
@@ -64,13 +63,12 @@ class Search {
   const SweepOptions& options_;
   WalkCost& cost_;
   TouchOf touch_of_;
-  void* context_;
   std::uint32_t looks_ = 0;
 };
 
 void Search::meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay& b, std::uint32_t b_triangle,
                   TimeSpan span) {
-  SweptTouch* touch = touch_of_(context_, b_triangle);
+  SweptTouch* touch = touch_of_(b_triangle);
   if (touch == nullptr) return;
   if (touch->yes) span.high = std::min(span.high, touch->bracket.high);
   if (span.high < span.low) return;
@@ -149,17 +147,12 @@ void Search::primitive_and_mesh(const PartOnWay& primitive, const SweptBody& oth
     const Vec3 motion = half_motion(*primitive.way, primitive.reach_m, other.way, other.mesh_reach_m, span.high - span.low);
     box.low -= motion;
     box.high += motion;
-    struct Context : Listing {
-      const Search& search;
-      const TimeSpan& span;
-      bool triangles_are_b;
-    } context{{found, most}, *this, span, primitive_is_a};
-    const auto candidate = [](void* raw, std::uint32_t triangle) {
-      Context& c = *static_cast<Context*>(raw);
-      return c.search.is_settled(c.triangles_are_b ? triangle : kNoTriangle, c.span) || c.add({0, triangle});
+    Listing listing{found, most};
+    const auto candidate = [&](std::uint32_t triangle) {
+      return is_settled(primitive_is_a ? triangle : kNoTriangle, span) || listing.add({0, triangle});
     };
-    other.tree->walk_box(seen_from(other.way.at(middle), box, other.mesh_reach_m), candidate, &context, cost_);
-    return context.is_all;
+    other.tree->walk_box(seen_from(other.way.at(middle), box, other.mesh_reach_m), candidate, cost_);
+    return listing.is_all;
   };
   const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
     const PartOnWay triangle = triangle_of(other, pair.b);
@@ -181,20 +174,16 @@ void Search::meshes() {
     const Frame a = a_.way.at(middle);
     const Frame b = b_.way.at(middle);
     const Vec3 motion = half_motion(a_.way, a_.mesh_reach_m, b_.way, b_.mesh_reach_m, span.high - span.low);
-    struct Context : Listing {
-      const Search& search;
-      const TimeSpan& span;
-    } context{{found, most}, *this, span};
-    const auto candidate = [](void* raw, std::uint32_t triangle_b, std::uint32_t triangle_a) {
-      Context& c = *static_cast<Context*>(raw);
-      return c.search.is_settled(triangle_b, c.span) || c.add({triangle_a, triangle_b});
+    Listing listing{found, most};
+    const auto candidate = [&](std::uint32_t triangle_b, std::uint32_t triangle_a) {
+      return is_settled(triangle_b, span) || listing.add({triangle_a, triangle_b});
     };
     const Mat3 back = b.rotation.transpose();
     const Vec3 between = a.position - b.position;
     const double slack_m = 2 * placement_slack(b, between.lpNorm<1>() + a.position.lpNorm<1>(), a_.mesh_reach_m + b_.mesh_reach_m) +
                            motion.norm() * (1 + 0x1p-40);
-    b_.tree->walk_pairs(*a_.tree, back * a.rotation, back * between, slack_m, candidate, &context, cost_);
-    return context.is_all;
+    b_.tree->walk_pairs(*a_.tree, back * a.rotation, back * between, slack_m, candidate, cost_);
+    return listing.is_all;
   };
   const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
     meet(triangle_of(a_, pair.a), pair.a, triangle_of(b_, pair.b), pair.b, span);
@@ -204,7 +193,7 @@ void Search::meshes() {
 
 /// A half-space never moves, so it is looked at by itself. A mesh that comes near one is left open.
 void Search::meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a) {
-  SweptTouch* touch = touch_of_(context_, kNoTriangle);
+  SweptTouch* touch = touch_of_(kNoTriangle);
   if (touch == nullptr) return;
   const HalfSpace placed = place(holder.way.to, ground);
   if (has_mesh(body) && !surely_stays_above(body.way, body.mesh_reach_m, placed)) touch->undecided = true;
@@ -267,17 +256,16 @@ SweptBody::SweptBody(const ObjectInfo& info, const BodyWay& on) : way(on), primi
 SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.tree) {}
 
 void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptTouch& touch) {
-  const auto one = [](void* raw, std::uint32_t) { return static_cast<SweptTouch*>(raw); };
-  Search search(a, b, options, cost, one, &touch);
+  const auto one = [&](std::uint32_t) { return &touch; };
+  Search search(a, b, options, cost, one);
   search.is_one = true;
   search.run();
   touch.is_cut_short = search.is_exhausted();
   touch.undecided = touch.undecided || touch.is_cut_short;
 }
 
-bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of,
-                 void* context) {
-  Search search(a, scene, options, cost, touch_of, context);
+bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of) {
+  Search search(a, scene, options, cost, touch_of);
   search.run();
   return !search.is_exhausted();
 }

@@ -49,7 +49,7 @@ struct SweepOptions {
 };
 
 /// To whom a triangle of b counts: null for nobody. The same for every call with the same triangle.
-using TouchOf = SweptTouch* (*)(void* context, std::uint32_t triangle);
+using TouchOf = FunctionRef<SweptTouch*(std::uint32_t triangle)>;
 
 /// The first contact of two bodies on their ways. Never late, never missed: the way is cut into pieces that are short
 /// for how much there is to meet, and every pair of parts whose bounds may meet in one is asked for the first contact
@@ -60,7 +60,6 @@ void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, 
 
 /// The same for a scene's triangles that count to several: the first contact with each of them. False: the search ended
 /// early, and those without contact are undecided.
-bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of,
-                 void* context);
+bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of);
 
 }  // namespace collided::engine

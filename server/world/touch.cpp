@@ -17,10 +17,7 @@ constexpr double kRoundoff = 0x1p-53;
 /// The triangles of a mesh, in its frame, near a box in world coordinates.
 template <class Visit>
 void near_triangles(const IndexedMesh& mesh, const Frame& frame, const Aabb& world, WalkCost& cost, Visit&& visit) {
-  const auto candidate = [](void* context, std::uint32_t triangle) {
-    return (*static_cast<std::remove_reference_t<Visit>*>(context))(triangle);
-  };
-  mesh.tree.walk_box(seen_from(frame, world, mesh.radius_m), candidate, &visit, cost);
+  mesh.tree.walk_box(seen_from(frame, world, mesh.radius_m), visit, cost);
 }
 
 Contact flipped(Contact contact) {
@@ -51,17 +48,13 @@ void touch_mesh(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cos
 }
 
 void touch_meshes(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
-  struct Context {
-    PlacedTriangles of_a;
-    PlacedTriangles of_b;
-    Touch& touch;
-  } context{{*a.info->mesh->mesh, *a.frame}, {*b.info->mesh->mesh, *b.frame}, touch};
-  const auto candidate = [](void* raw, std::uint32_t triangle_a, std::uint32_t triangle_b) {
-    Context& c = *static_cast<Context*>(raw);
-    touch_parts(c.of_a.at(triangle_a), triangle_a, c.of_b.at(triangle_b), triangle_b, c.touch);
-    return !c.touch.done();
+  PlacedTriangles of_a(*a.info->mesh->mesh, *a.frame);
+  PlacedTriangles of_b(*b.info->mesh->mesh, *b.frame);
+  const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b) {
+    touch_parts(of_a.at(triangle_a), triangle_a, of_b.at(triangle_b), triangle_b, touch);
+    return !touch.done();
   };
-  walk_mesh_pairs(a, b, candidate, &context, cost);
+  walk_mesh_pairs(a, b, candidate, cost);
 }
 
 /// a's mesh against b's primitives: the exact phase has the primitive first, so the contact is turned round.
@@ -103,15 +96,14 @@ double placement_slack(const Frame& frame, double distance_m, double reach_m) {
 }
 
 /// Both trees are descended at once, b's seen from a's frame: twice the placing of one.
-void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate candidate, void* context, WalkCost& cost,
-                     double gap_m) {
+void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate candidate, WalkCost& cost, double gap_m) {
   const IndexedMesh& mesh_a = *a.info->mesh;
   const IndexedMesh& mesh_b = *b.info->mesh;
   const Mat3 back = a.frame->rotation.transpose();
   const Vec3 between = b.frame->position - a.frame->position;
   const double slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
                                              mesh_a.radius_m + mesh_b.radius_m);
-  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m + gap_m, candidate, context, cost);
+  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m + gap_m, candidate, cost);
 }
 
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame) {

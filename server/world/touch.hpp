@@ -50,7 +50,7 @@ void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& c
 void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost);
 
 /// Pairs of the two objects' triangles that may meet, as BspTree::walk_pairs tells them; both have a mesh.
-void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate candidate, void* context, WalkCost& cost,
+void walk_mesh_pairs(const Placed& a, const Placed& b, BspTree::PairCandidate candidate, WalkCost& cost,
                      double gap_m = 0);
 
 /// Contains every point of the object at the frame.
@@ -69,15 +69,8 @@ void visit_primitives_near(const ObjectInfo& info, const Frame& frame, const Aab
     }
     return;
   }
-  struct Context {
-    const ObjectInfo& info;
-    Visit& visit;
-  } context{info, visit};
-  const auto candidate = [](void* raw, std::uint32_t number) {
-    const Context& c = *static_cast<Context*>(raw);
-    return static_cast<bool>(c.visit(c.info.primitives[number]));
-  };
-  info.parts->tree.walk_box(seen_from(frame, world, info.parts->radius_m), candidate, &context, cost);
+  const auto candidate = [&](std::uint32_t number) { return static_cast<bool>(visit(info.primitives[number])); };
+  info.parts->tree.walk_box(seen_from(frame, world, info.parts->radius_m), candidate, cost);
 }
 
 /// Rounding of placing and of seeing from a frame, metres: what local bounds must grow by so that no placed point is

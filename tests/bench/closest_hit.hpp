@@ -18,21 +18,17 @@ struct ClosestHit {
 
 /// The first triangle along the ray, every candidate decided exactly, as the product does it.
 inline ClosestHit closest_hit(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
-  struct Context {
-    const Ray& ray;
-    double direction_m;
-    ClosestHit best;
-  } context{ray, ray.direction.norm(), {}};
-  const auto candidate = [](void* raw, std::uint32_t triangle, const Triangle& corners, double limit) {
-    Context& c = *static_cast<Context*>(raw);
+  const double direction_m = ray.direction.norm();
+  ClosestHit best;
+  const auto candidate = [&](std::uint32_t triangle, const Triangle& corners, double limit) {
     RayHit hit;
-    if (!cast_ray(c.ray, corners, hit).yes()) return limit;
-    const double s = hit.distance_m / c.direction_m;
-    if (s < c.best.s) c.best = {s, triangle};
-    return std::min(limit, (hit.distance_m + hit.distance_error_m) / c.direction_m * (1 + 0x1p-50));
+    if (!cast_ray(ray, corners, hit).yes()) return limit;
+    const double s = hit.distance_m / direction_m;
+    if (s < best.s) best = {s, triangle};
+    return std::min(limit, (hit.distance_m + hit.distance_error_m) / direction_m * (1 + 0x1p-50));
   };
-  tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, candidate, &context, cost);
-  return context.best;
+  tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, candidate, cost);
+  return best;
 }
 
 }  // namespace collided::bench

@@ -34,24 +34,16 @@ const std::vector<MakePeer> kPeers{
 #endif
 };
 
-struct Count {
-  std::size_t pairs = 0;
-  std::size_t most = 0;
-};
-
 class OurFrames {
  public:
   /// At most so many pairs: the walk ends there.
   std::size_t frame(std::span<const Aabb> boxes, std::size_t most = SIZE_MAX) {
     grid_.rebuild(boxes);
-    Count count{0, most};
+    std::size_t pairs = 0;
     WalkCost cost;
-    const auto found = [](void* to, std::uint32_t, std::uint32_t) {
-      Count& c = *static_cast<Count*>(to);
-      return ++c.pairs < c.most;
-    };
-    grid_.pairs(found, &count, cost);
-    return count.pairs;
+    const auto found = [&](std::uint32_t, std::uint32_t) { return ++pairs < most; };
+    grid_.pairs(found, cost);
+    return pairs;
   }
   std::size_t bytes() const { return grid_.bytes(); }
 
@@ -65,8 +57,8 @@ class OurSweeps {
     sweep_.update(boxes);
     std::size_t pairs = 0;
     WalkCost cost;
-    const auto found = [](void* to, std::uint32_t, std::uint32_t) { return ++*static_cast<std::size_t*>(to) > 0; };
-    sweep_.pairs(found, &pairs, cost);
+    const auto found = [&](std::uint32_t, std::uint32_t) { return ++pairs > 0; };
+    sweep_.pairs(found, cost);
     swaps_ += sweep_.report().swaps;
     ++frames_;
     return pairs;

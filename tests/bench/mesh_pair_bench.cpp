@@ -74,8 +74,8 @@ class Ours final : public MeshPairPeer {
     cost_ = {};
     above_filter_ = 0;
     placed_number_ = ~0u;
-    const auto candidate = [](void* raw, std::uint32_t i, std::uint32_t j) { return static_cast<Ours*>(raw)->test(i, j); };
-    tree_a_.walk_pairs(tree_b_, frame_.rotation, frame_.position, slack_m, candidate, this, cost_);
+    const auto candidate = [&](std::uint32_t i, std::uint32_t j) { return test(i, j); };
+    tree_a_.walk_pairs(tree_b_, frame_.rotation, frame_.position, slack_m, candidate, cost_);
   }
   bool test(std::uint32_t i, std::uint32_t j) {
     if (j != placed_number_) {

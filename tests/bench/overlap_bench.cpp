@@ -105,25 +105,19 @@ class Marks {
 /// Triangles met, by the tree and the exact phase; a triangle that the tree names twice counts once.
 template <class Asked>
 long count_met(const StaticScene& scene, const Asked& asked, Marks& met) {
-  struct Context {
-    const StaticScene& scene;
-    const Asked& asked;
-    Marks& met;
-  } context{scene, asked, met};
   WalkCost cost;
-  static constexpr auto decide = [](void* raw, std::uint32_t triangle) {
-    Context& c = *static_cast<Context*>(raw);
-    if (overlaps(c.asked, c.scene.mesh.triangle(triangle)).yes()) c.met.add(triangle);
+  const auto decide = [&](std::uint32_t triangle) {
+    if (overlaps(asked, scene.mesh.triangle(triangle)).yes()) met.add(triangle);
     return true;
   };
   if constexpr (std::is_same_v<Asked, Sphere>) {
-    const auto decide_near = [](void* raw, std::uint32_t triangle, double limit_m2) {
-      decide(raw, triangle);
+    const auto decide_near = [&](std::uint32_t triangle, double limit_m2) {
+      decide(triangle);
       return limit_m2;
     };
-    scene.tree.walk_near(asked.center, square_up(asked.radius_m), 0, decide_near, &context, cost);
+    scene.tree.walk_near(asked.center, square_up(asked.radius_m), 0, decide_near, cost);
   } else {
-    scene.tree.walk_box(bounds(asked), decide, &context, cost);
+    scene.tree.walk_box(bounds(asked), decide, cost);
   }
   return met.clear();
 }

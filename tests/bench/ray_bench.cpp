@@ -45,49 +45,47 @@ double wall_seconds(const std::function<void()>& work) {
 
 // ---- ours
 
-struct Closest {
+/// Every candidate decided exactly, as the product does it.
+struct ClosestExactly {
   const Ray& ray;
-  double direction_m;
-  Answer best;
+  double direction_m = ray.direction.norm();
+  Answer best{};
+
+  double operator()(std::uint32_t triangle, const Triangle& corners, double limit) {
+    RayHit hit;
+    if (!cast_ray(ray, corners, hit).yes()) return limit;
+    const double s = hit.distance_m / direction_m;
+    if (s < best.s) best = {triangle, s};
+    return std::min(limit, (hit.distance_m + hit.distance_error_m) / direction_m * (1 + 0x1p-50));
+  }
 };
 
-/// Every candidate decided exactly, as the product does it.
-double keep_closest_exactly(void* context, std::uint32_t triangle, const Triangle& corners, double limit) {
-  auto& closest = *static_cast<Closest*>(context);
-  RayHit hit;
-  if (!cast_ray(closest.ray, corners, hit).yes()) return limit;
-  const double s = hit.distance_m / closest.direction_m;
-  if (s < closest.best.s) closest.best = {triangle, s};
-  return std::min(limit, (hit.distance_m + hit.distance_error_m) / closest.direction_m * (1 + 0x1p-50));
-}
-
 /// Every candidate decided in plain double: what the walk alone costs.
-double keep_closest(void* context, std::uint32_t triangle, const Triangle& corners, double limit) {
-  auto& closest = *static_cast<Closest*>(context);
-  const std::optional<double> s = oracle::plain_ray(closest.ray, corners);
-  if (!s || *s > limit) return limit;
-  if (*s < closest.best.s) closest.best = {triangle, *s};
-  return *s;
-}
+struct ClosestPlainly {
+  const Ray& ray;
+  Answer best{};
 
-double keep_any(void* context, std::uint32_t triangle, const Triangle& corners, double limit) {
-  auto& closest = *static_cast<Closest*>(context);
-  RayHit hit;
-  if (!cast_ray(closest.ray, corners, hit).yes()) return limit;
-  closest.best.triangle = triangle;
-  return -1;
-}
+  double operator()(std::uint32_t triangle, const Triangle& corners, double limit) {
+    const std::optional<double> s = oracle::plain_ray(ray, corners);
+    if (!s || *s > limit) return limit;
+    if (*s < best.s) best = {triangle, *s};
+    return *s;
+  }
+};
 
-Answer shoot(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, BspTree::RayTriangle decide,
-             WalkCost& cost) {
-  Closest closest{ray, ray.direction.norm(), {}};
-  tree.walk_ray_nearest(ray, kInfinity, mesh, decide, &closest, cost);
+template <class Closest>
+Answer shoot(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
+  Closest closest{ray};
+  tree.walk_ray_nearest(ray, kInfinity, mesh, closest, cost);
   return closest.best;
 }
 
 bool meets_any(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
-  Closest closest{ray, 1, {}};
-  return tree.meet_ray(ray, kInfinity, mesh, keep_any, &closest, cost) != BspTree::kNoTriangle;
+  const auto decide = [&](std::uint32_t, const Triangle& corners, double limit) {
+    RayHit hit;
+    return cast_ray(ray, corners, hit).yes() ? -1 : limit;
+  };
+  return tree.meet_ray(ray, kInfinity, mesh, decide, cost) != BspTree::kNoTriangle;
 }
 
 /// A whole stretch at once, its walks in turn.
@@ -98,15 +96,15 @@ class Batch {
     tasks_.clear();
     closest_.reserve(rays.size());
     for (const Ray& ray : rays) {
-      closest_.push_back({ray, ray.direction.norm(), {}});
-      tasks_.push_back({.ray = &ray, .limit = kInfinity, .context = &closest_.back(), .cost = &cost_});
+      closest_.push_back({ray});
+      tasks_.push_back({.ray = &ray, .limit = kInfinity, .candidate = closest_.back(), .cost = &cost_});
     }
-    tree.walk_rays(tasks_, mesh, BspTree::RayGoal::nearest, keep_closest_exactly);
+    tree.walk_rays(tasks_, mesh, BspTree::RayGoal::nearest);
     for (std::size_t i = 0; i < rays.size(); ++i) answers[i] = closest_[i].best;
   }
 
  private:
-  std::vector<Closest> closest_;
+  std::vector<ClosestExactly> closest_;
   std::vector<BspTree::RayTask> tasks_;
   WalkCost cost_;
 };
@@ -382,7 +380,7 @@ void Bench::run(const std::string& kind, const std::vector<Ray>& rays) {
   WalkCost cost;
   const RungCounts before = kernel::rungs;
   ours_.clear();
-  for (const Ray& ray : rays) ours_.push_back(shoot(tree_, mesh_, ray, keep_closest_exactly, cost));
+  for (const Ray& ray : rays) ours_.push_back(shoot<ClosestExactly>(tree_, mesh_, ray, cost));
   rungs_ = rungs_of(rays.size(), cost, before);
   if (options_.wants(scene_, "closest, " + kind)) alone("closest, " + kind, rays);
   if (options_.wants(scene_, "batch, " + kind)) together("batch, " + kind, rays);
@@ -396,16 +394,16 @@ void Bench::alone(const std::string& name, const std::vector<Ray>& rays) {
       for (std::size_t i = 0; i < rays.size(); ++i) found[i] = ask(rays[i]);
     };
   };
-  const auto ours = [this](BspTree::RayTriangle decide) {
-    return [this, decide](const Ray& ray) {
+  const auto ours = [this](auto* shoot_one) {
+    return [this, shoot_one](const Ray& ray) {
       WalkCost unread;
-      return shoot(tree_, mesh_, ray, decide, unread);
+      return shoot_one(tree_, mesh_, ray, unread);
     };
   };
-  std::vector<Method> methods{{.name = "collided", .run = by(ours(keep_closest_exactly)), .bytes_each = bytes_each_}};
+  std::vector<Method> methods{{.name = "collided", .run = by(ours(shoot<ClosestExactly>)), .bytes_each = bytes_each_}};
   methods.push_back({.name = "Embree default", .run = by([this](const Ray& ray) { return embree_.shoot(ray); })});
   methods.push_back({.name = "Embree robust", .run = by([this](const Ray& ray) { return robust_.shoot(ray); })});
-  methods.push_back({.name = "collided, plain tests", .run = by(ours(keep_closest))});
+  methods.push_back({.name = "collided, plain tests", .run = by(ours(shoot<ClosestPlainly>))});
   for (const auto& peer : peers_) {
     methods.push_back({.name = peer->name(), .run = by([this, p = peer.get()](const Ray& ray) {
                          const std::uint32_t triangle = p->nearest(ray);

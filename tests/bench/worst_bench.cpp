@@ -36,11 +36,11 @@ struct Question {
 
 std::vector<std::uint8_t> offered(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
   std::vector<std::uint8_t> seen(mesh.triangles.size());
-  const auto note = [](void* context, std::uint32_t triangle, const Triangle&, double limit) {
-    (*static_cast<std::vector<std::uint8_t>*>(context))[triangle] = 1;
+  const auto note = [&](std::uint32_t triangle, const Triangle&, double limit) {
+    seen[triangle] = 1;
     return limit;
   };
-  tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, note, &seen, cost);
+  tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, note, cost);
   return seen;
 }
 

@@ -28,11 +28,11 @@ inline Grid grid_of(const std::vector<Aabb>& boxes) {
 inline std::uint64_t count_pairs(const Grid& grid) {
   std::uint64_t count = 0;
   WalkCost cost;
-  const auto add = [](void* context, std::uint32_t, std::uint32_t) {
-    ++*static_cast<std::uint64_t*>(context);
+  const auto add = [&](std::uint32_t, std::uint32_t) {
+    ++count;
     return true;
   };
-  grid.pairs(add, &count, cost);
+  grid.pairs(add, cost);
   return count;
 }
 
@@ -42,11 +42,11 @@ Numbers in_box(const Index& index, const Aabb& asked) {
   WalkCost cost;
   index.walk_box(
       asked,
-      [](void* context, std::uint32_t number) {
-        static_cast<Numbers*>(context)->push_back(number);
+      [&](std::uint32_t number) {
+        all.push_back(number);
         return true;
       },
-      &all, cost);
+      cost);
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -56,11 +56,11 @@ inline Numbers along_ray(const Grid& grid, const Ray& ray, double limit) {
   WalkCost cost;
   grid.walk_ray(
       ray, limit,
-      [](void* context, std::uint32_t number, double now) {
-        static_cast<Numbers*>(context)->push_back(number);
+      [&](std::uint32_t number, double now) {
+        all.push_back(number);
         return now;
       },
-      &all, cost);
+      cost);
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -71,11 +71,11 @@ inline Numbers along_ray(const BspTree& tree, const Ray& ray) {
   WalkCost cost;
   tree.walk_ray(
       ray, ray.length_m, 0,
-      [](void* context, std::uint32_t number, double now) {
-        static_cast<Numbers*>(context)->push_back(number);
+      [&](std::uint32_t number, double now) {
+        all.push_back(number);
         return now;
       },
-      &all, cost);
+      cost);
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
@@ -86,11 +86,11 @@ inline Numbers near_point(const Grid& grid, const Vec3& point, double reach_m) {
   WalkCost cost;
   grid.walk_near(
       point, reach_m * reach_m,
-      [](void* context, std::uint32_t number, double now) {
-        static_cast<Numbers*>(context)->push_back(number);
+      [&](std::uint32_t number, double now) {
+        all.push_back(number);
         return now;
       },
-      &all, cost);
+      cost);
   std::sort(all.begin(), all.end());
   return all;
 }

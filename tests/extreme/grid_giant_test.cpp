@@ -35,8 +35,8 @@ TEST(ExtremeGridGiant, SmallQuestionsStaySmall) {
   boxes.push_back(extreme::cube({-1e9, -1e9, -1e9}, 2e9));
   const Grid grid = extreme::grid_of(boxes);
   WalkCost cost;
-  const auto see = [](void*, std::uint32_t) { return true; };
-  grid.walk_box(extreme::cube({2, 2, 2}, 0x1p-12), see, nullptr, cost);
+  const auto see = [](std::uint32_t) { return true; };
+  grid.walk_box(extreme::cube({2, 2, 2}, 0x1p-12), see, cost);
   EXPECT_LT(cost.nodes + cost.candidates, 100u);
   EXPECT_EQ(extreme::in_box(grid, extreme::cube({2, 2, 2}, 0x1p-12)).size(), 2u) << "a grain and the giant";
 }

@@ -62,8 +62,8 @@ TEST(ExtremeGridNeedles, PairsEndWhenTold) {
   const Grid grid = extreme::grid_of(std::vector<Aabb>(100'000, extreme::cube({1, 2, 3}, 0.5)));
   WalkCost cost;
   int calls = 0;
-  const auto ten = [](void* context, std::uint32_t, std::uint32_t) { return ++*static_cast<int*>(context) < 10; };
-  grid.pairs(ten, &calls, cost);
+  const auto ten = [&](std::uint32_t, std::uint32_t) { return ++calls < 10; };
+  grid.pairs(ten, cost);
   EXPECT_EQ(calls, 10);
 }
 

@@ -23,11 +23,11 @@ TEST(ExtremeGridOnePoint, TheFirstAnswerEndsTheWalk) {
   int calls = 0;
   grid.walk_box(
       extreme::cube({1, 2, 3}, 0.5),
-      [](void* context, std::uint32_t) {
-        ++*static_cast<int*>(context);
+      [&](std::uint32_t) {
+        ++calls;
         return false;
       },
-      &calls, cost);
+      cost);
   EXPECT_EQ(calls, 1);
 }
 

@@ -48,13 +48,13 @@ void expect_complete(const BspTree& tree) {
     WalkCost cost;
     tree.walk_ray(
         ray, std::numeric_limits<double>::infinity(), 0, mesh,
-        [](void* context, std::uint32_t triangle, const Triangle& corners, double limit) {
+        [&](std::uint32_t triangle, const Triangle& corners, double limit) {
           fuzz::require(triangle < fuzz_mesh().triangles.size(), "a candidate is a triangle");
           fuzz::require(corners.a == fuzz_mesh().triangle(triangle).a, "a candidate's corners are the mesh's");
-          (*static_cast<Seen*>(context))[triangle] = 1;
+          seen[triangle] = 1;
           return limit;
         },
-        &seen, cost);
+        cost);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       fuzz::require(seen[t] != 0 || !oracle::plain_ray(ray, mesh.triangle(t)), "no triangle that a ray meets is lost");
     }
@@ -64,16 +64,16 @@ void expect_complete(const BspTree& tree) {
   Seen boxed(mesh.triangles.size());
   Seen near(mesh.triangles.size());
   WalkCost cost;
-  const auto note = [](void* context, std::uint32_t triangle) {
-    static_cast<Seen*>(context)->at(triangle) = 1;
+  const auto note = [&](std::uint32_t triangle) {
+    boxed.at(triangle) = 1;
     return true;
   };
-  tree.walk_box(asked, note, &boxed, cost);
-  const auto note_near = [](void* context, std::uint32_t triangle, double limit) {
-    static_cast<Seen*>(context)->at(triangle) = 1;
+  tree.walk_box(asked, note, cost);
+  const auto note_near = [&](std::uint32_t triangle, double limit) {
+    near.at(triangle) = 1;
     return limit;
   };
-  tree.walk_near(center, 0.04, 0, note_near, &near, cost);
+  tree.walk_near(center, 0.04, 0, note_near, cost);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle triangle = mesh.triangle(t);
     for (const Vec3& corner : {triangle.a, triangle.b, triangle.c}) {

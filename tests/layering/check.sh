@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fails on an include that runs against the arrows:
+# Fails on a callback passed as a function and a void* context, and on an include that runs against the arrows:
 #   geometry <- intake, broad_phase, exact_phase <- world <- service <- main;  client -> idl, never server.
 #   vcollide, the engine in a caller's process, stands beside service. intake/files is the program that checks and converts files.
 # usage: check.sh REPOSITORY_ROOT
@@ -38,10 +38,15 @@ door() { # PATTERN ALLOWED_REGEX NAME
     [[ $file =~ $2 ]] || { echo "$file includes $3 past its door"; violations=$((violations + 1)); }
   done < <(grep -rlE "$1" server client idl --include='*.hpp' --include='*.cpp' || true)
 }
-door '#include [<"]fcl/' '^server/exact_phase/fcl_contact\.cpp$' FCL
+door '#include [<"]fcl/' '^$' FCL  # has none: a yardstick of the tests alone
 door '#include [<"]dds/' '^idl/dds' 'Cyclone DDS'
 door '#include [<"](flatbuffers/|idl/(scene|geometry)_generated)' '^(server/intake/scene_(file\.cpp|encoder\.hpp)|server/service/geometry_encoding\.cpp|client/library/(shape_encoding|geometry_decoding)\.cpp)$' FlatBuffers
 door '#include <boost/(asio|beast)' '^client/view/web_server\.cpp$' 'Boost.Beast'
 door '#include <assimp/' '^server/intake/import/' Assimp
-echo "$files files, $violations includes against the arrows"
+# Who calls back takes a FunctionRef, not a function and what it is to be given.
+while IFS= read -r line; do
+  echo "$line: a callback is a FunctionRef (server/geometry/function_ref.hpp)"
+  violations=$((violations + 1))
+done < <(grep -rnwE 'void ?\* ?context' server client idl tests --include='*.hpp' --include='*.cpp' || true)
+echo "$files files, $violations violations"
 [[ $files -gt 20 && $violations -eq 0 ]]

@@ -18,11 +18,11 @@ template <class Index>
 BoxPairs pairs_of(const Index& index) {
   BoxPairs all;
   WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t first, std::uint32_t second) {
-    static_cast<BoxPairs*>(context)->emplace_back(first, second);
+  const auto collect = [&](std::uint32_t first, std::uint32_t second) {
+    all.emplace_back(first, second);
     return true;
   };
-  index.pairs(collect, &all, cost);
+  index.pairs(collect, cost);
   std::sort(all.begin(), all.end());
   return all;
 }

@@ -24,18 +24,18 @@ struct Any {
 };
 
 template <class T>
-double plainly(void* context, std::uint32_t, const Triangle& t, double limit) {
-  auto& any = *static_cast<Any*>(context);
+double plainly(Any& any, const Triangle& t, double limit) {
   any.hit = plain_ray<T>(V<T>(any.ray.origin), V<T>(any.ray.direction), V<T>(t.a), V<T>(t.b), V<T>(t.c)).has_value();
   return any.hit ? -1 : limit;
 }
 
-double exactly_so(void* context, std::uint32_t, const Triangle& t, double limit) {
-  auto& any = *static_cast<Any*>(context);
+double exactly_so(Any& any, const Triangle& t, double limit) {
   RayHit hit;
   any.hit = cast_ray(any.ray, t, hit).yes();
   return any.hit ? -1 : limit;
 }
+
+using Decide = double (*)(Any& any, const Triangle& t, double limit);
 
 }  // namespace
 
@@ -60,11 +60,12 @@ std::vector<Row> study_decisions(const Setting& setting) {
       problem.numbers.insert(problem.numbers.end(), {0, 0, 0, direction[0], direction[1], direction[2]});
     }
     const std::vector<Truth> truth(rays.size(), Truth{true, 0});
-    const auto method = [&](const std::string& series, BspTree::RayTriangle decide) {
+    const auto method = [&](const std::string& series, Decide decide) {
       return Method{series, "", kUnknown, each(rays, [&, decide](const Ray& ray) {
         Any any{ray};
         WalkCost cost;
-        tree.walk_ray(ray, INFINITY, 0, mesh, decide, &any, cost);
+        const auto candidate = [&](std::uint32_t, const Triangle& t, double limit) { return decide(any, t, limit); };
+        tree.walk_ray(ray, INFINITY, 0, mesh, candidate, cost);
         return Answer{any.hit, 0};
       })};
     };

@@ -167,7 +167,7 @@ class Swarm {
   std::size_t pairs_of_grid() const {
     std::size_t pairs = 0;
     WalkCost cost;
-    grid_.pairs([](void* to, std::uint32_t, std::uint32_t) { return ++*static_cast<std::size_t*>(to) > 0; }, &pairs, cost);
+    grid_.pairs([&](std::uint32_t, std::uint32_t) { return ++pairs > 0; }, cost);
     return pairs;
   }
   std::size_t pairs_one_by_one() const {

@@ -32,21 +32,16 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 FirstHit ask_tree(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, PlainCost& cost) {
-  struct Context {
-    const TriangleMesh& mesh;
-    const Ray& ray;
-    FirstHit first{};
-  } context{mesh, ray};
-  const auto candidate = [](void* raw, std::uint32_t triangle, const Triangle&, double) {
-    Context& c = *static_cast<Context*>(raw);
-    c.first.take(c.mesh, triangle, c.ray);
-    return c.first.s * (1 + 1e-12);
+  FirstHit first{};
+  const auto candidate = [&](std::uint32_t triangle, const Triangle&, double) {
+    first.take(mesh, triangle, ray);
+    return first.s * (1 + 1e-12);
   };
   WalkCost walk;
-  tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, candidate, &context, walk);
+  tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, candidate, walk);
   cost.nodes += walk.nodes;
   cost.tests += walk.candidates;
-  return context.first;
+  return first;
 }
 
 Form wide(const TriangleMesh& mesh) {

@@ -62,22 +62,16 @@ Answer certified_distance(const Vec3& point, const Triangle& t) {
 }
 
 Answer nearest_in(const BspTree& tree, const TriangleMesh& mesh, const Vec3& point, DistanceTo distance) {
-  struct Walk {
-    const TriangleMesh& mesh;
-    const Vec3& point;
-    DistanceTo distance;
-    Answer best;
-  } walk{mesh, point, distance, {}};
-  const auto look = [](void* context, std::uint32_t triangle, double limit_m2) {
-    auto& w = *static_cast<Walk*>(context);
-    const Answer found = w.distance(w.point, w.mesh.triangle(triangle));
-    if (!w.best.yes || found.value < w.best.value) w.best = found;
-    const double reach = (w.best.value + w.best.bound) * (1 + 0x1p-50);
+  Answer best;
+  const auto look = [&](std::uint32_t triangle, double limit_m2) {
+    const Answer found = distance(point, mesh.triangle(triangle));
+    if (!best.yes || found.value < best.value) best = found;
+    const double reach = (best.value + best.bound) * (1 + 0x1p-50);
     return std::min(limit_m2, reach * reach * (1 + 0x1p-50));
   };
   WalkCost cost;
-  tree.walk_near(point, INFINITY, 0, look, &walk, cost);
-  return walk.best;
+  tree.walk_near(point, INFINITY, 0, look, cost);
+  return best;
 }
 
 std::vector<Vec3> points_around(const TriangleMesh& mesh, int count, std::mt19937_64& random) {

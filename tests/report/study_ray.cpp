@@ -91,8 +91,7 @@ struct Walk {
 };
 
 template <class T>
-double keep_plain(void* context, std::uint32_t, const Triangle& t, double limit) {
-  auto& walk = *static_cast<Walk*>(context);
+double keep_plain(Walk& walk, const Triangle& t, double limit) {
   const auto s = plain_ray<T>(V<T>(walk.ray.origin), V<T>(walk.ray.direction), V<T>(t.a), V<T>(t.b), V<T>(t.c));
   if (!s || !(static_cast<double>(*s) < walk.best_s)) return limit;
   walk.best_s = static_cast<double>(*s);
@@ -100,8 +99,7 @@ double keep_plain(void* context, std::uint32_t, const Triangle& t, double limit)
   return walk.best_s;
 }
 
-double keep_exact(void* context, std::uint32_t, const Triangle& t, double limit) {
-  auto& walk = *static_cast<Walk*>(context);
+double keep_exact(Walk& walk, const Triangle& t, double limit) {
   RayHit hit;
   if (exactly::cast_ray(walk.ray, t, hit) != Decision::yes) return limit;
   const double s = hit.distance_m / walk.direction_m;
@@ -113,8 +111,7 @@ double keep_exact(void* context, std::uint32_t, const Triangle& t, double limit)
 }
 
 /// As the product does it: the nearest by distance, the limit by distance and bound.
-double keep_decided(void* context, std::uint32_t, const Triangle& t, double limit) {
-  auto& walk = *static_cast<Walk*>(context);
+double keep_decided(Walk& walk, const Triangle& t, double limit) {
   RayHit hit;
   const Verdict verdict = cast_ray(walk.ray, t, hit);
   if (verdict.decision == Decision::undecided) walk.best.undecided = true;
@@ -127,6 +124,8 @@ double keep_decided(void* context, std::uint32_t, const Triangle& t, double limi
   return std::min(limit, (hit.distance_m + hit.distance_error_m) / walk.direction_m * (1 + 0x1p-50));
 }
 
+using Decide = double (*)(Walk& walk, const Triangle& t, double limit);
+
 class RayStudy {
  public:
   RayStudy(const NamedMesh& scene, const BspTree& tree, std::vector<Ray> rays)
@@ -134,13 +133,14 @@ class RayStudy {
     for (const Ray& ray : rays_) truth_.push_back(truth_of(scene.mesh, ray));
   }
 
-  Method method(const std::string& series, const std::string& label, BspTree::RayTriangle decide,
+  Method method(const std::string& series, const std::string& label, Decide decide,
                 const Precision& precision = {}, double knob = kUnknown) const {
     return {series, label, knob, each(rays_, [this, decide, precision](const Ray& ray) {
               const PrecisionScope scope(precision);
               Walk walk{ray, ray.direction.norm(), {}};
               WalkCost cost;
-              tree_.walk_ray(ray, kInfinity, 0, scene_.mesh, decide, &walk, cost);
+              const auto candidate = [&](std::uint32_t, const Triangle& t, double limit) { return decide(walk, t, limit); };
+              tree_.walk_ray(ray, kInfinity, 0, scene_.mesh, candidate, cost);
               return walk.best;
             })};
   }

@@ -22,11 +22,11 @@ using Numbers = std::set<std::uint32_t>;
 Numbers along_ray(const BspTree& tree, const Ray& ray, double limit = kInfinity, double slack_m = 0) {
   Numbers all;
   WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t triangle, double current) {
-    static_cast<Numbers*>(context)->insert(triangle);
+  const auto collect = [&](std::uint32_t triangle, double current) {
+    all.insert(triangle);
     return current;
   };
-  tree.walk_ray(ray, limit, slack_m, collect, &all, cost);
+  tree.walk_ray(ray, limit, slack_m, collect, cost);
   EXPECT_EQ(all.empty(), cost.candidates == 0);
   return all;
 }
@@ -235,11 +235,11 @@ TEST(BroadBspRay, AShorterLimitEndsTheWalkEarly) {
   WalkCost all;
   WalkCost first;
   WalkCost near;
-  const auto go_on = [](void*, std::uint32_t, double limit) { return limit; };
-  const auto stop = [](void*, std::uint32_t, double) { return -1.0; };
-  tree.walk_ray(ray, kInfinity, 0, go_on, nullptr, all);
-  tree.walk_ray(ray, kInfinity, 0, stop, nullptr, first);
-  tree.walk_ray(ray, 0.11, 0, go_on, nullptr, near);
+  const auto go_on = [](std::uint32_t, double limit) { return limit; };
+  const auto stop = [](std::uint32_t, double) { return -1.0; };
+  tree.walk_ray(ray, kInfinity, 0, go_on, all);
+  tree.walk_ray(ray, kInfinity, 0, stop, first);
+  tree.walk_ray(ray, 0.11, 0, go_on, near);
   EXPECT_EQ(first.candidates, 1u);
   EXPECT_GT(all.candidates, 4u);
   EXPECT_LT(first.nodes, all.nodes);
@@ -247,17 +247,6 @@ TEST(BroadBspRay, AShorterLimitEndsTheWalkEarly) {
 }
 
 TEST(BroadBspRay, CandidatesComeWithTheMeshsOwnCorners) {
-  struct Context {
-    const TriangleMesh& mesh;
-    std::size_t count = 0;
-  };
-  const auto check = [](void* raw, std::uint32_t number, const Triangle& corners, double limit) {
-    Context& context = *static_cast<Context*>(raw);
-    const Triangle own = context.mesh.triangle(number);
-    EXPECT_TRUE(own.a == corners.a && own.b == corners.b && own.c == corners.c);
-    ++context.count;
-    return limit;
-  };
   std::mt19937_64 random(3);
   for (const bool is_float : {false, true}) {
     for (const double offset : {0.0, 100.0, 1e6}) {
@@ -269,13 +258,19 @@ TEST(BroadBspRay, CandidatesComeWithTheMeshsOwnCorners) {
         }
       }
       const BspTree tree = BspTree::build(mesh);
-      Context context{mesh};
+      std::size_t count = 0;
+      const auto check = [&](std::uint32_t number, const Triangle& corners, double limit) {
+        const Triangle own = mesh.triangle(number);
+        EXPECT_TRUE(own.a == corners.a && own.b == corners.b && own.c == corners.c);
+        ++count;
+        return limit;
+      };
       WalkCost cost;
       for (int i = 0; i < 50; ++i) {
         const Ray ray{Vec3(offset, -offset, 0.1 * offset), in_cube(random)};
-        tree.walk_ray(ray, kInfinity, 0, mesh, check, &context, cost);
+        tree.walk_ray(ray, kInfinity, 0, mesh, check, cost);
       }
-      EXPECT_GT(context.count, 100u);
+      EXPECT_GT(count, 100u);
     }
   }
 }
@@ -307,11 +302,11 @@ Aabb bounds_of(const Triangle& t) { return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a
 Numbers in_box(const BspTree& tree, const Aabb& asked) {
   Numbers all;
   WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t triangle) {
-    static_cast<Numbers*>(context)->insert(triangle);
+  const auto collect = [&](std::uint32_t triangle) {
+    all.insert(triangle);
     return true;
   };
-  tree.walk_box(asked, collect, &all, cost);
+  tree.walk_box(asked, collect, cost);
   return all;
 }
 
@@ -359,18 +354,18 @@ TEST(BroadBspBox, EmptyAsksNothingAndInfiniteAsksAll) {
 TEST(BroadBspBox, FalseEndsTheWalk) {
   const BspTree tree = BspTree::build(scenes::icosphere(2, 1));
   WalkCost cost;
-  tree.walk_box(tree.bounds(), [](void*, std::uint32_t) { return false; }, nullptr, cost);
+  tree.walk_box(tree.bounds(), [](std::uint32_t) { return false; }, cost);
   EXPECT_EQ(cost.candidates, 1u);
 }
 
 Numbers near_point(const BspTree& tree, const Vec3& point, double limit_m2, double slack_m = 0) {
   Numbers all;
   WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t triangle, double limit) {
-    static_cast<Numbers*>(context)->insert(triangle);
+  const auto collect = [&](std::uint32_t triangle, double limit) {
+    all.insert(triangle);
     return limit;
   };
-  tree.walk_near(point, limit_m2, slack_m, collect, &all, cost);
+  tree.walk_near(point, limit_m2, slack_m, collect, cost);
   return all;
 }
 
@@ -460,19 +455,14 @@ TEST(BroadBspNear, NearestIsFoundWithFewCandidates) {
   std::mt19937_64 random(5);
   const TriangleMesh mesh = scenes::terrain(300, 1, 5);
   const BspTree tree = BspTree::build(mesh);
-  struct Nearest {
-    const TriangleMesh& mesh;
-    Vec3 point;
-  };
-  const auto shorten = [](void* raw, std::uint32_t triangle, double limit_m2) {
-    const Nearest& nearest = *static_cast<Nearest*>(raw);
-    return std::min(limit_m2, (nearest.mesh.triangle(triangle).a - nearest.point).squaredNorm());
-  };
   WalkCost cost;
   for (int i = 0; i < 100; ++i) {
-    Nearest nearest{mesh, 0.4 * in_cube(random)};
-    nearest.point[2] *= 0.2;
-    tree.walk_near(nearest.point, kInfinity, 0, shorten, &nearest, cost);
+    Vec3 point = 0.4 * in_cube(random);
+    point[2] *= 0.2;
+    const auto shorten = [&](std::uint32_t triangle, double limit_m2) {
+      return std::min(limit_m2, (mesh.triangle(triangle).a - point).squaredNorm());
+    };
+    tree.walk_near(point, kInfinity, 0, shorten, cost);
   }
   EXPECT_LT(cost.candidates, 100u * 1500);
 }
@@ -530,11 +520,11 @@ TEST(BroadBspBuild, ThreadsDoNotChangeTheAnswersOrTheirOrder) {
     std::vector<std::uint32_t> all;
     std::mt19937_64 random(9);
     WalkCost cost;
-    const auto collect = [](void* context, std::uint32_t triangle, double limit) {
-      static_cast<std::vector<std::uint32_t>*>(context)->push_back(triangle);
+    const auto collect = [&](std::uint32_t triangle, double limit) {
+      all.push_back(triangle);
       return limit;
     };
-    for (int i = 0; i < 200; ++i) tree.walk_ray({in_cube(random), in_cube(random)}, kInfinity, 0, collect, &all, cost);
+    for (int i = 0; i < 200; ++i) tree.walk_ray({in_cube(random), in_cube(random)}, kInfinity, 0, collect, cost);
     return all;
   };
   const std::vector<std::uint32_t> one = order(1);

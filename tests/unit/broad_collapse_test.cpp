@@ -117,9 +117,9 @@ TEST(BspLikeliest, AnyHitInARoomAsksTheWallsBeforeTheFurniture) {
     ray.origin = Vec3(2 * std::sin(i), 2 * std::cos(3 * i), 1.2 * std::sin(5 * i));
     ray.direction = Vec3(normal(random), normal(random), normal(random));
     ray.length_m = 1e3;
-    const auto take = [](void*, std::uint32_t, const Triangle&, double limit) { return limit; };
-    EXPECT_NE(tree.meet_ray(ray, std::numeric_limits<double>::infinity(), mesh, take, nullptr, any), BspTree::kNoTriangle);
-    tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, take, nullptr, every);
+    const auto take = [](std::uint32_t, const Triangle&, double limit) { return limit; };
+    EXPECT_NE(tree.meet_ray(ray, std::numeric_limits<double>::infinity(), mesh, take, any), BspTree::kNoTriangle);
+    tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, take, every);
   }
   std::printf("steps a ray: any hit %.2f, every hit %.2f\n", any.nodes / double{kRays}, every.nodes / double{kRays});
   EXPECT_LT(any.nodes, 0.5 * every.nodes);

@@ -40,11 +40,10 @@ struct First {
   const Ray& ray;
   double distance_m = kInfinity;
 
-  static double take(void* raw, std::uint32_t, const Triangle& corners, double limit) {
-    First& self = *static_cast<First*>(raw);
+  double operator()(std::uint32_t, const Triangle& corners, double limit) {
     RayHit hit;
-    if (!cast_ray(self.ray, corners, hit).yes()) return limit;
-    self.distance_m = std::min(self.distance_m, hit.distance_m);
+    if (!cast_ray(ray, corners, hit).yes()) return limit;
+    distance_m = std::min(distance_m, hit.distance_m);
     return std::min(limit, hit.distance_m * (1 + 0x1p-40));
   }
 };
@@ -63,11 +62,11 @@ TEST(BroadEffort, ABoxLooksAtLittleHoweverTheTrianglesAreOrdered) {
   const BspTree tree = tree_of(mesh);
   WalkCost cost;
   std::set<std::uint32_t> found;
-  const auto take = [](void* raw, std::uint32_t number) {
-    static_cast<std::set<std::uint32_t>*>(raw)->insert(number);
+  const auto take = [&](std::uint32_t number) {
+    found.insert(number);
     return true;
   };
-  tree.walk_box({.low = {0.1, 0.1, -9}, .high = {0.11, 0.11, 9}}, take, &found, cost);
+  tree.walk_box({.low = {0.1, 0.1, -9}, .high = {0.11, 0.11, 9}}, take, cost);
   EXPECT_GE(found.size(), 2U);
   EXPECT_LE(cost.nodes, 40U) << "of " << tree.report().nodes + tree.report().leaves;
   EXPECT_LE(cost.candidates, 40U);
@@ -82,12 +81,12 @@ TEST(BroadEffort, TheNearestOfManyLayersIsFoundWithoutAVisitToTheOthers) {
   std::vector<First> first;
   for (const Ray& ray : rays) first.push_back({ray});
   std::vector<BspTree::RayTask> tasks;
-  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, &first[i], &costs[i]});
-  tree.walk_rays(tasks, mesh, BspTree::RayGoal::nearest, First::take);
+  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, first[i], &costs[i]});
+  tree.walk_rays(tasks, mesh, BspTree::RayGoal::nearest);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     First alone{rays[i]};
     WalkCost cost;
-    tree.walk_ray_nearest(rays[i], kInfinity, mesh, First::take, &alone, cost);
+    tree.walk_ray_nearest(rays[i], kInfinity, mesh, alone, cost);
     EXPECT_NEAR(alone.distance_m, 0.125 + 1.0 / 4096, 1e-12);
     EXPECT_EQ(first[i].distance_m, alone.distance_m);
     EXPECT_LE(cost.nodes, 60U);
@@ -111,12 +110,12 @@ TEST(BroadEffort, ASurelyMetWallHidesWhatIsBehindIt) {
   std::vector<First> met;
   for (const Ray& ray : rays) met.push_back({ray});
   std::vector<BspTree::RayTask> tasks;
-  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, &met[i], &costs[i]});
-  tree.walk_rays(tasks, mesh, BspTree::RayGoal::nearest, First::take);
+  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, met[i], &costs[i]});
+  tree.walk_rays(tasks, mesh, BspTree::RayGoal::nearest);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     First alone{rays[i]};
     WalkCost cost;
-    tree.walk_ray_nearest(rays[i], kInfinity, mesh, First::take, &alone, cost);
+    tree.walk_ray_nearest(rays[i], kInfinity, mesh, alone, cost);
     EXPECT_NEAR(alone.distance_m, 0.125, 1e-12);
     EXPECT_NEAR(met[i].distance_m, 0.125, 1e-12);
     EXPECT_LE(cost.nodes, 12U);
@@ -133,8 +132,8 @@ TEST(BroadEffort, ARayOfABatchThatHasMetSomethingGoesNoFarther) {
   std::vector<First> first;
   for (const Ray& ray : rays) first.push_back({ray});
   std::vector<BspTree::RayTask> tasks;
-  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, &first[i], &costs[i]});
-  tree.walk_rays(tasks, mesh, BspTree::RayGoal::any, First::take);
+  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, first[i], &costs[i]});
+  tree.walk_rays(tasks, mesh, BspTree::RayGoal::any);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     EXPECT_NE(tasks[i].met, BspTree::kNoTriangle);
     EXPECT_LE(costs[i].nodes, 60U);
@@ -148,10 +147,9 @@ TEST(BroadEffort, OfALeafOnlyWhatMayBeNearestIsTold) {
     const Vec3& point;
     const TriangleMesh& mesh;
     double best_m = kInfinity;
-    static double take(void* raw, std::uint32_t number, double limit_m2) {
-      Nearest& self = *static_cast<Nearest*>(raw);
-      self.best_m = std::min(self.best_m, closest(self.point, self.mesh.triangle(number)).distance_m);
-      return std::min(limit_m2, self.best_m * self.best_m * (1 + 0x1p-40));
+    double operator()(std::uint32_t number, double limit_m2) {
+      best_m = std::min(best_m, closest(point, mesh.triangle(number)).distance_m);
+      return std::min(limit_m2, best_m * best_m * (1 + 0x1p-40));
     }
   };
   // Long and askew, so that their boxes say little.
@@ -162,7 +160,7 @@ TEST(BroadEffort, OfALeafOnlyWhatMayBeNearestIsTold) {
   for (int i = 0; i < kPoints; ++i) {
     const Vec3 point(coordinate(random), coordinate(random), coordinate(random));
     Nearest nearest{point, mesh};
-    tree.walk_near(point, kInfinity, 0, Nearest::take, &nearest, cost);
+    tree.walk_near(point, kInfinity, 0, nearest, cost);
     double truth_m = kInfinity;
     for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k) truth_m = std::min(truth_m, closest(point, mesh.triangle(k)).distance_m);
     EXPECT_EQ(nearest.best_m, truth_m);
@@ -175,10 +173,10 @@ TEST(BroadEffort, PairsOfALargeAndASmallMeshAreFewWhicheverIsAsked) {
   const TriangleMesh small = scenes::icosphere(4, 0.2);
   const BspTree large_tree = tree_of(large);
   const BspTree small_tree = tree_of(small);
-  const auto take = [](void*, std::uint32_t, std::uint32_t) { return true; };
+  const auto take = [](std::uint32_t, std::uint32_t) { return true; };
   WalkCost cost[2];
-  large_tree.walk_pairs(small_tree, Mat3::Identity(), {1, 0, 0}, 0, take, nullptr, cost[0]);
-  small_tree.walk_pairs(large_tree, Mat3::Identity(), {-1, 0, 0}, 0, take, nullptr, cost[1]);
+  large_tree.walk_pairs(small_tree, Mat3::Identity(), {1, 0, 0}, 0, take, cost[0]);
+  small_tree.walk_pairs(large_tree, Mat3::Identity(), {-1, 0, 0}, 0, take, cost[1]);
   for (const WalkCost& of : cost) {
     EXPECT_GE(of.candidates, 20U);
     EXPECT_LE(of.candidates, 2000U);
@@ -199,10 +197,9 @@ TEST(BroadEffort, ABatchOfRaysHearsEveryTriangleOfAMeshOfDoubles) {
   struct Met {
     const Ray& ray;
     std::set<std::uint32_t> numbers{};
-    static double take(void* raw, std::uint32_t number, const Triangle& corners, double limit) {
-      Met& self = *static_cast<Met*>(raw);
+    double operator()(std::uint32_t number, const Triangle& corners, double limit) {
       RayHit hit;
-      if (cast_ray(self.ray, corners, hit).yes()) self.numbers.insert(number);
+      if (cast_ray(ray, corners, hit).yes()) numbers.insert(number);
       return limit;
     }
   };
@@ -210,8 +207,8 @@ TEST(BroadEffort, ABatchOfRaysHearsEveryTriangleOfAMeshOfDoubles) {
   for (const Ray& ray : rays) met.push_back({ray});
   WalkCost cost;
   std::vector<BspTree::RayTask> tasks;
-  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, &met[i], &cost});
-  tree.walk_rays(tasks, mesh, BspTree::RayGoal::every, Met::take);
+  for (std::size_t i = 0; i < rays.size(); ++i) tasks.push_back({&rays[i], kInfinity, met[i], &cost});
+  tree.walk_rays(tasks, mesh, BspTree::RayGoal::every);
   std::size_t hits = 0;
   for (const Met& one : met) {
     std::set<std::uint32_t> truth;

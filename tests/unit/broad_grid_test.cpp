@@ -29,11 +29,11 @@ Vec3 in_cube(std::mt19937_64& random) {
 Numbers in_box(const Grid& grid, const Aabb& asked) {
   Numbers all;
   WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t box) {
-    static_cast<Numbers*>(context)->push_back(box);
+  const auto collect = [&](std::uint32_t box) {
+    all.push_back(box);
     return true;
   };
-  grid.walk_box(asked, collect, &all, cost);
+  grid.walk_box(asked, collect, cost);
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -49,11 +49,11 @@ Numbers in_box_by_force(const std::vector<Aabb>& boxes, const Aabb& asked) {
 Numbers along_ray(const Grid& grid, const Ray& ray, double limit) {
   Numbers all;
   WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t box, double current) {
-    static_cast<Numbers*>(context)->push_back(box);
+  const auto collect = [&](std::uint32_t box, double current) {
+    all.push_back(box);
     return current;
   };
-  grid.walk_ray(ray, limit, collect, &all, cost);
+  grid.walk_ray(ray, limit, collect, cost);
   std::sort(all.begin(), all.end());
   return all;
 }
@@ -85,21 +85,16 @@ Numbers along_ray_by_force(const std::vector<Aabb>& boxes, const Ray& ray, doubl
   return all;
 }
 
-struct NearSearch {
-  Numbers found;
-  double limit_m2 = 0;
-};
-
 Numbers near_point(const Grid& grid, const Vec3& point, double limit_m2) {
-  NearSearch search;
+  Numbers found;
   WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t box, double current) {
-    static_cast<NearSearch*>(context)->found.push_back(box);
+  const auto collect = [&](std::uint32_t box, double current) {
+    found.push_back(box);
     return current;
   };
-  grid.walk_near(point, limit_m2, collect, &search, cost);
-  std::sort(search.found.begin(), search.found.end());
-  return search.found;
+  grid.walk_near(point, limit_m2, collect, cost);
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 double distance_m2(const Aabb& box, const Vec3& point) {
@@ -291,18 +286,14 @@ TEST(BroadGrid, RebuildForgetsTheOldBoxes) {
   }
 }
 
-struct PairCount {
-  std::uint64_t count = 0;
-};
-
 std::uint64_t count_pairs(const Grid& grid, WalkCost& cost) {
-  PairCount pairs;
-  const auto add = [](void* context, std::uint32_t, std::uint32_t) {
-    ++static_cast<PairCount*>(context)->count;
+  std::uint64_t count = 0;
+  const auto add = [&](std::uint32_t, std::uint32_t) {
+    ++count;
     return true;
   };
-  grid.pairs(add, &pairs, cost);
-  return pairs.count;
+  grid.pairs(add, cost);
+  return count;
 }
 
 TEST(BroadGrid, BoxesInOnePointAreEnumeratedWithoutMemory) {
@@ -337,14 +328,14 @@ TEST(BroadGrid, FalseAndNegativeLimitsEndTheWalk) {
   Grid grid;
   grid.rebuild(boxes);
   WalkCost cost;
-  grid.walk_box({Vec3::Constant(-1), Vec3::Constant(1)}, [](void*, std::uint32_t) { return false; }, nullptr, cost);
+  grid.walk_box({Vec3::Constant(-1), Vec3::Constant(1)}, [](std::uint32_t) { return false; }, cost);
   EXPECT_EQ(cost.candidates, 1u);
   cost = {};
-  const auto stop = [](void*, std::uint32_t, double) { return -1.0; };
-  grid.walk_ray({Vec3(-2, 0, 0), Vec3(1, 0, 0)}, kInfinity, stop, nullptr, cost);
+  const auto stop = [](std::uint32_t, double) { return -1.0; };
+  grid.walk_ray({Vec3(-2, 0, 0), Vec3(1, 0, 0)}, kInfinity, stop, cost);
   EXPECT_EQ(cost.candidates, 1u);
   cost = {};
-  grid.walk_near(Vec3::Zero(), kInfinity, stop, nullptr, cost);
+  grid.walk_near(Vec3::Zero(), kInfinity, stop, cost);
   EXPECT_EQ(cost.candidates, 1u);
 }
 
@@ -358,9 +349,9 @@ TEST(BroadGrid, RaysAndPointsLookAtFewBoxes) {
   WalkCost ray_cost;
   WalkCost near_cost;
   for (int i = 0; i < 20; ++i) {
-    grid.walk_ray({in_cube(random), in_cube(random)}, kInfinity, [](void*, std::uint32_t, double) { return 0.0; },
-                  nullptr, ray_cost);
-    grid.walk_near(in_cube(random), kInfinity, [](void*, std::uint32_t, double) { return 1e-4; }, nullptr, near_cost);
+    grid.walk_ray({in_cube(random), in_cube(random)}, kInfinity, [](std::uint32_t, double) { return 0.0; },
+                  ray_cost);
+    grid.walk_near(in_cube(random), kInfinity, [](std::uint32_t, double) { return 1e-4; }, near_cost);
   }
   EXPECT_LT(ray_cost.nodes, 20u * 3000);
   EXPECT_LT(near_cost.nodes, 20u * 100);

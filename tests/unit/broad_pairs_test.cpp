@@ -48,11 +48,11 @@ double placing_slack(const TriangleMesh& mesh, const Frame& frame) {
 Pairs offered(const BspTree& a, const BspTree& b, const Frame& frame, double slack_m) {
   Pairs all;
   WalkCost cost;
-  const auto collect = [](void* context, std::uint32_t first, std::uint32_t second) {
-    ++(*static_cast<Pairs*>(context))[{first, second}];
+  const auto collect = [&](std::uint32_t first, std::uint32_t second) {
+    ++all[{first, second}];
     return true;
   };
-  a.walk_pairs(b, frame.rotation, frame.position, slack_m, collect, &all, cost);
+  a.walk_pairs(b, frame.rotation, frame.position, slack_m, collect, cost);
   EXPECT_GE(cost.candidates, all.size());
   return all;
 }
@@ -236,24 +236,24 @@ TEST(BroadPairs, WhatIsNoRotationKeepsThePromise) {
 TEST(BroadPairs, PartsFarApartAreNotWalked) {
   const BspTree tree = BspTree::build(scenes::icosphere(3, 1));
   WalkCost cost;
-  const auto never = [](void*, std::uint32_t, std::uint32_t) { return ADD_FAILURE(), false; };
+  const auto never = [](std::uint32_t, std::uint32_t) { return ADD_FAILURE(), false; };
   for (const double away : {2.5, 1e3, 1e30, 1e300}) {
-    tree.walk_pairs(tree, Mat3::Identity(), Vec3(0, away, 0), 1e-12, never, nullptr, cost);
+    tree.walk_pairs(tree, Mat3::Identity(), Vec3(0, away, 0), 1e-12, never, cost);
   }
   EXPECT_LE(cost.nodes, 20u);
-  BspTree().walk_pairs(tree, Mat3::Identity(), Vec3::Zero(), 0, never, nullptr, cost);
-  tree.walk_pairs(BspTree(), Mat3::Identity(), Vec3::Zero(), 0, never, nullptr, cost);
+  BspTree().walk_pairs(tree, Mat3::Identity(), Vec3::Zero(), 0, never, cost);
+  tree.walk_pairs(BspTree(), Mat3::Identity(), Vec3::Zero(), 0, never, cost);
 }
 
 TEST(BroadPairs, FalseEndsTheWalk) {
-  const auto stop = [](void*, std::uint32_t, std::uint32_t) { return false; };
+  const auto stop = [](std::uint32_t, std::uint32_t) { return false; };
   const TriangleMesh sphere = scenes::icosphere(3, 1);
   const BspTree tree = BspTree::build(sphere);
   const BspTree speck = BspTree::build(scaled(sphere, 1e-15));
   for (const BspTree* other : {&tree, &speck}) {
     WalkCost cost;
-    tree.walk_pairs(*other, Mat3::Identity(), sphere.vertices[7], 1e-12, stop, nullptr, cost);
-    other->walk_pairs(tree, Mat3::Identity(), -sphere.vertices[7], 1e-12, stop, nullptr, cost);
+    tree.walk_pairs(*other, Mat3::Identity(), sphere.vertices[7], 1e-12, stop, cost);
+    other->walk_pairs(tree, Mat3::Identity(), -sphere.vertices[7], 1e-12, stop, cost);
     if (other == &tree) {
       EXPECT_EQ(cost.candidates, 2u);
     }
@@ -266,9 +266,9 @@ TEST(BroadPairs, CostGrowsWithTheBorder) {
   for (const int levels : {3, 4, 5}) {
     const BspTree tree = BspTree::build(scenes::icosphere(levels, 1));
     WalkCost cost;
-    const auto go_on = [](void*, std::uint32_t, std::uint32_t) { return true; };
+    const auto go_on = [](std::uint32_t, std::uint32_t) { return true; };
     tree.walk_pairs(tree, Quat(0.8, 0.1, 0.5, 0.3).normalized().toRotationMatrix(), Vec3(0.6, 0.5, 0.4), 1e-14, go_on,
-                    nullptr, cost);
+                    cost);
     if (before != 0) {
       EXPECT_LT(cost.nodes, 3 * before) << "twice the border, four times the triangles";
     }

@@ -130,11 +130,11 @@ TEST(BspPieces, AWalkLosesNoTriangleThatTheExactTestMeets) {
     const Ray ray{from, target - from};
     std::set<std::uint32_t> seen;
     WalkCost cost;
-    const auto note = [](void* context, std::uint32_t triangle, double limit) {
-      static_cast<std::set<std::uint32_t>*>(context)->insert(triangle);
+    const auto note = [&](std::uint32_t triangle, double limit) {
+      seen.insert(triangle);
       return limit;
     };
-    tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, note, &seen, cost);
+    tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, note, cost);
     RayHit hit;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       if (!cast_ray(ray, mesh.triangle(t), hit).yes()) continue;

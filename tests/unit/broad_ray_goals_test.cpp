@@ -39,14 +39,13 @@ struct Nearest {
   const TriangleMesh& mesh;
   std::uint32_t best = kNone;
 
-  static double take(void* raw, std::uint32_t number, const Triangle& corners, double limit) {
-    Nearest& self = *static_cast<Nearest*>(raw);
-    EXPECT_TRUE(corners.a == self.mesh.triangle(number).a && corners.c == self.mesh.triangle(number).c);
+  double operator()(std::uint32_t number, const Triangle& corners, double limit) {
+    EXPECT_TRUE(corners.a == mesh.triangle(number).a && corners.c == mesh.triangle(number).c);
     RayHit hit;
-    if (!cast_ray(self.ray, corners, hit).yes()) return limit;
-    const int order = self.best == kNone ? -1 : compare_hits(self.ray, corners, self.mesh.triangle(self.best));
-    if (order < 0 || (order == 0 && number < self.best)) self.best = number;
-    return std::min(limit, (hit.distance_m + hit.distance_error_m) / self.ray.direction.norm() * (1 + 0x1p-50));
+    if (!cast_ray(ray, corners, hit).yes()) return limit;
+    const int order = best == kNone ? -1 : compare_hits(ray, corners, mesh.triangle(best));
+    if (order < 0 || (order == 0 && number < best)) best = number;
+    return std::min(limit, (hit.distance_m + hit.distance_error_m) / ray.direction.norm() * (1 + 0x1p-50));
   }
 };
 
@@ -55,10 +54,9 @@ struct Doubt {
   const Ray& ray;
   std::uint32_t told = 0;
 
-  static double decide(void* raw, std::uint32_t, const Triangle& corners, double limit) {
-    Doubt& self = *static_cast<Doubt*>(raw);
-    ++self.told;
-    return meets(self.ray, corners) ? -1 : limit;
+  double operator()(std::uint32_t, const Triangle& corners, double limit) {
+    ++told;
+    return meets(ray, corners) ? -1 : limit;
   }
 };
 
@@ -146,10 +144,10 @@ TEST(BroadRayGoals, NearestAndAnyAgreeWithEveryTriangleDecidedExactly) {
         const Ray& ray = rays[i];
         WalkCost cost;
         Nearest nearest{ray, mesh};
-        tree.walk_ray_nearest(ray, limit_of(ray), mesh, Nearest::take, &nearest, cost);
+        tree.walk_ray_nearest(ray, limit_of(ray), mesh, nearest, cost);
         EXPECT_EQ(nearest.best, expected[i]) << scene.name << " ray " << i << " " << target;
         Doubt doubt{ray};
-        const std::uint32_t met = tree.meet_ray(ray, limit_of(ray), mesh, Doubt::decide, &doubt, cost);
+        const std::uint32_t met = tree.meet_ray(ray, limit_of(ray), mesh, doubt, cost);
         EXPECT_EQ(met == kNone, expected[i] == kNone) << scene.name << " ray " << i << " " << target;
         if (met == kNone) continue;
         EXPECT_TRUE(meets(ray, mesh.triangle(met))) << scene.name << " ray " << i << " " << target;
@@ -182,17 +180,17 @@ TEST(BroadRayGoals, ABatchHearsWhatEachRayHearsAlone) {
     std::vector<BspTree::RayTask> to_nearest;
     std::vector<BspTree::RayTask> to_any;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      to_nearest.push_back({&rays[i], limit_of(rays[i]), &nearest[i], &costs[2 * i]});
-      to_any.push_back({&rays[i], limit_of(rays[i]), &doubts[i], &costs[2 * i + 1]});
+      to_nearest.push_back({&rays[i], limit_of(rays[i]), nearest[i], &costs[2 * i]});
+      to_any.push_back({&rays[i], limit_of(rays[i]), doubts[i], &costs[2 * i + 1]});
     }
-    tree.walk_rays(to_nearest, mesh, BspTree::RayGoal::nearest, Nearest::take);
-    tree.walk_rays(to_any, mesh, BspTree::RayGoal::any, Doubt::decide);
+    tree.walk_rays(to_nearest, mesh, BspTree::RayGoal::nearest);
+    tree.walk_rays(to_any, mesh, BspTree::RayGoal::any);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       WalkCost alone[2];
       Nearest single{rays[i], mesh};
-      tree.walk_ray_nearest(rays[i], limit_of(rays[i]), mesh, Nearest::take, &single, alone[0]);
+      tree.walk_ray_nearest(rays[i], limit_of(rays[i]), mesh, single, alone[0]);
       Doubt doubt{rays[i]};
-      const std::uint32_t met = tree.meet_ray(rays[i], limit_of(rays[i]), mesh, Doubt::decide, &doubt, alone[1]);
+      const std::uint32_t met = tree.meet_ray(rays[i], limit_of(rays[i]), mesh, doubt, alone[1]);
       EXPECT_EQ(nearest[i].best, single.best) << scene.name << " ray " << i;
       EXPECT_EQ(to_any[i].met, met) << scene.name << " ray " << i;
       for (int goal = 0; goal < 2; ++goal) {
@@ -243,17 +241,17 @@ TEST(BroadRayGoals, CoherentRaysMeetTogetherWhatEachMeetsAlone) {
       std::vector<BspTree::RayTask> to_any;
       WalkCost cost;
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        to_nearest.push_back({&rays[i], limit_of(rays[i]), &nearest[i], &cost});
-        to_any.push_back({&rays[i], limit_of(rays[i]), &doubts[i], &cost});
+        to_nearest.push_back({&rays[i], limit_of(rays[i]), nearest[i], &cost});
+        to_any.push_back({&rays[i], limit_of(rays[i]), doubts[i], &cost});
       }
-      tree.walk_rays(to_nearest, mesh, BspTree::RayGoal::nearest, Nearest::take);
-      tree.walk_rays(to_any, mesh, BspTree::RayGoal::any, Doubt::decide);
+      tree.walk_rays(to_nearest, mesh, BspTree::RayGoal::nearest);
+      tree.walk_rays(to_any, mesh, BspTree::RayGoal::any);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         WalkCost unread;
         Nearest single{rays[i], mesh};
-        tree.walk_ray_nearest(rays[i], limit_of(rays[i]), mesh, Nearest::take, &single, unread);
+        tree.walk_ray_nearest(rays[i], limit_of(rays[i]), mesh, single, unread);
         Doubt doubt{rays[i]};
-        const std::uint32_t met = tree.meet_ray(rays[i], limit_of(rays[i]), mesh, Doubt::decide, &doubt, unread);
+        const std::uint32_t met = tree.meet_ray(rays[i], limit_of(rays[i]), mesh, doubt, unread);
         EXPECT_EQ(nearest[i].best, single.best) << scene.name << " ray " << i << " " << target;
         EXPECT_EQ(to_any[i].met, met) << scene.name << " ray " << i << " " << target;
         EXPECT_EQ(met == kNone, single.best == kNone) << scene.name << " ray " << i << " " << target;

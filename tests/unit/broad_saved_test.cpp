@@ -41,11 +41,11 @@ std::string refusal(const TriangleMesh& mesh, std::span<const std::byte> bytes) 
 std::vector<std::uint32_t> candidates(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray) {
   std::vector<std::uint32_t> all;
   WalkCost cost;
-  const auto note = [](void* context, std::uint32_t triangle, const Triangle&, double limit) {
-    static_cast<std::vector<std::uint32_t>*>(context)->push_back(triangle);
+  const auto note = [&](std::uint32_t triangle, const Triangle&, double limit) {
+    all.push_back(triangle);
     return limit;
   };
-  tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, note, &all, cost);
+  tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, note, cost);
   return all;
 }
 

@@ -95,7 +95,7 @@ TEST(SweepAndPrune, EndsWhereToldTo) {
   sweep.update(boxes);
   WalkCost cost;
   int told = 0;
-  sweep.pairs([](void* context, std::uint32_t, std::uint32_t) { return ++*static_cast<int*>(context) < 10; }, &told, cost);
+  sweep.pairs([&](std::uint32_t, std::uint32_t) { return ++told < 10; }, cost);
   EXPECT_EQ(told, 10);
 }
 

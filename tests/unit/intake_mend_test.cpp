@@ -51,21 +51,13 @@ std::size_t leaks(const TriangleMesh& mesh, const std::vector<Segment>& seams, s
     const Vec3 eye = 0.2 * Vec3(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
     const Ray ray{eye, target - eye};
     bool met = false;
-    struct Context {
-      const Ray* ray;
-      const TriangleMesh* mesh;
-      bool* met;
-    } context{&ray, &mesh, &met};
     WalkCost cost;
-    tree.walk_ray(
-        ray, 3, 0,
-        [](void* opaque, std::uint32_t triangle, double limit) {
-          const Context& c = *static_cast<Context*>(opaque);
-          RayHit hit;
-          *c.met = *c.met || cast_ray(*c.ray, c.mesh->triangle(triangle), hit).yes();
-          return *c.met ? -1.0 : limit;
-        },
-        &context, cost);
+    const auto candidate = [&](std::uint32_t triangle, double limit) {
+      RayHit hit;
+      met = met || cast_ray(ray, mesh.triangle(triangle), hit).yes();
+      return met ? -1.0 : limit;
+    };
+    tree.walk_ray(ray, 3, 0, candidate, cost);
     leaked += met ? 0 : 1;
   }
   return leaked;

@@ -72,8 +72,8 @@ TEST_F(IntakeSavedIndex, OutlivesTheScene) {
   ASSERT_TRUE(kept->tree.report().is_loaded);
   WalkCost cost;
   std::uint32_t count = 0;
-  const auto take = [](void* context, std::uint32_t) { return ++*static_cast<std::uint32_t*>(context) > 0; };
-  kept->tree.walk_box(kept->tree.bounds(), take, &count, cost);
+  const auto take = [&](std::uint32_t) { return ++count > 0; };
+  kept->tree.walk_box(kept->tree.bounds(), take, cost);
   EXPECT_EQ(count, 800u);
 }
 
@@ -138,8 +138,8 @@ TEST_F(IntakeSavedIndex, ReplacingTheFileLeavesTheMappedOneWhole) {
   std::filesystem::remove(path_);
   WalkCost cost;
   std::uint32_t count = 0;
-  const auto take = [](void* context, std::uint32_t) { return ++*static_cast<std::uint32_t*>(context) > 0; };
-  first->tree.walk_box(first->tree.bounds(), take, &count, cost);
+  const auto take = [&](std::uint32_t) { return ++count > 0; };
+  first->tree.walk_box(first->tree.bounds(), take, cost);
   EXPECT_EQ(count, 800u);
 }
 

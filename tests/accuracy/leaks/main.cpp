@@ -67,23 +67,17 @@ InsideRay aimed(const TriangleMesh& mesh, const Vec3& center, double inside_m, A
 }
 
 Decision leaks_not(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray) {
-  struct Context {
-    const Ray& ray;
-    Decision answer;
-  } context{ray, Decision::no};
+  Decision answer = Decision::no;
   WalkCost cost;
-  tree.walk_ray(
-      ray, std::numeric_limits<double>::infinity(), 0, mesh,
-      [](void* opaque, std::uint32_t, const Triangle& corners, double limit) {
-        auto& c = *static_cast<Context*>(opaque);
-        RayHit hit;
-        const Decision decision = cast_ray(c.ray, corners, hit).decision;
-        if (decision == Decision::no) return limit;
-        c.answer = decision;
-        return decision == Decision::yes ? -1.0 : limit;
-      },
-      &context, cost);
-  return context.answer;
+  const auto candidate = [&](std::uint32_t, const Triangle& corners, double limit) {
+    RayHit hit;
+    const Decision decision = cast_ray(ray, corners, hit).decision;
+    if (decision == Decision::no) return limit;
+    answer = decision;
+    return decision == Decision::yes ? -1.0 : limit;
+  };
+  tree.walk_ray(ray, std::numeric_limits<double>::infinity(), 0, mesh, candidate, cost);
+  return answer;
 }
 
 struct Scene {
