@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace collided {
+namespace collided::engine {
 
 template <typename Signature>
 class FunctionRef;
@@ -48,4 +48,4 @@ class FunctionRef<R(Args...)> {
   R (*call_)(Target, Args...);
 };
 
-}  // namespace collided
+}  // namespace collided::engine

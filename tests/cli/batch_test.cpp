@@ -63,6 +63,12 @@ TEST_F(Batch, BadJsonSaysAtWhichColumn) {
   EXPECT_NE(ran.err.find("stdin line 3: 'nan' in column from;"), std::string::npos) << ran.err;
 }
 
+TEST_F(Batch, WhatIsNoNumberInJsonIsNamedOnOneLine) {
+  const Ran ran = rays("--fields id,answer", "{\"from\":[0,{\"x\":[1,true]},5],\"dir\":[0,0,1]}\n");
+  EXPECT_EQ(ran.out, "0\tinvalid\n");
+  EXPECT_NE(ran.err.find("stdin line 1: {\"x\":[1,true]} in 'from';"), std::string::npos) << ran.err;
+}
+
 TEST_F(Batch, StopOnErrorStops) {
   const Ran ran = rays("--stop-on-error --fields id,answer", "0 0 5 0 0 -1\n0 0 5 0 0 x\n0 0 5 0 0 -1\n");
   EXPECT_EQ(ran.code, 6);

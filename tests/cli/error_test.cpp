@@ -69,6 +69,7 @@ TEST_F(Errors, BadUseIsRefusedBeforeAnythingIsSent) {
       {"ray 0 0 5 0 0 -1 --tp 1 2 3", "error: ray: unknown option '--tp'; did you mean '--to'?\n"},
       {"ray 0 0 5 --to 0 0 5", "error: ray: start and target are the same point, 0 0 5\n"},
       {"ray 0 0 5 0 0 inf", "error: ray: direction 0 0 inf must be finite\n"},
+      {"sphere 0 0 inf 1", "error: sphere: centre 0 0 inf must be finite\n"},
       {"sphere 0 0 0 -1", "error: sphere: radius -1 must be finite and not below 0\n"},
       {"ray 0 0 5 0 0 -1 --json --csv", "error: ray: --json, --csv, --plain and --table exclude each other\n"},
       {"ray 0 0 5 0 0 -1 --mask cargo", "error: ray: 'cargo' is not a set of 32 bits (decimal, 0x1f or 0b101)\n"},

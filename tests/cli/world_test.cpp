@@ -60,6 +60,10 @@ TEST_F(World, RemoveSaysWhatWentAndHowToBringItBack) {
   EXPECT_EQ(ran.err, "     undo: collide add 'a crate' box 0.4 0.4 0.2 --at 1 2 0.2 --quat 0 1 0 0 --layers 0x2\n");
   replies["remove"] = {{"removed", nlohmann::json::array()}, {"ended", 0}, {"version", 18207}};
   EXPECT_EQ(collide("rm 'crate*'").code, 1);
+  replies["remove"] = {{"removed", {"a", "b", "c", "d", "e"}}, {"ended", 0}, {"version", 18208}};
+  EXPECT_EQ(at_terminal("rm '*'").out, "removed a, b, c, d, e (world 18208)\n");
+  replies["remove"] = {{"removed", {"a", "b", "c", "d", "e", "f", "g"}}, {"ended", 0}, {"version", 18209}};
+  EXPECT_EQ(at_terminal("rm '*'").out, "removed a, b, c, d, e and 2 more (world 18209)\n");
 }
 
 // A name that nobody has is told with its neighbours; a glob is no name, and what the server says of it is all there is to say.

@@ -385,6 +385,13 @@ TEST(FlightOpening, ACommandWhoseTextIsNoJsonIsSurvived) {
   EXPECT_EQ(commands.back(), R"({"command":"add","name":"ball"})");
 }
 
+TEST(FlightOpening, WhatIsNoNameAmongTheRemovedIsPassedOver) {
+  FlightOpening opening;
+  ask(opening, R"({"command":"add","name":"crate"})");
+  ask(opening, R"({"command":"remove","name":"*"})", R"({"removed":[1,null,"crate",{"name":"ball"},"door"]})");
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"remove","name":"door"})"}));
+}
+
 TEST(FlightOpening, AnObjectOfASceneStaysAwayOnceItWasRemoved) {
   FlightOpening opening;
   for (int i = 0; i < 3; ++i) {

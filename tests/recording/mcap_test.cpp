@@ -146,6 +146,20 @@ TEST(Mcap, ChannelsOfANamespaceAreToldApart) {
     const auto number = static_cast<std::uint16_t>(topic.what);
     EXPECT_EQ(recording::recorded_topic(contents.channels.at(number), contents), topic.what);
   }
+  // Another's channel may have a name like one of ours: what is in it says its schema, and how, its encoding.
+  Contents others = contents;
+  for (auto& [number, schema] : others.schemas) schema.name = "other::" + schema.name;
+  Contents none = contents;
+  none.schemas.clear();
+  for (const auto& [number, channel] : contents.channels) {
+    auto renamed = channel, encoded = channel;
+    renamed.topic += "s";
+    encoded.encoding = "json";
+    EXPECT_EQ(recording::recorded_topic(channel, others), std::nullopt) << channel.topic;
+    EXPECT_EQ(recording::recorded_topic(channel, none), std::nullopt) << channel.topic;
+    EXPECT_EQ(recording::recorded_topic(renamed, contents), std::nullopt) << channel.topic;
+    EXPECT_EQ(recording::recorded_topic(encoded, contents), std::nullopt) << channel.topic;
+  }
   EXPECT_EQ(contents.channels.at(1).topic, "hall/a/object");
   EXPECT_NE(contents.schemas.at(1).text.find("@final struct Definition"), std::string::npos);
 }

@@ -136,6 +136,12 @@ TEST_F(ClientPublish, WrongObjectsAndPosesAreRefusedByName) {
   EXPECT_EQ(client_->publish("").error().code, ErrorCode::bad_input);
 }
 
+TEST_F(ClientPublish, ANameMayHave255BytesAndNoMore) {
+  EXPECT_TRUE(publisher_->add(ball(std::string(255, 'x'))));
+  EXPECT_EQ(publisher_->add(ball(std::string(256, 'x'))).error().message,
+            "object '" + std::string(256, 'x') + "': its name has 256 bytes; allowed 1 to 255");
+}
+
 TEST_F(ClientPublish, ShapeBeyondOneSampleIsRefusedWithItsSize) {
   MeshShape mesh;
   mesh.vertices.assign(50'000, Vec3(1, 2, 3));

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace collided {
+namespace collided::engine {
 namespace {
 
 int doubled(int number) { return 2 * number; }
@@ -57,4 +57,4 @@ TEST(GeometryFunctionRef, HandsArgumentsAndResultsOnAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace collided
+}  // namespace collided::engine

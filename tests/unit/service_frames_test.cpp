@@ -116,6 +116,29 @@ TEST_F(ServiceFrames, ANameIsKnownAsLongAsAContactOfItsObjectIsToldOf) {
   EXPECT_EQ(book.name(a), "");
 }
 
+TEST_F(ServiceFrames, AHitOnWhatIsNotInTheStateHasNoNameBesideIt) {
+  define("left", {0, 0, 0});
+  world.step(1, 1, {});
+  const auto state = world.newest();
+  const ObjectId beyond = state->objects->size();
+  Answers answers;
+  answers.answers = {wire_contract::Answer::hit};
+  answers.reasons = {wire_contract::UndecidedReason::none};
+  answers.levels = {0};
+  answers.hit_counts = {1};
+  answers.nodes = answers.exact_tests = {0};
+  answers.hits = {{.object = beyond, .triangle = 5}};
+  std::vector<std::uint64_t> named_in;
+  named_in.reserve(state->objects->size() + 1);
+  std::uint64_t reply_number = 0;
+  ReplyFiller filler(*state, answers, named_in, reply_number);
+  ReplyColumns columns;
+  ASSERT_TRUE(filler.fill(columns));
+  EXPECT_EQ(columns.objects, std::vector<std::uint64_t>{beyond});
+  EXPECT_EQ(columns.triangles, std::vector<std::uint32_t>{5});
+  EXPECT_TRUE(columns.named.ids.empty());
+}
+
 TEST_F(ServiceFrames, AReadingTravelsWithEveryFieldInItsPlace) {
   const ObjectId head = define("head", {0, 0, 3});
   const ObjectId wall = define("wall", {0, 0, 0});

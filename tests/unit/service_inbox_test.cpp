@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <tuple>
+
+#include "server/service/listeners.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -160,6 +163,58 @@ TEST(Inbox, JobsAreBounded) {
   EXPECT_FALSE(inbox.push_job([] {}));
   drain(inbox);
   EXPECT_TRUE(inbox.push_job([] {}));
+}
+
+// The limits are of what waits: after each drain there is room for as much as at the beginning, of every kind.
+TEST(Inbox, EveryRoundHasTheWholeRoom) {
+  Inbox inbox({.batches = 2, .poses = 2, .merged_objects = 9, .definition_bytes = sizeof(DefinitionSample), .jobs = 2});
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_TRUE(inbox.push_job([] {})) << round;
+    EXPECT_TRUE(inbox.push_job([] {})) << round;
+    EXPECT_FALSE(inbox.push_job([] {})) << round;
+    const std::uint64_t first = 2 * static_cast<std::uint64_t>(round) + 1;
+    inbox.push(batch(first, {{1, 1}}));
+    inbox.push(batch(first + 1, {{1, 2}}));
+    EXPECT_TRUE(inbox.has_room_for_definitions()) << round;
+    inbox.push(std::make_unique<DefinitionSample>());
+    EXPECT_FALSE(inbox.has_room_for_definitions()) << round;
+    const std::vector<Arrival> arrivals = drain(inbox);
+    ASSERT_EQ(arrivals.size(), 5U) << round;
+    EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[2])->sequence, first);
+    EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[3])->sequence, first + 1) << "merged before there was need";
+  }
+}
+
+using News = std::vector<std::tuple<std::uint64_t, WriterKind, bool>>;
+
+News news_of(Inbox& inbox) {
+  News news;
+  for (const Arrival& arrival : drain(inbox)) {
+    const WriterNews& told = std::get<WriterNews>(arrival);
+    news.emplace_back(told.publisher, told.kind, told.alive);
+  }
+  return news;
+}
+
+// A lease that ran out may be renewed under the same handle; a writer that was deleted is gone for good.
+TEST(PublisherLiveliness, AWriterWhoseLeaseRanOutIsKnownWhenItComesBackAndADeletedOneIsNot) {
+  Inbox inbox;
+  PublisherLiveliness table(inbox, WriterKind::object);
+  table.heard(70, 7);
+  table.liveliness({.alive = 1, .not_alive = 0, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), (News{{7, WriterKind::object, true}}));
+  table.liveliness({.alive = 0, .not_alive = 1, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), (News{{7, WriterKind::object, false}}));
+  table.liveliness({.alive = 1, .not_alive = 0, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), (News{{7, WriterKind::object, true}})) << "back under its handle";
+  table.liveliness({.alive = 0, .not_alive = 0, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), (News{{7, WriterKind::object, false}}));
+  table.liveliness({.alive = 1, .not_alive = 0, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), News{}) << "deleted, so the handle is nobody's";
+  table.liveliness({.alive = 2, .not_alive = 0, .last_writer = 71});
+  EXPECT_EQ(news_of(inbox), News{}) << "not heard of yet";
+  table.lost(9);
+  EXPECT_EQ(news_of(inbox), (News{{9, WriterKind::object, false}}));
 }
 
 }  // namespace

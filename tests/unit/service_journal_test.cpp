@@ -168,6 +168,15 @@ TEST(ServiceJournal, WhatWasPutIsThereForTheNextProcess) {
 
 // The n-th call of the disk fails, half done: nothing is lost as long as the disk works again, and it is said until it
 // does; a loss of power at the end leaves the last state of which nothing was said.
+// The kernel says a page for each of its own files, and gives a line: so does a file that is cut while it is read.
+TEST(ServiceJournal, AFileThatHoldsLessThanItSaysIsReadToItsEnd) {
+  const std::filesystem::path file = "/sys/kernel/cpu_byteorder";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file;
+  const auto bytes = disk_in("/sys/kernel")->read("cpu_byteorder");
+  ASSERT_TRUE(bytes);
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()), "little\n");
+}
+
 TEST(ServiceJournal, EveryFailureOfTheDiskIsSurvivedAndSaid) {
   std::mt19937_64 random = oracle::seeded(92);
   int said = 0;

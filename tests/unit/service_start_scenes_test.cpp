@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+
+#include "server/service/scene_loading.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -48,6 +51,14 @@ TEST_F(ServiceStartScenes, WithoutOneTheEmbeddedSceneIsThere) {
   load({});
   ASSERT_EQ(world_.newest()->scenes.size(), 1U);
   EXPECT_EQ(world_.newest()->scenes[0]->name, "warehouse");
+}
+
+TEST_F(ServiceStartScenes, TheSecondsOfALoadAreNoMoreThanPassedAroundItAndNotNone) {
+  const auto before = std::chrono::steady_clock::now();
+  const LoadedScene loaded = embedded_and_indexed();
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - before;
+  EXPECT_GT(loaded.seconds, 0);
+  EXPECT_LE(loaded.seconds, passed.count());
 }
 
 TEST_F(ServiceStartScenes, AllThatAreNamedAreThereInOrder) {
