@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "server/intake/disjoint_sets.hpp"
-#include "server/intake/winding.hpp"
 #include "server/intake/planar.hpp"
 #include "server/intake/weld.hpp"
+#include "server/intake/winding.hpp"
 
 namespace collided::engine {
 namespace {

@@ -15,12 +15,12 @@
 #include "server/service/clock.hpp"
 #include "server/service/counters.hpp"
 #include "server/service/fair_queue.hpp"
-#include "server/service/write_barriers.hpp"
 #include "server/service/flight_recorder.hpp"
-#include "server/service/snapshot_leases.hpp"
 #include "server/service/overload.hpp"
 #include "server/service/past_states.hpp"
 #include "server/service/short_questions.hpp"
+#include "server/service/snapshot_leases.hpp"
+#include "server/service/write_barriers.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "server/service/frames.hpp"
 #include "server/service/event_writer.hpp"
+#include "server/service/frames.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "server/service/validation.hpp"
 #include "server/service/nearest_word.hpp"
+#include "server/service/validation.hpp"
 
 namespace collided::engine::service {
 

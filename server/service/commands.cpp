@@ -9,9 +9,9 @@
 #include "idl/commands.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/shape_scale.hpp"
-#include "server/service/validation.hpp"
 #include "server/service/nearest_word.hpp"
 #include "server/service/object_description.hpp"
+#include "server/service/validation.hpp"
 #include "server/world/plan.hpp"
 #include "server/world/query.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "idl/dds.hpp"
-#include "server/service/flight_recorder.hpp"
 #include "server/service/event_writer.hpp"
+#include "server/service/flight_recorder.hpp"
 
 namespace collided::engine::service {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "server/service/validation.hpp"
 #include "server/service/commands.hpp"
+#include "server/service/validation.hpp"
 #include "server/world/plan.hpp"
 
 namespace collided::engine::service {

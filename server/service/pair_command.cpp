@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "server/geometry/mesh.hpp"
-#include "server/service/validation.hpp"
 #include "server/service/commands.hpp"
 #include "server/service/nearest_word.hpp"
+#include "server/service/validation.hpp"
 #include "server/world/pair_report.hpp"
 
 namespace collided::engine::service {

@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "server/service/validation.hpp"
 #include "server/service/commands.hpp"
+#include "server/service/validation.hpp"
 
 namespace collided::engine::service {
 

@@ -14,6 +14,7 @@
 
 #include "server/service/answering.hpp"
 #include "server/service/commands.hpp"
+#include "server/service/dds_event_writer.hpp"
 #include "server/service/durable_state.hpp"
 #include "server/service/epoch.hpp"
 #include "server/service/flight_recorder.hpp"
@@ -21,7 +22,6 @@
 #include "server/service/random_number.hpp"
 #include "server/service/self_test.hpp"
 #include "server/service/start_scenes.hpp"
-#include "server/service/dds_event_writer.hpp"
 #include "server/service/world_loop.hpp"
 
 namespace collided::engine::service {

@@ -11,8 +11,8 @@
 #include <filesystem>
 
 #include "idl/commands.hpp"
-#include "server/service/validation.hpp"
 #include "server/service/random_number.hpp"
+#include "server/service/validation.hpp"
 
 namespace collided::engine::service {
 

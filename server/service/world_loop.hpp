@@ -12,12 +12,12 @@
 #include "server/service/broadcast.hpp"
 #include "server/service/clock.hpp"
 #include "server/service/counters.hpp"
-#include "server/service/write_barriers.hpp"
-#include "server/service/inbox.hpp"
-#include "server/service/snapshot_leases.hpp"
 #include "server/service/event_writer.hpp"
+#include "server/service/inbox.hpp"
 #include "server/service/publishers.hpp"
+#include "server/service/snapshot_leases.hpp"
 #include "server/service/step_sums.hpp"
+#include "server/service/write_barriers.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {

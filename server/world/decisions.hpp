@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "server/world/separation_cache.hpp"
 #include "server/world/contact_ledger.hpp"
 #include "server/world/motion_history.hpp"
 #include "server/world/object_rows.hpp"
 #include "server/world/scene_touch.hpp"
+#include "server/world/separation_cache.hpp"
 #include "server/world/step_motion.hpp"
 #include "server/world/sweep.hpp"
 #include "server/world/world.hpp"

@@ -1,5 +1,5 @@
-#include "server/world/scene_touch.hpp"
 #include "server/world/decisions.hpp"
+#include "server/world/scene_touch.hpp"
 
 namespace collided::engine {
 namespace {

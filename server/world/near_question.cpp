@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "server/exact_phase/closest.hpp"
-#include "server/exact_phase/nearest_filter.hpp"
 #include "server/exact_phase/half_space.hpp"
+#include "server/exact_phase/nearest_filter.hpp"
 #include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/precision.hpp"
 #include "server/world/part_index.hpp"

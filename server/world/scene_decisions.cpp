@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "server/world/scene_touch.hpp"
 #include "server/world/decisions.hpp"
+#include "server/world/scene_touch.hpp"
 
 namespace collided::engine {
 namespace {

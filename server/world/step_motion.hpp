@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "server/world/separation_cache.hpp"
 #include "server/world/motion_history.hpp"
 #include "server/world/object_rows.hpp"
+#include "server/world/separation_cache.hpp"
 #include "server/world/sweep.hpp"
 
 namespace collided::engine {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <variant>
 
-#include "server/exact_phase/general_shapes.hpp"
 #include "server/exact_phase/contact.hpp"
+#include "server/exact_phase/general_shapes.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {

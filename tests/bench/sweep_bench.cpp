@@ -5,8 +5,8 @@
 #include <random>
 
 #include "server/world/indexed_mesh.hpp"
-#include "server/world/swept_object.hpp"
 #include "server/world/scene_touch.hpp"
+#include "server/world/swept_object.hpp"
 #include "tests/bench/clock.hpp"
 #include "tests/bench/rows.hpp"
 #include "tests/oracle/seed.hpp"

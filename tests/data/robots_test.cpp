@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "server/exact_phase/convex_pair.hpp"
-#include "server/exact_phase/overlap.hpp"
 #include "server/exact_phase/general_shapes.hpp"
+#include "server/exact_phase/overlap.hpp"
 #include "server/geometry/aabb.hpp"
 #include "tests/data/recorded.hpp"
 

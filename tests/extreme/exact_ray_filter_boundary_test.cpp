@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include "server/exact_phase/ray_cast.hpp"
+#include "tests/extreme/transformed.hpp"
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/seed.hpp"
-#include "tests/extreme/transformed.hpp"
 
 namespace collided::engine {
 namespace {

@@ -6,8 +6,8 @@
 #include "client/library/answer_decoding.hpp"
 #include "client/library/asked_again.hpp"
 #include "client/library/watch_decoding.hpp"
-#include "tests/fuzz/fuzz_target.hpp"
 #include "tests/fuzz/framed.hpp"
+#include "tests/fuzz/fuzz_target.hpp"
 
 // What a server, or whoever speaks like one, may send to a client: replies, and everything that a watch hears. Nothing of it
 // makes a watch tell of an end without a beginning.

@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include "server/service/epoch.hpp"
-#include "server/service/write_barriers.hpp"
-#include "server/service/snapshot_leases.hpp"
 #include "server/service/reply_columns.hpp"
 #include "server/service/sequence_watermark.hpp"
+#include "server/service/snapshot_leases.hpp"
 #include "server/service/source_clock.hpp"
+#include "server/service/write_barriers.hpp"
 
 namespace collided::engine::service {
 namespace {
