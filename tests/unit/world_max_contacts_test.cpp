@@ -77,6 +77,18 @@ TEST_F(WorldMaxContacts, WhatHoldsIsNotEndedByASearchCutShort) {
   }
 }
 
+TEST_F(WorldMaxContacts, WhatHoldsOutlastsASearchCutShortWhicheverOfTheTwoMoves) {
+  add(20, Sphere{.center = Vec3::Zero(), .radius_m = 1});
+  step();
+  const auto before = told_;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    put(i, Vec3(0.01, 0, 0));
+    step();
+    EXPECT_EQ(told_, before) << i;
+    EXPECT_TRUE(world_.cost().truncated);
+  }
+}
+
 TEST_F(WorldMaxContacts, EndsAreToldWhileTruncated) {
   add(20, Sphere{.center = Vec3::Zero(), .radius_m = 1});
   step();
