@@ -5,6 +5,7 @@
 
 #include "server/world/boxes_only.hpp"
 #include "server/world/menu.hpp"
+#include "server/world/parts.hpp"
 #include "server/world/plan.hpp"
 #include "server/world/query.hpp"
 #include "server/world/question.hpp"
@@ -158,6 +159,38 @@ TEST_F(WorldByHand, ShortRaysOfACameraMeetWhatIsNear) {
   for (int i = 0; i < 64; ++i) shorter.insert(shorter.end(), {0.5, 0.25, 1, 0, 0, -1, i % 2 == 0 ? 0.5 : 1.5});
   const Answers answers = ask({.kind = QueryKind::ray, .numbers = {}}, shorter);
   for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(answers.answers[i], i % 2 == 0 ? Answer::miss : Answer::hit) << i;
+}
+
+// A hit names its object and triangle: the shapes so named, where they are.
+TEST_F(WorldByHand, WhatAHitNamesIsFoundWhereItIs) {
+  TriangleMesh floor = square(1, -5);
+  load(floor);
+  Shape two = ball(0.5);
+  two.primitives.push_back(Box{.center = {0, 0, 1}, .half_m = {1, 1, 1}});
+  const ObjectId solids = define("solids", {3, 0, 0}, two);
+  const ObjectId stone = define("stone", {0, 3, 0}, rock());
+  step();
+  const SnapshotRing::Lease state = world.newest();
+  const auto middles = [&](ObjectId id, std::uint32_t triangle) {
+    std::vector<Vec3> found;
+    visit_part(*state, id, triangle, [&](const auto& shape) {
+      const Aabb around = bounds(shape);
+      found.push_back(around.low / 2 + around.high / 2);
+    });
+    return found;
+  };
+  const std::vector<Vec3> of_solids = middles(solids, wire_contract::kNoTriangle);
+  ASSERT_EQ(of_solids.size(), 2U);
+  EXPECT_NEAR((of_solids[0] - Vec3(3, 0, 0)).norm() + (of_solids[1] - Vec3(3, 0, 1)).norm(), 0, 1e-12);
+  const std::vector<Vec3> of_stone = middles(stone, 2);
+  ASSERT_EQ(of_stone.size(), 1U);
+  EXPECT_NEAR((of_stone[0] - Vec3(0, 3, 0)).norm(), 0.5, 0.3);
+  const Answers down = ask({.kind = QueryKind::ray, .numbers = {}}, {-0.5, 0.5, 3, 0, 0, -1, INFINITY});
+  ASSERT_EQ(down.hits.size(), 1U);
+  EXPECT_EQ(down.hits[0].triangle, 1U);
+  const std::vector<Vec3> of_floor = middles(down.hits[0].object, down.hits[0].triangle);
+  ASSERT_EQ(of_floor.size(), 1U);
+  EXPECT_EQ(of_floor[0], Vec3(0, 0, -5));
 }
 
 TEST_F(WorldByHand, ANewWorldIsEmptyAndNoTimeHasPassed) {
