@@ -37,13 +37,14 @@ TEST(IntakeChildProcess, OnceCancelledItStaysCancelledAndIsNotAskedAgain) {
 
 TEST(IntakeChildProcess, OfWhatItPrintsOnlySoMuchIsKept) {
   for (const std::size_t count : {std::size_t{5}, kMaxChildText, kMaxChildText + 1, 3 * kMaxChildText + 5}) {
-    const std::string both = fmt::format("yes a | head -c {0}; yes b | head -c {0} >&2", count);
+    // The first letters are read by themselves, so that what is kept does not end where a piece that is read does.
+    const std::string both = fmt::format("printf 'a\\na'; printf 'b\\nb' >&2; sleep 0.1; yes '' | head -c {0}; yes '' | head -c {0} >&2", count - 3);
     const ChildResult result = run_child({"/bin/sh", "-c", both}, std::chrono::seconds(60), [] { return false; });
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_EQ(result.output.size(), std::min(count, kMaxChildText));
     EXPECT_EQ(result.errors.size(), std::min(count, kMaxChildText));
-    EXPECT_TRUE(result.output.starts_with("a\na\n"));
-    EXPECT_TRUE(result.errors.starts_with("b\nb\n"));
+    EXPECT_TRUE(result.output.starts_with("a\na\n\n"));
+    EXPECT_TRUE(result.errors.starts_with("b\nb\n\n"));
   }
 }
 
