@@ -84,9 +84,11 @@ Closest closest_in_general(const Vec3& point, const ShapeView& shape) {
   const Separation apart = kernel::separation_of(pair);
   Closest result{apart.distance_m, apart.error_m, apart.on_a, apart.normal};
   // The nearest point of a convex set is within sqrt(h^2 - l^2) of any of its points at distance h, if it is at l or more.
-  const double high = apart.distance_m + apart.error_m;
-  const double low = std::max(apart.distance_m - apart.error_m, 0.0);
-  result.point_error_m = std::sqrt((high - low) * (high + low)) * (1 + 0x1p-48) + apart.point_error_m;
+  // With h and l an error off the distance that is the root of 4 distance error; h - l itself would lose its digits.
+  const double distance = apart.distance_m;
+  const double error = apart.error_m;
+  const double within_m = distance > error ? 2 * std::sqrt(distance) * std::sqrt(error) : distance + error;
+  result.point_error_m = within_m * (1 + 0x1p-48) + apart.point_error_m;
   return result;
 }
 

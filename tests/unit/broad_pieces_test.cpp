@@ -111,6 +111,25 @@ TEST(BspPieces, ReferencesStayWithinAQuarterMore) {
   }
 }
 
+// Of so many only every second is looked at for a first guess; here those are the small ones, and the rest is what costs.
+TEST(BspPieces, ReferencesStayWithinAQuarterMoreWhereASampleSaysLittle) {
+  constexpr std::uint32_t kHalf = 36'000;
+  const TriangleMesh small = scenes::scattered(kHalf, 0.002, 1);
+  const TriangleMesh large = scenes::slanted(kHalf, 0.05, 2);
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < 2 * kHalf; ++i) {
+    const Triangle t = i % 2 == 0 ? small.triangle(i / 2) : large.triangle(i / 2);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {t.a, t.b, t.c});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  const BspTree tree = best(mesh);
+  const BspReport& report = tree.report();
+  EXPECT_GE(report.references, mesh.triangles.size());
+  EXPECT_LE(static_cast<double>(report.references), 1.25 * static_cast<double>(mesh.triangles.size()));
+  EXPECT_GT(report.split_triangles, 0u);
+}
+
 TEST(BspPieces, AWalkLosesNoTriangleThatTheExactTestMeets) {
   std::mt19937_64 random = oracle::seeded(77);
   std::uniform_real_distribution<double> coordinate(-1, 1);

@@ -259,5 +259,17 @@ TEST_F(BroadTampered, PiecesAreThoseThatTheLeavesHold) {
   EXPECT_EQ(after([](std::span<std::byte> b) { b[b.size() - 4] = std::byte{2}; }), "a triangle is not in the boxes of its leaves");
 }
 
+// Byte order, sizes of records, width: each alone makes it another machine's, and that is what is said.
+TEST(BroadSaved, OneOfAnotherKindOfMachineIsSaidToBeThat) {
+  const TriangleMesh mesh = scenes::box({1, 1, 1});
+  const Bytes saved = build(mesh).saved(mesh);
+  ASSERT_EQ(refusal(mesh, saved), "loaded");
+  for (const std::size_t place : {12u, 16u, 20u, 24u}) {
+    Bytes other = saved;
+    other[place] ^= std::byte{1};
+    EXPECT_EQ(refusal(mesh, other), "it is for another kind of machine") << place;
+  }
+}
+
 }  // namespace
 }  // namespace collided::engine

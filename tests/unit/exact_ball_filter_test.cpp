@@ -108,5 +108,17 @@ TEST(BallFilter, SaysNothingOutOfRange) {
   EXPECT_FALSE(kernel::surely_apart(resting({.center = Vec3::Zero(), .radius_m = 0}), tiny));
 }
 
+// A metre along x: what lies on the line beyond either end is as far as from that end.
+TEST(BallFilter, PartsWhatLiesOnTheLineBeyondEitherEndOfTheWay) {
+  const MovingSphere mover{.start = {0, 0, 0}, .end = {1, 0, 0}, .radius_m = 0.25};
+  for (const double x : {-10.0, -0.75, 1.75, 10.0}) EXPECT_TRUE(kernel::surely_apart(mover, {.center = {x, 0, 0}, .radius_m = 0.25})) << x;
+  for (const double x : {-0.25, 0.0, 0.5, 1.25}) EXPECT_FALSE(kernel::surely_apart(mover, {.center = {x, 0, 0}, .radius_m = 0.25})) << x;
+  EXPECT_TRUE(kernel::surely_apart(mover, {.center = {0.5, 0.75, 0}, .radius_m = 0.25}));
+  for (const double x : {-10.0, -0.75, 1.75, 10.0}) {
+    EXPECT_EQ(kernel::quickly_overlaps(Sphere{{x, 0, 0}, 0.25}, Capsule{{0, 0, 0}, {1, 0, 0}, 0.25}), Decision::no) << x;
+  }
+  EXPECT_EQ(kernel::quickly_overlaps(Sphere{{1.25, 0, 0}, 0.25}, Capsule{{0, 0, 0}, {1, 0, 0}, 0.25}), Decision::yes);
+}
+
 }  // namespace
 }  // namespace collided::engine

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "server/exact_phase/closest.hpp"
 #include "server/exact_phase/exactly.hpp"
 #include "server/exact_phase/half_space.hpp"
 #include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/part.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 #include "server/exact_phase/time_of_contact.hpp"
 #include "server/geometry/aabb.hpp"
@@ -223,6 +225,76 @@ TEST(HalfSpace, AnAlignedOneEndsAtItsPlane) {
   EXPECT_EQ(box.high.z(), 3);
   EXPECT_TRUE(std::isinf(box.low.z()) && std::isinf(box.high.x()));
   EXPECT_TRUE(std::isinf(bounds(HalfSpace{{1, 2, 3}, {0, 1e-9, 4}}).high.z()));
+}
+
+// Ground tilted by 3 4 5, and what stands 2 m above it: every field, and the same the other way round.
+TEST(HalfSpace, TellsHowFarAboveItEachKindIs) {
+  const Vec3 up(0, 0.6, 0.8);
+  const Vec3 foot(1, 0, 0);
+  const HalfSpace ground{.point = foot + 7 * up.cross(Vec3::UnitX()), .normal = 5 * up};
+  const Vec3 along = up.cross(Vec3::UnitX());
+  Mat3 axes;
+  axes << Vec3::UnitX(), up, Vec3::UnitX().cross(up);
+  for (const Primitive& primitive : {Primitive(Sphere{foot + 2.5 * up, 0.5}), Primitive(Box{.center = foot + 3 * up, .axes = axes, .half_m = {1, 1, 1}}),
+                                     Primitive(Capsule{foot + 2.5 * up, foot + 9 * up, 0.5}), Primitive(Cone{foot + 2 * up, foot + 4 * up, 1}),
+                                     Primitive(Ellipsoid{.center = foot + 5 * up, .axes = axes, .half_m = {1, 3, 2}}),
+                                     Primitive(Cylinder{foot + 2 * up, foot + 5 * up, 0.5})}) {
+    const Separation apart = separation(ConvexPart(Primitive(ground)), ConvexPart(primitive));
+    EXPECT_NEAR(apart.distance_m, 2, 1e-12) << primitive.index();
+    EXPECT_LE(std::abs(apart.distance_m - 2), apart.error_m + 1e-15);
+    EXPECT_LT(apart.error_m, 1e-12);
+    EXPECT_NEAR((apart.normal - up).norm(), 0, 1e-15) << primitive.index();
+    EXPECT_NEAR(up.dot(apart.on_a - foot), 0, 1e-12) << "on the plane";
+    EXPECT_NEAR(up.dot(apart.on_b - foot), 2, 1e-12) << "its lowest point";
+    EXPECT_NEAR((apart.on_b - apart.on_a - 2 * up).norm(), 0, 1e-12);
+    EXPECT_GT(apart.point_error_m, apart.error_m);
+    EXPECT_LT(apart.point_error_m, 1e-9);
+    const Separation turned = separation(ConvexPart(primitive), ConvexPart(Primitive(ground)));
+    EXPECT_EQ(turned.distance_m, apart.distance_m);
+    EXPECT_EQ(turned.error_m, apart.error_m);
+    EXPECT_EQ(turned.normal, -apart.normal);
+    EXPECT_EQ(turned.on_a, apart.on_b);
+    EXPECT_EQ(turned.on_b, apart.on_a);
+    EXPECT_EQ(turned.point_error_m, apart.point_error_m);
+  }
+  const Separation of_triangle = separation(ConvexPart(Primitive(ground)), ConvexPart(Triangle{foot + 2 * up, foot + 3 * up + along, foot + 3 * up - along}));
+  EXPECT_NEAR(of_triangle.distance_m, 2, 1e-12);
+  EXPECT_NEAR((of_triangle.normal - up).norm(), 0, 1e-15);
+  EXPECT_NEAR((of_triangle.on_b - foot - 2 * up).norm(), 0, 1e-12);
+}
+
+// From -10 to 10 along x: a metre of radius meets the long axis' end, 2 m from the middle, at -3.
+TEST(GeneralFirstContact, ABallMeetsRoundThingsWhereItsWaySays) {
+  const MovingSphere mover{.start = {-10, 0, 0}, .end = {10, 0, 0}, .radius_m = 1};
+  for (const Primitive& other : {Primitive(Ellipsoid{.center = Vec3::Zero(), .half_m = {2, 1, 0.5}}), Primitive(Cylinder{{-2, 0, 0}, {2, 0, 0}, 0.5}),
+                                 Primitive(Cone{{-2, 0, 0}, {2, 0, 0}, 0.5}), Primitive(Cone{{2, 0, 0}, {-2, 0, 0}, 0.5})}) {
+    TimeBracket bracket;
+    const Verdict verdict = first_contact(mover, other, 1e-9, bracket);
+    EXPECT_TRUE(verdict.yes()) << other.index();
+    EXPECT_LE(bracket.low, 0.35) << other.index();
+    EXPECT_GE(bracket.high, 0.35) << other.index();
+    EXPECT_LE(bracket.high - bracket.low, 1e-9) << other.index();
+  }
+}
+
+// A convex set's nearest point is known as well as the distance is: within the root of the difference of the squares of
+// both ends of its interval.
+TEST(GeneralClosest, ThePointIsNoBetterKnownThanTheDistanceAllows) {
+  for (const Primitive& shape : {Primitive(Ellipsoid{.center = Vec3::Zero(), .half_m = {1, 2, 3}}), Primitive(Cylinder{{0, 0, -3}, {0, 0, 3}, 1}),
+                                 Primitive(Cone{{0, 0, 3}, {0, 0, -3}, 1})}) {
+    for (const Vec3& point : {Vec3(0, 0, 7), Vec3(0.3, 0.2, 7), Vec3(5, 0.1, 1), Vec3(-40, 30, -20)}) {
+      const Closest nearest = closest(point, shape);
+      const Rational error(nearest.distance_error_m);
+      const Rational distance(nearest.distance_m);
+      const Rational low = error < distance ? Rational(distance - error) : Rational(0);
+      const Rational least = (distance + error) * (distance + error) - low * low;
+      EXPECT_GE(Rational(nearest.point_error_m) * Rational(nearest.point_error_m), least) << shape.index() << " from " << point.transpose();
+      EXPECT_LT(nearest.point_error_m, 1e-3) << shape.index();
+    }
+    const Closest above = closest(Vec3(0, 0, 7), shape);
+    EXPECT_LE(std::abs(above.distance_m - 4), above.distance_error_m + 1e-15) << shape.index();
+    EXPECT_NEAR((above.normal - Vec3(0, 0, 1)).norm(), 0, 1e-5) << shape.index();
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/exact_phase/precision.hpp"
 #include "server/exact_phase/ray_cast.hpp"
 
 namespace collided::engine {
@@ -144,6 +145,20 @@ TEST(ExactRayCapsule, WallEndsAndInside) {
   EXPECT_TRUE(hit.inside);
   EXPECT_EQ(hit.exit_m, 0.5);
   EXPECT_FALSE(cast_ray({{-3, 0, 0}, {1, 0, 0}, std::nextafter(2.0, 0.0)}, pill, hit).yes());
+}
+
+// The census of how often double is not enough stands on this count.
+TEST(ExactRay, OneThatDoubleCannotDecideIsCountedOnceAndAClearOneNever) {
+  const Triangle triangle{{0.1, 0.1, 0}, {1.1, 0.1, 0}, {0.1, 1.1, 0}};
+  const auto counted = [&](const Vec3& through) {
+    const std::uint64_t before = kernel::rungs.uncertain;
+    RayHit hit;
+    EXPECT_TRUE(cast_ray(Ray{through + Vec3(0, 0, 1), Vec3(0, 0, -1)}, triangle, hit).yes());
+    return kernel::rungs.uncertain - before;
+  };
+  EXPECT_EQ(counted({0.3, 0.3, 0}), 0u);
+  EXPECT_EQ(counted({0.1, 0.1, 0}), 1u) << "through a corner";
+  EXPECT_EQ(counted({0.6, 0.1, 0}), 1u) << "through an edge";
 }
 
 }  // namespace

@@ -79,6 +79,11 @@ TEST_F(IntakeConverter, WhatItComplainsAboutIsPassedOn) {
             "thing.abc: not a scene file, or a damaged one: its tables do not check out. Nothing was loaded.");
 }
 
+TEST_F(IntakeConverter, WhatItComplainsAboutIsMadeFitForOneLine) {
+  use_script("printf 'bad\\000w\\001\\303\\244ll. ..\\nmore\\n' >&2; exit 3\n");
+  EXPECT_EQ(thing_complaint(), "thing.abc: the converter failed with code 3: bad?w?\xc3\xa4ll. Nothing was loaded.");
+}
+
 TEST_F(IntakeConverter, AFloodOfWordsIsCutAndDoesNotBlock) {
   use_script("yes | head -c 3000000; yes 'no no' | head -c 3000000 >&2; exit 1\n");
   EXPECT_EQ(thing_complaint(), "thing.abc: the converter failed with code 1: no no. Nothing was loaded.");

@@ -100,6 +100,24 @@ TEST(IntakeGltf, SparseValuesReplaceTheirElements) {
   EXPECT_EQ(load("a.gltf", text, {.up = 'z'}).scene.mesh.vertices[2], Vec3(9, 8, 7));
 }
 
+// Four elements are numbered 0 to 3.
+TEST(IntakeGltf, ASparseValueOfNoElementIsRefused) {
+  for (const std::uint8_t place : {3, 4, 5, 255}) {
+    std::string bytes = square_bytes();
+    append(bytes, place);
+    bytes.append(3, '\0');
+    for (const float number : {9.f, 8.f, 7.f}) append(bytes, number);
+    std::string text = gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0},"indices":1})", "", bytes);
+    const auto put = [&](const std::string& what, const std::string& by) { text.replace(text.find(what), what.size(), by); };
+    put(R"("count":4,"type":"VEC3")",
+        R"("count":4,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":3}})");
+    put(R"("byteLength":12}])", R"("byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":1},{"buffer":0,"byteOffset":64,"byteLength":12}])");
+    const std::string said = complaint("a.gltf", text, {.up = 'z'});
+    if (place == 3) EXPECT_EQ(said, "loaded");
+    else EXPECT_NE(said.find(fmt::format("name element {} of 4", place)), std::string::npos) << said;
+  }
+}
+
 TEST(IntakeGltf, ABinaryFileHoldsItsBytesBehindItsText) {
   std::string text = gltf(R"({"mesh":0})");
   const std::size_t uri = text.find(",\"uri\"");

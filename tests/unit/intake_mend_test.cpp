@@ -261,6 +261,27 @@ TEST(IntakeMend, PiecesComeLastInTheirPartAndTellTheNumberOfTheFile) {
   EXPECT_EQ(scene.parts[0].cut.told(3, 4), told);
 }
 
+// Mended as a static part and as the mesh of objects, a triangle has the same number of the file.
+TEST(IntakeMend, PiecesOfAnObjectsMeshTellTheNumberOfTheFile) {
+  Scene parts = two_parts();
+  const auto mesh = std::make_shared<const TriangleMesh>(parts.mesh);
+  parts.parts = {{.name = "s", .first_triangle = 0, .triangle_count = 6}};
+  mend(parts, 0);
+  Scene scene{.name = "s"};
+  for (const char* name : {"one", "other"}) scene.objects.push_back({.name = name, .shape = {{}, mesh}});
+  mend_objects(scene, 0);
+  for (const SceneObject& object : scene.objects) {
+    ASSERT_EQ(object.shape.mesh->triangles.size(), 8u);
+    ASSERT_EQ(object.cut.piece_count(), 2u);
+    for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(object.cut.told(i, 8), parts.parts[0].cut.told(i, 8)) << i;
+    EXPECT_EQ(object.shape.mesh, scene.objects[0].shape.mesh) << "they still share it";
+  }
+  EXPECT_LT(scene.objects[0].cut.told(6, 8), 6u);
+  const std::vector<std::uint32_t> told = *scene.objects[0].cut.piece_of;
+  mend_objects(scene, 0);
+  EXPECT_EQ(*scene.objects[0].cut.piece_of, told) << "mended again there is nothing to do";
+}
+
 TEST(IntakeMend, TheSceneFileKeepsTheNumbersOfPieces) {
   Scene scene = two_parts();
   mend(scene, 0);

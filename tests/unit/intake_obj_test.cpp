@@ -75,6 +75,15 @@ TEST(IntakeObj, PartsTileTheTrianglesAlsoWhenAGroupComesBack) {
   EXPECT_EQ(scene.mesh.triangles[2], (TriangleCorners{0, 1, 3}));
 }
 
+TEST(IntakeObj, AGroupWithoutFacesIsNoPart) {
+  const Scene scene = load("hall.obj", std::string(kSquare) + "f 1 2 3\ng a\ng b\nf 1 2 4\nf 1 3 4\ng c\n").scene;
+  ASSERT_EQ(scene.parts.size(), 2u);
+  EXPECT_EQ(scene.parts[0].triangle_count, 1u);
+  EXPECT_EQ(scene.parts[1].name, "hall/b");
+  EXPECT_EQ(scene.parts[1].triangle_count, 2u);
+  EXPECT_EQ(scene.mesh.triangles, (std::vector<TriangleCorners>{{0, 1, 2}, {0, 1, 3}, {0, 2, 3}}));
+}
+
 TEST(IntakeObj, ANameThatComesTwiceIsNumberedAndTold) {
   const std::string text = std::string(kSquare) + "o crate\nf 1 2 3\no crate\nf 1 3 4\n";
   const test::Loaded loaded = load("hall.obj", text);

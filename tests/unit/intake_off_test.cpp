@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/unit/intake_loading.hpp"
 
 namespace collided::engine {
@@ -53,6 +55,29 @@ TEST(IntakeOff, EachNumberIsReadAtItsPlace) {
     EXPECT_EQ(scene.mesh.vertices, (std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}, {7, 8, 10}, {11, 13, 12}})) << head;
     EXPECT_EQ(scene.mesh.triangles, (std::vector<TriangleCorners>{{2, 0, 1}, {3, 1, 0}})) << head;
   }
+}
+
+TEST(IntakeOff, NumbersBehindAVertexAreToldWhereTheHeadPromisesNone) {
+  const auto warnings = [](const std::string& head) {
+    return load("a.off", head + "3 1 0\n0 0 0 9\n1 0 0\n0 1 0 9 9\n3 0 1 2\n").report.warnings;
+  };
+  const std::vector<std::string> said{"2 vertex lines hold more than x y z; the rest of each was not used"};
+  EXPECT_EQ(warnings("OFF\n"), said);
+  EXPECT_EQ(warnings(""), said);
+  for (const char* head : {"COFF\n", "NOFF\n", "CNOFF\n", "STOFF\n"}) EXPECT_TRUE(warnings(head).empty()) << head;
+}
+
+// Three tenths are for the vertices, half for the faces, the rest for cutting them.
+TEST(IntakeOff, ProgressRisesWithVerticesAndThenWithFaces) {
+  std::string text = "OFF\n70000 70000 0\n";
+  for (int i = 0; i < 70'000; ++i) text += std::to_string(i) + " 0 " + std::to_string(i % 3) + "\n";
+  for (int i = 0; i < 70'000; ++i) text += "3 0 1 2\n";
+  std::vector<double> told;
+  load("a.off", text, {.progress = [&](double fraction) { told.push_back(fraction); }});
+  ASSERT_GE(told.size(), 6u);
+  EXPECT_EQ(std::vector<double>(told.begin(), told.begin() + 5), (std::vector<double>{0, 0, 0.3 * 65536 / 70000, 0.3, 0.3 + 0.5 * 65536 / 70000}));
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_EQ(told.back(), 1);
 }
 
 }  // namespace

@@ -35,6 +35,19 @@ TEST(IntakeChildProcess, OnceCancelledItStaysCancelledAndIsNotAskedAgain) {
   EXPECT_EQ(asked, 2);
 }
 
+TEST(IntakeChildProcess, OfWhatItPrintsOnlySoMuchIsKept) {
+  for (const std::size_t count : {std::size_t{5}, kMaxChildText, kMaxChildText + 1, 3 * kMaxChildText + 5}) {
+    // The first letters are read by themselves, so that what is kept does not end where a piece that is read does.
+    const std::string both = fmt::format("printf 'a\\na'; printf 'b\\nb' >&2; sleep 0.1; yes '' | head -c {0}; yes '' | head -c {0} >&2", count - 3);
+    const ChildResult result = run_child({"/bin/sh", "-c", both}, std::chrono::seconds(60), [] { return false; });
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.output.size(), std::min(count, kMaxChildText));
+    EXPECT_EQ(result.errors.size(), std::min(count, kMaxChildText));
+    EXPECT_TRUE(result.output.starts_with("a\na\n\n"));
+    EXPECT_TRUE(result.errors.starts_with("b\nb\n\n"));
+  }
+}
+
 // Seen from above they overlap, so that no side keeps them apart.
 TEST(IntakeTriangleCrossing, WhatLiesOnOneSideOfThePlaneIsKeptApart) {
   for (const double up : {1.0, -1.0}) {
@@ -68,6 +81,38 @@ TEST(IntakeFileBytes, AMappedFileIsMappedForAsLongAsItsBytesLive) {
     }
     EXPECT_EQ(mappings_of(path), 0u) << forgotten_bytes;
   }
+  fs::remove(path);
+}
+
+std::size_t handles_of(const fs::path& path) {
+  std::size_t count = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    count += fs::read_symlink(entry.path(), gone) == path ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(IntakeFileBytes, AFileIsOpenUntilAllOfItIsCopiedAndNoLonger) {
+  const fs::path path = fs::canonical(testing::TempDir()) / fmt::format("intake_handles_{}", ::getpid());
+  std::ofstream(path, std::ios::binary) << std::string(10'000, 'x');
+  for (const bool fetches_all : {true, false}) {
+    {
+      FileBytes file(path.string(), FileBytes::Access::copied_as_asked, {});
+      EXPECT_EQ(handles_of(path), 1u);
+      file.fetch_before(5'000);
+      EXPECT_EQ(handles_of(path), 1u);
+      if (fetches_all) file.fetch_before(10'000);
+      EXPECT_EQ(handles_of(path), fetches_all ? 0u : 1u);
+    }
+    EXPECT_EQ(handles_of(path), 0u) << fetches_all;
+  }
+  for (const FileBytes::Access access : {FileBytes::Access::copied, FileBytes::Access::mapped}) {
+    FileBytes file(path.string(), access, {});
+    EXPECT_EQ(handles_of(path), 0u);
+  }
+  EXPECT_THROW(FileBytes(path.string(), FileBytes::Access::copied, {.max_file_bytes = 9'999}), LoadError);
+  EXPECT_EQ(handles_of(path), 0u) << "one that is refused";
   fs::remove(path);
 }
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <random>
 
+#include "server/geometry/aabb.hpp"
+#include "server/intake/scene_encoder.hpp"
 #include "server/intake/scene_file.hpp"
 #include "server/intake/sphere_mesh.hpp"
 #include "tests/unit/intake_loading.hpp"
@@ -154,6 +156,89 @@ TEST_F(IntakeSceneFile, AnEmptySceneIsAScene) {
   EXPECT_TRUE(load_scene(path_, {}, report).objects.empty());
 }
 
+TEST_F(IntakeSceneFile, VerticesThatNoTriangleHasComeBackToo) {
+  Scene scene{.name = "points"};
+  scene.mesh.vertices = {{1, 2, 3}, {0.1, 0, 0}, {0, 5e-324, -0.0}};
+  save_scene(path_, scene);
+  LoadReport report;
+  expect_same(scene, load_scene(path_, {}, report));
+}
+
+// A vertex goes once: there are never more collapses than vertices.
+TEST_F(IntakeSceneFile, MoreCollapsesThanVerticesAreRefused) {
+  Scene scene = embedded_scene();
+  scene.collapses.assign(scene.mesh.vertices.size() + 1, {0, 1});
+  EXPECT_NE(save_complaint(scene).find("402 numbers of collapses, allowed are twos, at most one for each of 200 vertices"), std::string::npos)
+      << save_complaint(scene);
+}
+
+TEST_F(IntakeSceneFile, ManyPiecesFitIntoWhatIsReservedForThem) {
+  Scene scene = embedded_scene();
+  Part& part = scene.parts.back();
+  part.cut.piece_of = std::make_shared<const std::vector<std::uint32_t>>(part.triangle_count / 2, 0);
+  SceneObject object{.name = "cut"};
+  object.shape.mesh = std::make_shared<const TriangleMesh>(latitude_longitude_sphere(1, 64, 64));
+  const auto count = static_cast<std::uint32_t>(object.shape.mesh->triangles.size());
+  object.cut.piece_of = std::make_shared<const std::vector<std::uint32_t>>(count / 2, 0);
+  scene.objects.push_back(object);
+  const std::uint64_t reserved = encoded_bytes(scene);
+  EXPECT_LE(bytes_of(scene).size(), reserved);
+  scene.objects.back().cut = {};
+  EXPECT_EQ(reserved - encoded_bytes(scene), 4u * (count / 2));
+  const std::uint64_t with_part = encoded_bytes(scene);
+  scene.parts.back().cut = {};
+  EXPECT_EQ(with_part - encoded_bytes(scene), 4u * (scene.parts.back().triangle_count / 2));
+}
+
+// A floor whose top is at 0, walls round 16 x 12 m, four shelves and six pallets.
+TEST(IntakeEmbeddedScene, EverythingStandsWhereItIsDrawn) {
+  const Scene scene = embedded_scene();
+  const auto bounds_of_parts = [&](const std::string& head) {
+    Aabb all;
+    for (const Part& part : scene.parts) {
+      if (!part.name.starts_with("warehouse/" + head)) continue;
+      for (std::uint32_t i = 0; i < part.triangle_count; ++i) {
+        const Triangle t = scene.mesh.triangle(part.first_triangle + i);
+        for (const Vec3& corner : {t.a, t.b, t.c}) all.extend(corner);
+      }
+    }
+    return all;
+  };
+  const auto expect_bounds = [&](const std::string& head, const Vec3& low, const Vec3& high) {
+    const Aabb all = bounds_of_parts(head);
+    EXPECT_NEAR((all.low - low).norm() + (all.high - high).norm(), 0, 1e-12) << head;
+  };
+  expect_bounds("floor", {-8.2, -6.2, -0.2}, {8.2, 6.2, 0});
+  expect_bounds("wall_north", {-8.2, 6, 0}, {8.2, 6.2, 4});
+  expect_bounds("wall_south", {-8.2, -6.2, 0}, {8.2, -6, 4});
+  expect_bounds("wall_east", {8, -6, 0}, {8.2, 6, 4});
+  expect_bounds("wall_west", {-8.2, -6, 0}, {-8, 6, 4});
+  const Vec3 half(1.2, 0.4, 0);
+  const Vec3 places[] = {{-4, -3, 0}, {4, -3, 0}, {0, 0, 0}, {0, 4, 0}};
+  for (int i = 0; i < 4; ++i) {
+    const std::string shelf = "shelf_" + std::to_string(i + 1);
+    expect_bounds(shelf, places[i] - half, places[i] + half + Vec3(0, 0, 1.2));
+    expect_bounds(shelf + "/bottom", places[i] - half + Vec3(0, 0, 0.16), places[i] + half + Vec3(0, 0, 0.2));
+    expect_bounds(shelf + "/middle", places[i] - half + Vec3(0, 0, 0.66), places[i] + half + Vec3(0, 0, 0.7));
+    expect_bounds(shelf + "/top", places[i] - half + Vec3(0, 0, 1.16), places[i] + half + Vec3(0, 0, 1.2));
+    expect_bounds(shelf + "/left", places[i] - half, places[i] + Vec3(-1.16, 0.4, 1.16));
+    expect_bounds(shelf + "/right", places[i] + Vec3(1.16, -0.4, 0), places[i] + half + Vec3(0, 0, 1.16));
+  }
+  const double loads_m[] = {0, 0.6, 0.9, 0, 1.2, 0.3};
+  ASSERT_EQ(scene.objects.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const SceneObject& pallet = scene.objects[i];
+    EXPECT_EQ(pallet.name, "pallet_0" + std::to_string(i + 1));
+    EXPECT_EQ(pallet.pose.position, Vec3(i % 2 == 0 ? -5 : 5, 1.5 * static_cast<double>(i / 2), 0));
+    ASSERT_EQ(pallet.shape.primitives.size(), loads_m[i] > 0 ? 2u : 1u);
+    EXPECT_EQ(std::get<Box>(pallet.shape.primitives[0]).half_m, Vec3(0.6, 0.4, 0.072));
+    if (loads_m[i] == 0) continue;
+    const Box& load = std::get<Box>(pallet.shape.primitives[1]);
+    EXPECT_EQ(load.half_m, Vec3(0.55, 0.35, loads_m[i] / 2));
+    EXPECT_NEAR(load.center.z() - load.half_m.z(), 0.144, 1e-15) << "it stands on the deck";
+  }
+}
+
 TEST_F(IntakeSceneFile, AnotherNameMovesThePartsWithIt) {
   save_scene(path_, embedded_scene());
   LoadReport report;
@@ -296,6 +381,14 @@ TEST(IntakeShape, RefusalsSayWhat) {
   EXPECT_EQ(refusal(of({Sphere{{0, 0, 0}, 1}, Capsule{{0, 0, 0}, {0, std::nan(""), 0}, 1}})),
             "capsule 0: end b is (0, nan, 0)");
   EXPECT_EQ(refusal(of({Box{.center = {0, 0, 0}, .axes = 2 * Mat3::Identity()}})).substr(0, 12), "box 0: axes ");
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double size : {0.0, -1.0}) {
+      Vec3 half_m(1, 2, 3);
+      half_m[axis] = size;
+      EXPECT_EQ(refusal(of({Ellipsoid{.center = Vec3::Zero(), .half_m = half_m}})),
+                "ellipsoid 0: half size " + std::string(size == 0 ? "0" : "-1") + " m, allowed are sizes above 0");
+    }
+  }
   EXPECT_EQ(refusal(of_mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 3}}})),
             "triangle 0: corner 2 is vertex 3 of 3");
   const Shape ball = of_mesh(latitude_longitude_sphere(1, 16, 9));

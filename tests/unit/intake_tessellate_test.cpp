@@ -302,5 +302,15 @@ TEST(IntakeSurfaceFile, EachSurfaceStandsAtItsPlaceWithItsOwnSizes) {
   }
 }
 
+// The sagitta of three slices, to the bit: who asks for just that needs no fourth.
+TEST(IntakeTessellate, AnErrorThatTheFewestPiecesJustKeepTakesNoMore) {
+  const double half = std::sin(kPi / 3 / 2);
+  const double sagitta = 2 * half * half;
+  const auto triangles = [](const Fineness& how) { return tessellate_cylinder(1, 2, how).mesh.triangles.size(); };
+  EXPECT_EQ(triangles({.error_m = sagitta}), triangles({.first = 3, .second = 1}));
+  EXPECT_EQ(triangles({.error_m = std::nextafter(sagitta, 0)}), triangles({.first = 4, .second = 1}));
+  EXPECT_EQ(triangles({.error_m = 10}), triangles({.first = 3, .second = 1}));
+}
+
 }  // namespace
 }  // namespace collided::engine

@@ -5,8 +5,10 @@
 
 #include "server/world/boxes_only.hpp"
 #include "server/world/menu.hpp"
+#include "server/world/parts.hpp"
 #include "server/world/plan.hpp"
 #include "server/world/query.hpp"
+#include "server/world/question.hpp"
 #include "server/world/surface_distance.hpp"
 #include "server/world/world.hpp"
 #include "tests/scenes/meshes.hpp"
@@ -114,6 +116,108 @@ TEST_F(WorldByHand, WhatIsPlacedOntoTheFirstObjectTouchesIt) {
   step();
   EXPECT_TRUE(touch(first, placed));
   EXPECT_EQ(world.contacts().size(), 1U);
+}
+
+// Few that move among many that never do: each is looked for, whatever stood there before it.
+TEST_F(WorldByHand, EveryOneOfAFewMoversMeetsWhatWasThereFirst) {
+  std::vector<ObjectId> posts;
+  for (int i = 0; i < 60; ++i) posts.push_back(define("post" + std::to_string(i), {10.0 + 2 * i, 0, 0}, ball(0.5), false));
+  const ObjectId one = define("one", {16.75, 0, 0}, ball(0.5));
+  const ObjectId other = define("other", {24.75, 0, 0}, ball(0.5));
+  step();
+  EXPECT_TRUE(touch(posts[3], one));
+  EXPECT_TRUE(touch(posts[7], other));
+  EXPECT_EQ(world.contacts().size(), 2U);
+  EXPECT_FALSE(world.cost().truncated);
+  move(one, {30.75, 0, 0});
+  move(other, {40.75, 0, 0});
+  step();
+  EXPECT_TRUE(touch(posts[10], one));
+  EXPECT_TRUE(touch(posts[15], other));
+  EXPECT_EQ(world.contacts().size(), 2U);
+}
+
+// Rays of a camera go through a scene together; short ones meet what is near as well as endless ones do.
+TEST_F(WorldByHand, ShortRaysOfACameraMeetWhatIsNear) {
+  load(square(500, 0));
+  step();
+  for (const double length_m : {1.5, 30.0, double{INFINITY}}) {
+    std::vector<double> rays;
+    for (int i = 0; i < 64; ++i) rays.insert(rays.end(), {0.5, 0.25, 1, 0.01 * (i % 8), 0.01 * (i / 8), -1, length_m});
+    for (const RayMode mode : {RayMode::closest, RayMode::any}) {
+      const Answers answers = ask({.kind = QueryKind::ray, .mode = mode, .numbers = {}}, rays);
+      ASSERT_EQ(answers.answers.size(), 64U);
+      for (std::size_t i = 0; i < 64; ++i) {
+        EXPECT_EQ(answers.answers[i], Answer::hit) << i << ", " << length_m << " m";
+        if (mode == RayMode::any) continue;
+        const Vec3 direction(rays[7 * i + 3], rays[7 * i + 4], rays[7 * i + 5]);
+        EXPECT_NEAR(answers.hits.at(i).distance_m, direction.norm(), 1e-12) << i;
+      }
+    }
+  }
+  std::vector<double> shorter;
+  for (int i = 0; i < 64; ++i) shorter.insert(shorter.end(), {0.5, 0.25, 1, 0, 0, -1, i % 2 == 0 ? 0.5 : 1.5});
+  const Answers answers = ask({.kind = QueryKind::ray, .numbers = {}}, shorter);
+  for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(answers.answers[i], i % 2 == 0 ? Answer::miss : Answer::hit) << i;
+}
+
+// A hit names its object and triangle: the shapes so named, where they are.
+TEST_F(WorldByHand, WhatAHitNamesIsFoundWhereItIs) {
+  TriangleMesh floor = square(1, -5);
+  load(floor);
+  Shape two = ball(0.5);
+  two.primitives.push_back(Box{.center = {0, 0, 1}, .half_m = {1, 1, 1}});
+  const ObjectId solids = define("solids", {3, 0, 0}, two);
+  const ObjectId stone = define("stone", {0, 3, 0}, rock());
+  step();
+  const SnapshotRing::Lease state = world.newest();
+  const auto middles = [&](ObjectId id, std::uint32_t triangle) {
+    std::vector<Vec3> found;
+    visit_part(*state, id, triangle, [&](const auto& shape) {
+      const Aabb around = bounds(shape);
+      found.push_back(around.low / 2 + around.high / 2);
+    });
+    return found;
+  };
+  const std::vector<Vec3> of_solids = middles(solids, wire_contract::kNoTriangle);
+  ASSERT_EQ(of_solids.size(), 2U);
+  EXPECT_NEAR((of_solids[0] - Vec3(3, 0, 0)).norm() + (of_solids[1] - Vec3(3, 0, 1)).norm(), 0, 1e-12);
+  const std::vector<Vec3> of_stone = middles(stone, 2);
+  ASSERT_EQ(of_stone.size(), 1U);
+  EXPECT_NEAR((of_stone[0] - Vec3(0, 3, 0)).norm(), 0.5, 0.3);
+  const Answers down = ask({.kind = QueryKind::ray, .numbers = {}}, {-0.5, 0.5, 3, 0, 0, -1, INFINITY});
+  ASSERT_EQ(down.hits.size(), 1U);
+  EXPECT_EQ(down.hits[0].triangle, 1U);
+  const std::vector<Vec3> of_floor = middles(down.hits[0].object, down.hits[0].triangle);
+  ASSERT_EQ(of_floor.size(), 1U);
+  EXPECT_EQ(of_floor[0], Vec3(0, 0, -5));
+}
+
+TEST_F(WorldByHand, ANewWorldIsEmptyAndNoTimeHasPassed) {
+  const SnapshotRing::Lease state = world.newest();
+  EXPECT_EQ(state->version, 0U);
+  EXPECT_EQ(state->world_time_ns, 0);
+  EXPECT_TRUE(state->objects->empty());
+  EXPECT_TRUE(world.contacts().empty());
+  EXPECT_TRUE(world.events().empty());
+}
+
+// The most exact of all tests is the one that is told, in whichever order they come.
+TEST_F(WorldByHand, AQuestionCountsEveryTestAndKeepsTheHighestLevel) {
+  const SnapshotRing::Lease state = world.newest();
+  const Questions asked{.kind = QueryKind::ray, .numbers = {}};
+  const std::vector<std::uint8_t> nobody;
+  std::vector<AnswerHit> found;
+  Question question{.snapshot = *state, .asked = asked, .allowed = nobody, .open_scenes = nobody, .found = found};
+  question.count({Decision::no, Level::rational});
+  question.count({Decision::yes, Level::filter});
+  EXPECT_EQ(question.exact_tests, 2U);
+  EXPECT_EQ(question.level, Level::rational);
+  EXPECT_FALSE(question.undecided);
+  question.count({Decision::undecided, Level::filter});
+  question.count({Decision::yes, Level::filter});
+  EXPECT_EQ(question.exact_tests, 4U);
+  EXPECT_TRUE(question.undecided) << "one open test leaves the answer open";
 }
 
 TEST_F(WorldByHand, NothingIsNearerThanWhatHoldsThePointWhateverErrorIsAsked) {

@@ -88,10 +88,15 @@ TEST_F(WorldAudit, AHitThatIsNoneIsSeen) {
 
 TEST_F(WorldAudit, ADistanceOutsideItsBoundIsSeen) {
   for (const QueryKind kind : {QueryKind::ray, QueryKind::near}) {
-    do ask(kind);
-    while (given_.hits.empty() || given_.hits[0].is_at_start());
-    given_.hits[0].distance_m += 3 * given_.hits[0].error_m + 1e-14 * given_.hits[0].distance_m;
-    EXPECT_NE(verdict(), "") << name_of(kind);
+    for (const bool is_solid : {true, false}) {
+      do ask(kind);
+      while (given_.hits.empty() || given_.hits[0].is_at_start() || is_solid != (given_.hits[0].triangle == wire_contract::kNoTriangle));
+      const double told_m = given_.hits[0].distance_m;
+      for (const double side : {1.0, -1.0}) {
+        given_.hits[0].distance_m = told_m + side * (3 * given_.hits[0].error_m + 1e-14 * told_m);
+        EXPECT_NE(verdict(), "") << name_of(kind) << " of " << (is_solid ? "a solid" : "a triangle");
+      }
+    }
   }
 }
 

@@ -251,5 +251,54 @@ TEST(ContactLedger, ACorrectedContactIsToldInItsBeginningAndNoOther) {
   EXPECT_EQ(ledger.events()[2].of.contact.depth_m, 0);
 }
 
+// 10 s, less 0.75 s: from then on it is not decided; what is not known is told as not known.
+TEST(ContactLedger, ADoubtBeganWhereTheUndecidedSpanBeginsAndTellsNoPlace) {
+  ContactLedger ledger;
+  ledger.begin_step(10'000'000'000, false);
+  ledger.doubts(told_in_full(1, 2), wire_contract::Doubt::cost_limit);
+  ledger.finish_step();
+  ASSERT_EQ(ledger.open().size(), 1u);
+  const OpenContact& open = ledger.open()[0];
+  EXPECT_EQ(open.began_ns, 9'250'000'000);
+  EXPECT_EQ(open.doubt, wire_contract::Doubt::cost_limit);
+  EXPECT_EQ(open.a_triangle, wire_contract::kNoTriangle);
+  EXPECT_EQ(open.b_triangle, wire_contract::kNoTriangle);
+  EXPECT_EQ(open.contact.point, Vec3(0, 0, 0));
+  EXPECT_EQ(open.contact.normal, Vec3(static_cast<double>(wire_contract::Doubt::cost_limit), 0, 0));
+  EXPECT_EQ(open.contact.depth_m, 0);
+  EXPECT_EQ(ledger.events().at(0).bracket_low_s, 0.75);
+  EXPECT_EQ(ledger.events()[0].bracket_high_s, 0.5);
+}
+
+TEST(ContactLedger, AnObjectThatEndedIsNoLongerLost) {
+  ContactLedger ledger;
+  ledger.begin_step(0, false);
+  ledger.lose(1);
+  ledger.touches(pair_of(1, 2));
+  EXPECT_TRUE(ledger.is_in_doubt(1, 2));
+  ledger.finish_step();
+  ledger.begin_step(1, false);
+  ledger.end_object(1, EndReason::removed);
+  EXPECT_FALSE(ledger.is_open(1, 2));
+  ledger.touches(pair_of(1, 2));
+  ledger.finish_step();
+  EXPECT_TRUE(ledger.holds(1, 2));
+}
+
+// What passed in this step keeps its own contact, though one that began before is still open and was not found again.
+TEST(ContactLedger, WhatPassedIsNotRetoldAsWhatWasOpenBefore) {
+  ContactLedger ledger;
+  ledger.begin_step(0, false);
+  ledger.touches(pair_of(1, 2));
+  ledger.finish_step();
+  ledger.begin_step(1, false);
+  ledger.touched_and_parted(told_in_full(1, 2));
+  ledger.retell_corrected();
+  ledger.finish_step();
+  ASSERT_EQ(ledger.events().size(), 2u);
+  expect_told(ledger.events()[0], told_in_full(1, 2));
+  expect_told(ledger.events()[1], told_in_full(1, 2));
+}
+
 }  // namespace
 }  // namespace collided::engine

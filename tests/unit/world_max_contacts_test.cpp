@@ -77,6 +77,18 @@ TEST_F(WorldMaxContacts, WhatHoldsIsNotEndedByASearchCutShort) {
   }
 }
 
+TEST_F(WorldMaxContacts, WhatHoldsOutlastsASearchCutShortWhicheverOfTheTwoMoves) {
+  add(20, Sphere{.center = Vec3::Zero(), .radius_m = 1});
+  step();
+  const auto before = told_;
+  for (std::size_t round = 0; round < 12; ++round) {
+    for (std::size_t i = round % 2; i < ids_.size(); i += 2) put(i, Vec3(static_cast<double>((i * 7 + round * 3) % 20) * 0.05, 0, 0));
+    step();
+    EXPECT_EQ(told_, before) << round;
+    EXPECT_TRUE(world_.cost().truncated);
+  }
+}
+
 TEST_F(WorldMaxContacts, EndsAreToldWhileTruncated) {
   add(20, Sphere{.center = Vec3::Zero(), .radius_m = 1});
   step();

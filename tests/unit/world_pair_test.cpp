@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "server/exact_phase/precision.hpp"
 #include "server/intake/sphere_mesh.hpp"
 #include "server/world/pair_report.hpp"
 #include "tests/extreme/worlds.hpp"
@@ -99,6 +100,13 @@ TEST(WorldTouch, ThePairOfAMeshAndASolidSaysHowExactlyItWasDecided) {
       touch_objects(placed(*state, a), placed(*state, b), touch, cost);
       EXPECT_TRUE(touch.yes) << mesh_first << ' ' << height_m;
       EXPECT_EQ(touch.level > Level::filter, height_m == 0.3) << mesh_first;
+      EXPECT_FALSE(touch.undecided);
+      EXPECT_EQ(touch.exact_tests, 1u);
+      const PrecisionScope filter_alone({.highest = Level::filter});
+      Touch quick;
+      touch_objects(placed(*state, a), placed(*state, b), quick, cost);
+      EXPECT_EQ(quick.yes, height_m == 0.1) << mesh_first;
+      EXPECT_EQ(quick.undecided, height_m == 0.3) << "what was not allowed to be decided is not called apart";
     }
   }
 }

@@ -119,6 +119,27 @@ TEST(WorldSweptObject, ATurningBladeMeetsAWireHalfWay) {
   EXPECT_NEAR(hit.bracket.high, 0.5 - std::asin(1e-3 / std::sqrt(0.5)) / (M_PI / 2), 1e-8);
 }
 
+// A box meets two triangles of a wall at one instant: the place told is that of the triangle told.
+TEST(WorldSweptObject, OfTwoTrianglesMetAtOnceTheContactIsThatOfTheOneThatIsTold) {
+  const ObjectInfo box = primitive_object(Box{.center = Vec3::Zero(), .half_m = {0.5, 2, 2}});
+  for (const double side : {1.0, -1.0}) {
+    const std::vector<Vec3> corners{{5, side, -1}, {5, side, 1}, {5, 1.5 * side, 0}, {5, -side, -1}, {5, -side, 1}, {5, -1.5 * side, 0}};
+    const Scene both{{corners, {{0, 1, 2}, {3, 4, 5}}}};
+    const Scene first{{corners, {{0, 1, 2}}}};
+    const SweptTouch touch = both.ask(box, at(Vec3::Zero()), at({16, 0, 0}));
+    const SweptTouch alone = first.ask(box, at(Vec3::Zero()), at({16, 0, 0}));
+    ASSERT_TRUE(touch.yes && alone.yes);
+    EXPECT_EQ(touch.b_triangle, 0u);
+    EXPECT_EQ(touch.contact.point, alone.contact.point);
+    EXPECT_GE(side * touch.contact.point.y(), 1 - 1e-9);
+    EXPECT_NEAR((touch.contact.normal - Vec3(1, 0, 0)).norm(), 0, 1e-9);
+    const SweptTouch bare = both.ask(box, at(Vec3::Zero()), at({16, 0, 0}), {.contacts = false});
+    EXPECT_TRUE(bare.yes);
+    EXPECT_EQ(bare.bracket.high, touch.bracket.high);
+    EXPECT_EQ(bare.contact.point, Contact{}.point) << "nobody asked where";
+  }
+}
+
 TEST(WorldSweptObject, ASearchWithoutRoomSaysSo) {
   const Scene scene{scenes::icosphere(4, 1)};
   const ObjectInfo mesh = mesh_object(scenes::icosphere(2, 0.5));
