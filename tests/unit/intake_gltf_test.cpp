@@ -102,9 +102,9 @@ TEST(IntakeGltf, SparseValuesReplaceTheirElements) {
 
 // Four elements are numbered 0 to 3.
 TEST(IntakeGltf, ASparseValueOfNoElementIsRefused) {
-  for (const std::uint8_t place : {3, 4, 5, 255}) {
+  for (const int place : {3, 4, 5, 255}) {
     std::string bytes = square_bytes();
-    append(bytes, place);
+    append(bytes, static_cast<std::uint8_t>(place));
     bytes.append(3, '\0');
     for (const float number : {9.f, 8.f, 7.f}) append(bytes, number);
     std::string text = gltf(R"({"mesh":0})", R"({"attributes":{"POSITION":0},"indices":1})", "", bytes);

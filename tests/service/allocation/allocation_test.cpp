@@ -149,13 +149,16 @@ class Allocation : public ::testing::Test {
     for (int i = 0; i < times; ++i) EXPECT_TRUE(ask(kind, numbers));
     return test::stop_counting();
   }
-  /// The same, again where something was allocated: on a busy machine a worker's first answers may still be among those
-  /// that were counted. What each question, or each hundredth, allocates is there every time.
+  /// The same of three rounds, the one with the fewest allocations: on a busy machine a worker's first answers may still
+  /// be among those that were counted. What each question, or each hundredth, allocates is there every time.
   Counts count_settled(QueryKind kind, const std::vector<double>& numbers, int times) {
     constexpr int kRounds = 3;
-    Counts counts = count(kind, numbers, times);
-    for (int round = 1; round < kRounds && counts.allocations > 0; ++round) counts = count(kind, numbers, times);
-    return counts;
+    Counts fewest = count(kind, numbers, times);
+    for (int round = 1; round < kRounds && fewest.allocations > 0; ++round) {
+      const Counts counts = count(kind, numbers, times);
+      if (counts.allocations < fewest.allocations) fewest = counts;
+    }
+    return fewest;
   }
   static void say(const char* what, const Counts& counts) {
     std::printf("%-24s takes %llu, replies %llu by listener + %llu by workers, allocations %llu, locks %llu\n", what,
@@ -198,7 +201,7 @@ TEST_F(Allocation, NoneForASingleQuestionOfAnyKind) {
 }
 
 TEST_F(Allocation, NoneForABatchOfAThousandRays) {
-  const Counts counts = count(QueryKind::ray, questions(QueryKind::ray, 1'000, 1), 20);
+  const Counts counts = count_settled(QueryKind::ray, questions(QueryKind::ray, 1'000, 1), 20);
   say("1,000 rays", counts);
   EXPECT_EQ(counts.allocations, 0U);
   EXPECT_EQ(counts.worker_writes, 20U) << "a batch is answered by a worker";
@@ -209,7 +212,7 @@ TEST_F(Allocation, NoneForABatchOfAThousandRays) {
 TEST_F(Allocation, APlantedOneIsCounted) {
   serving_.planted.store(true);
   EXPECT_EQ(count_settled(QueryKind::ray, questions(QueryKind::ray, 1, 1), 200).allocations, 200U);
-  EXPECT_EQ(count(QueryKind::ray, questions(QueryKind::ray, 1'000, 1), 20).allocations, 20U);
+  EXPECT_EQ(count_settled(QueryKind::ray, questions(QueryKind::ray, 1'000, 1), 20).allocations, 20U);
 }
 
 // As many requests in chunks as may be open, each from its first chunk on.
