@@ -12,12 +12,12 @@
 #include <thread>
 #include <vector>
 
-#include "server/service/log.hpp"
-#include "server/service/options.hpp"
+#include "server/service/options/options.hpp"
+#include "server/service/questions/time_slice.hpp"
+#include "server/service/runtime/log.hpp"
+#include "server/service/runtime/supervisor.hpp"
 #include "server/service/server.hpp"
 #include "server/service/start_scenes.hpp"
-#include "server/service/supervisor.hpp"
-#include "server/service/time_slice.hpp"
 
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/exact_phase/number.hpp"
+#include "server/exact_phase/arithmetic/number.hpp"
 
 namespace collided::engine {
 namespace {

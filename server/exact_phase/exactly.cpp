@@ -2,15 +2,15 @@
 
 #include <variant>
 
-#include "server/exact_phase/closest_kernel.hpp"
-#include "server/exact_phase/general_shapes.hpp"
-#include "server/exact_phase/half_space.hpp"
-#include "server/exact_phase/half_space_kernel.hpp"
-#include "server/exact_phase/overlap_kernel.hpp"
-#include "server/exact_phase/ray_box_kernel.hpp"
-#include "server/exact_phase/ray_quadric_kernel.hpp"
-#include "server/exact_phase/ray_round_kernel.hpp"
-#include "server/exact_phase/ray_triangle_kernel.hpp"
+#include "server/exact_phase/distance/closest_kernel.hpp"
+#include "server/exact_phase/distance/general_shapes.hpp"
+#include "server/exact_phase/distance/half_space.hpp"
+#include "server/exact_phase/distance/half_space_kernel.hpp"
+#include "server/exact_phase/kernels/overlap_kernel.hpp"
+#include "server/exact_phase/ray/ray_box_kernel.hpp"
+#include "server/exact_phase/ray/ray_quadric_kernel.hpp"
+#include "server/exact_phase/ray/ray_round_kernel.hpp"
+#include "server/exact_phase/ray/ray_triangle_kernel.hpp"
 
 namespace collided::engine::exactly {
 

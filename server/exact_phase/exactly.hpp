@@ -1,7 +1,7 @@
 #pragma once
 
-#include "server/exact_phase/closest.hpp"
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/exact_phase/distance/closest.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/shapes.hpp"
 
 /// The exact phase over rationals alone: the same questions as `overlaps`, `cast_ray` and `closest`, answered without

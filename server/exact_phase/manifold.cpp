@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "server/exact_phase/arithmetic/value.hpp"
 #include "server/exact_phase/part_convex.hpp"
-#include "server/exact_phase/value.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
 

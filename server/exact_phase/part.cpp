@@ -2,11 +2,11 @@
 
 #include <limits>
 
-#include "server/exact_phase/convex_pair.hpp"
-#include "server/exact_phase/general_shapes.hpp"
-#include "server/exact_phase/half_space.hpp"
-#include "server/exact_phase/overlap.hpp"
-#include "server/exact_phase/value.hpp"
+#include "server/exact_phase/arithmetic/value.hpp"
+#include "server/exact_phase/distance/convex_pair.hpp"
+#include "server/exact_phase/distance/general_shapes.hpp"
+#include "server/exact_phase/distance/half_space.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
 
 namespace collided::engine {
 namespace {

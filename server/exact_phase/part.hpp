@@ -2,9 +2,9 @@
 
 #include <variant>
 
-#include "server/exact_phase/contact.hpp"
-#include "server/exact_phase/separation.hpp"
-#include "server/exact_phase/verdict.hpp"
+#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/distance/contact.hpp"
+#include "server/exact_phase/distance/separation.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/shapes.hpp"
 

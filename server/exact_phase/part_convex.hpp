@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/exact_phase/convex.hpp"
+#include "server/exact_phase/distance/convex.hpp"
 #include "server/exact_phase/part.hpp"
 
 namespace collided::engine {

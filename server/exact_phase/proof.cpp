@@ -6,10 +6,10 @@
 #include <memory>
 #include <span>
 
-#include "server/exact_phase/closest.hpp"
+#include "server/exact_phase/distance/closest.hpp"
+#include "server/exact_phase/distance/polytope_kernel.hpp"
+#include "server/exact_phase/distance/simplex_search.hpp"
 #include "server/exact_phase/part_convex.hpp"
-#include "server/exact_phase/polytope_kernel.hpp"
-#include "server/exact_phase/simplex_search.hpp"
 #include "server/geometry/mesh.hpp"
 
 namespace collided::engine {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
+#include "server/intake/mesh/sphere_mesh.hpp"
 #include "server/intake/scene.hpp"
-#include "server/intake/sphere_mesh.hpp"
 
 namespace collided::engine {
 namespace {

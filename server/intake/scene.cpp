@@ -11,15 +11,15 @@
 
 #include "server/intake/converter.hpp"
 #include "server/intake/file_bytes.hpp"
-#include "server/intake/mend.hpp"
-#include "server/intake/mesh_health.hpp"
-#include "server/intake/names.hpp"
+#include "server/intake/mesh/mend.hpp"
+#include "server/intake/mesh/mesh_health.hpp"
+#include "server/intake/mesh/shape_scale.hpp"
+#include "server/intake/mesh/single_precision.hpp"
 #include "server/intake/parallel.hpp"
-#include "server/intake/reading.hpp"
-#include "server/intake/scene_file.hpp"
-#include "server/intake/scene_index.hpp"
-#include "server/intake/shape_scale.hpp"
-#include "server/intake/single_precision.hpp"
+#include "server/intake/readers/names.hpp"
+#include "server/intake/readers/reading.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/intake/scene_file/scene_index.hpp"
 #include "server/intake/weld.hpp"
 
 namespace collided::engine {

@@ -13,7 +13,7 @@
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/geometry/shape.hpp"
-#include "server/intake/collapse_order.hpp"
+#include "server/intake/simplify/collapse_order.hpp"
 
 namespace collided::engine {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/world/snapshot.hpp"
+#include "server/world/objects/snapshot.hpp"
 
 namespace collided::engine::service {
 

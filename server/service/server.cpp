@@ -12,14 +12,14 @@
 #include <set>
 #include <utility>
 
-#include "server/service/answering.hpp"
-#include "server/service/commands.hpp"
-#include "server/service/dds_event_writer.hpp"
-#include "server/service/durable_state.hpp"
-#include "server/service/epoch.hpp"
-#include "server/service/flight_recorder.hpp"
-#include "server/service/listeners.hpp"
-#include "server/service/random_number.hpp"
+#include "server/service/commands/commands.hpp"
+#include "server/service/durability/durable_state.hpp"
+#include "server/service/durability/epoch.hpp"
+#include "server/service/events/dds_event_writer.hpp"
+#include "server/service/ingest/listeners.hpp"
+#include "server/service/questions/answering.hpp"
+#include "server/service/recording/flight_recorder.hpp"
+#include "server/service/runtime/random_number.hpp"
 #include "server/service/self_test.hpp"
 #include "server/service/start_scenes.hpp"
 #include "server/service/world_loop.hpp"

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/service/options.hpp"
+#include "server/service/options/options.hpp"
 
 namespace collided::engine::service {
 

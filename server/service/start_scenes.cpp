@@ -7,10 +7,10 @@
 #include <csignal>
 #include <cstdio>
 
-#include "server/service/clock.hpp"
-#include "server/service/scene_loading.hpp"
+#include "server/service/commands/scene_loading.hpp"
+#include "server/service/runtime/clock.hpp"
 #include "server/service/server.hpp"
-#include "server/world/plan.hpp"
+#include "server/world/query/plan.hpp"
 
 namespace collided::engine::service {
 namespace {

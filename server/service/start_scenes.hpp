@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "server/service/options.hpp"
+#include "server/service/options/options.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "server/geometry/float_environment.hpp"
-#include "server/intake/scene_file.hpp"
-#include "server/service/out_of_memory.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/service/runtime/out_of_memory.hpp"
 
 namespace collided::engine::service {
 

@@ -9,15 +9,15 @@
 #include <thread>
 #include <vector>
 
-#include "server/service/broadcast.hpp"
-#include "server/service/clock.hpp"
-#include "server/service/counters.hpp"
-#include "server/service/event_writer.hpp"
-#include "server/service/inbox.hpp"
-#include "server/service/publishers.hpp"
-#include "server/service/snapshot_leases.hpp"
-#include "server/service/step_sums.hpp"
-#include "server/service/write_barriers.hpp"
+#include "server/service/events/broadcast.hpp"
+#include "server/service/events/event_writer.hpp"
+#include "server/service/ingest/inbox.hpp"
+#include "server/service/ingest/publishers.hpp"
+#include "server/service/questions/snapshot_leases.hpp"
+#include "server/service/questions/write_barriers.hpp"
+#include "server/service/runtime/clock.hpp"
+#include "server/service/runtime/counters.hpp"
+#include "server/service/runtime/step_sums.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {

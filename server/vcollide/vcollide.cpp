@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "server/broad_phase/grid.hpp"
-#include "server/exact_phase/overlap.hpp"
+#include "server/broad_phase/grid/grid.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/float_environment.hpp"
-#include "server/world/indexed_mesh.hpp"
-#include "server/world/touch.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/objects/touch.hpp"
 
 namespace collided::vcollide {
 
@@ -190,7 +190,7 @@ int VCollide::EndObject() {
   }
   const OwnFloatEnvironment own;
   auto mesh = std::make_shared<const TriangleMesh>(std::move(s.open_mesh));
-  BspTree tree = BspTree::build(*mesh, {.threads = 1, .progress = {}, .cancelled = {}});
+  Bvh tree = Bvh::build(*mesh, {.threads = 1, .progress = {}, .cancelled = {}});
   s.objects.back()->info.mesh = indexed_mesh(std::move(mesh), std::move(tree));
   s.open_mesh = {};
   s.open = false;

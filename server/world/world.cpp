@@ -7,25 +7,25 @@
 
 #include "server/geometry/endless.hpp"
 #include "server/geometry/float_environment.hpp"
-#include "server/world/indexed_mesh.hpp"
-#include "server/world/part_index.hpp"
-#include "server/world/scene_levels.hpp"
-#include "server/world/sweep.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/objects/part_index.hpp"
+#include "server/world/objects/scene_levels.hpp"
+#include "server/world/objects/sweep.hpp"
 #include "server/world/world_state.hpp"
 
 namespace collided::engine {
 namespace {
 
 /// The saved index where there is one and it is fit, else one built anew.
-BspTree index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::string& name, const BspOptions& options,
+Bvh index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::string& name, const BvhOptions& options,
                  std::vector<std::string>& warnings) {
   if (!saved.bytes.empty()) {
-    auto loaded = BspTree::load(mesh, saved.bytes, saved.keeper, options.threads);
-    if (auto* tree = std::get_if<BspTree>(&loaded)) return std::move(*tree);
-    warnings.push_back("the saved index of " + name + " is not used, " + std::get<BspRefusal>(loaded).reason +
+    auto loaded = Bvh::load(mesh, saved.bytes, saved.keeper, options.threads);
+    if (auto* tree = std::get_if<Bvh>(&loaded)) return std::move(*tree);
+    warnings.push_back("the saved index of " + name + " is not used, " + std::get<BvhRefusal>(loaded).reason +
                        "; it is built anew");
   }
-  return BspTree::build(mesh, options);
+  return Bvh::build(mesh, options);
 }
 
 template <class T>
@@ -58,7 +58,7 @@ std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition
   std::shared_ptr<const IndexedMesh> added = definition.indexed;
   if (!added) {
     added = indexed_mesh(definition.shape.mesh,
-                         BspTree::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
+                         Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
   }
   std::erase_if(meshes, [](const auto& entry) { return entry.second.expired(); });
   meshes.emplace(key, added);
@@ -72,7 +72,7 @@ World::World(const WorldOptions& options) : state_(std::make_unique<State>(optio
 
 World::~World() = default;
 
-std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BspOptions& options) {
+std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BvhOptions& options) {
   const OwnFloatEnvironment own_floats;
   auto indexed = std::make_shared<StaticScene>();
   indexed->name = scene.name;
@@ -84,7 +84,7 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BspOptions& 
     indexed->levels = build_levels(indexed->mesh, indexed->tree, indexed->parts, scene.collapses, options.cancelled);
     scene.collapses = {};
   }
-  BspOptions quietly = options;
+  BvhOptions quietly = options;
   quietly.progress = {};
   std::unordered_map<const TriangleMesh*, std::shared_ptr<const IndexedMesh>> of_mesh;  // objects that share one share it
   for (SceneObject& object : scene.objects) {

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "server/intake/scene.hpp"
-#include "server/world/events.hpp"
-#include "server/world/object.hpp"
-#include "server/world/pose_memory.hpp"
-#include "server/world/snapshot.hpp"
+#include "server/world/events/events.hpp"
+#include "server/world/objects/object.hpp"
+#include "server/world/objects/snapshot.hpp"
+#include "server/world/query/pose_memory.hpp"
 
 namespace collided::engine {
 
@@ -85,7 +85,7 @@ class World {
 
   /// Takes the triangles out of a loaded scene and indexes them and the meshes of its objects, with the scene's saved
   /// indexes where they are fit (slow: call it on a loading thread); add_scene makes them part of the world.
-  static std::shared_ptr<StaticScene> index_scene(Scene& scene, const BspOptions& options);
+  static std::shared_ptr<StaticScene> index_scene(Scene& scene, const BvhOptions& options);
   /// Static triangles and the scene's objects. All or nothing: a clash of names refuses the scene.
   std::variant<std::uint32_t, Refusal> add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed);
   /// The geometry of a scene ("": of the world, whatever is loaded) is complete inside of these boxes. Once anything was

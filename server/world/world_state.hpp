@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/world/decisions.hpp"
-#include "server/world/object_rows.hpp"
-#include "server/world/step_motion.hpp"
+#include "server/world/objects/object_rows.hpp"
+#include "server/world/step/decisions.hpp"
+#include "server/world/step/step_motion.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine {

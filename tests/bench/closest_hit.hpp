@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "server/broad_phase/bsp_tree.hpp"
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 
 namespace collided::bench {
 using namespace engine;
@@ -17,7 +17,7 @@ struct ClosestHit {
 };
 
 /// The first triangle along the ray, every candidate decided exactly, as the product does it.
-inline ClosestHit closest_hit(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
+inline ClosestHit closest_hit(const Bvh& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
   const double direction_m = ray.direction.norm();
   ClosestHit best;
   const auto candidate = [&](std::uint32_t triangle, const Triangle& corners, double limit) {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <random>
 
-#include "server/exact_phase/general_shapes.hpp"
-#include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/distance/general_shapes.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/bench/convex_peer.hpp"
 #include "tests/bench/rows.hpp"
 #include "tests/oracle/random_shapes.hpp"

@@ -10,11 +10,11 @@
 #include <random>
 
 #include "server/geometry/bounding_volumes.hpp"
-#include "server/intake/simplify.hpp"
-#include "server/intake/sweep_triangulation.hpp"
-#include "server/intake/tessellate.hpp"
-#include "server/intake/triangulate.hpp"
-#include "server/world/surface_distance.hpp"
+#include "server/intake/mesh/tessellate.hpp"
+#include "server/intake/polygons/sweep_triangulation.hpp"
+#include "server/intake/polygons/triangulate.hpp"
+#include "server/intake/simplify/simplify.hpp"
+#include "server/world/objects/surface_distance.hpp"
 #include "tests/bench/clock.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
@@ -97,7 +97,7 @@ void time_sweep() {
 
 void time_simplification(std::uint32_t cells) {
   const TriangleMesh mesh = scenes::terrain(cells, 100, 7);
-  const BspTree tree = BspTree::build(mesh);
+  const Bvh tree = Bvh::build(mesh);
   const std::vector<std::uint32_t> part_of(mesh.triangles.size(), 0);
   for (const auto& [cost, name] : {std::pair{CollapseCost::quadric, "quadric"}, {CollapseCost::edge_length, "length"}}) {
     SimplifyReport report;
@@ -105,7 +105,7 @@ void time_simplification(std::uint32_t cells) {
     const std::size_t target = mesh.triangles.size() / 10;
     const double simplify_s = seconds([&] { order = simplify(mesh, {.cost = cost, .triangles_at_most = target}, report); });
     const TriangleMesh level = compact_mesh(mesh, level_with(mesh, order, target));
-    const BspTree level_tree = BspTree::build(level);
+    const Bvh level_tree = Bvh::build(level);
     const std::vector<std::uint32_t> level_part_of(level.triangles.size(), 0);
     const auto begin = std::chrono::steady_clock::now();
     const double off_by_m = surface_distance({mesh, tree, part_of}, {level, level_tree, level_part_of});

@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "server/broad_phase/grid.hpp"
-#include "server/broad_phase/sweep_and_prune.hpp"
+#include "server/broad_phase/grid/grid.hpp"
+#include "server/broad_phase/sweep_and_prune/sweep_and_prune.hpp"
 #include "tests/bench/clock.hpp"
 #include "tests/bench/frame_peers.hpp"
 #include "tests/bench/movers.hpp"

@@ -148,7 +148,7 @@ struct Row {
   double peer_ns = 0;
 };
 
-Row measure(const TriangleMesh& mesh, const BspTree& tree, const Peer& peer, const std::vector<Ray>& rays) {
+Row measure(const TriangleMesh& mesh, const Bvh& tree, const Peer& peer, const std::vector<Ray>& rays) {
   std::array<double, kRepeats> ours{};
   std::array<double, kRepeats> theirs{};
   WalkCost cost;
@@ -211,13 +211,13 @@ void run(const char* name, double most_triangles, std::mt19937_64& random, Make&
   for (double triangles = 125'000; triangles <= most_triangles; triangles *= 2) {
     TriangleMesh mesh = make(static_cast<std::uint32_t>(triangles));
     for (Vec3& vertex : mesh.vertices) vertex = in_floats(vertex);
-    const BspTree tree = BspTree::build(mesh);
+    const Bvh tree = Bvh::build(mesh);
     const Peer peer(mesh);
     if (chord_rays.empty()) {
       chord_rays = chords(tree.bounds(), random);
       picture_rays = picture(tree.bounds());
     }
-    const BspReport& report = tree.report();
+    const BvhReport& report = tree.report();
     std::printf("  %s: %.0f ms to build, %.1f bytes a triangle, depth %u\n", name, 1e3 * report.build_s,
                 static_cast<double>(report.bytes) / static_cast<double>(mesh.triangles.size()), report.depth);
     incoherent.push_back(measure(mesh, tree, peer, chord_rays));

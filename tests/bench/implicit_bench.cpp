@@ -8,10 +8,10 @@
 #include <random>
 #include <vector>
 
-#include "server/exact_phase/implicit_ray.hpp"
-#include "server/exact_phase/precision.hpp"
-#include "server/exact_phase/ray_cast.hpp"
-#include "server/intake/polynomial_text.hpp"
+#include "server/exact_phase/arithmetic/precision.hpp"
+#include "server/exact_phase/ray/implicit_ray.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/intake/readers/polynomial_text.hpp"
 #include "tests/bench/clock.hpp"
 #include "tests/oracle/seed.hpp"
 

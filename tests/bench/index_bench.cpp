@@ -12,8 +12,8 @@
 #include <functional>
 #include <random>
 
-#include "server/intake/scene_file.hpp"
-#include "server/intake/scene_index.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/intake/scene_file/scene_index.hpp"
 #include "server/world/world.hpp"
 #include "tests/bench/clock.hpp"
 #include "tests/bench/closest_hit.hpp"
@@ -65,7 +65,7 @@ std::vector<Ray> rays_through(const Aabb& bounds, std::size_t count, std::mt1993
 }
 
 /// The sum of all answers, so that trees can be compared.
-double cast_all(const BspTree& tree, const TriangleMesh& mesh, const std::vector<Ray>& rays, WalkCost& cost) {
+double cast_all(const Bvh& tree, const TriangleMesh& mesh, const std::vector<Ray>& rays, WalkCost& cost) {
   double sum = 0;
   for (const Ray& ray : rays) {
     const ClosestHit closest = closest_hit(tree, mesh, ray, cost);
@@ -86,7 +86,7 @@ double first_answer(const std::string& path, std::shared_ptr<StaticScene>& kept)
   });
 }
 
-void print_tree(const char* name, const TriangleMesh& mesh, const BspReport& report) {
+void print_tree(const char* name, const TriangleMesh& mesh, const BvhReport& report) {
   const auto count = static_cast<double>(mesh.triangles.size());
   const double mesh_bytes =
       static_cast<double>(mesh.vertices.size() * sizeof(Vec3)) / count + sizeof(TriangleCorners);
@@ -98,8 +98,8 @@ void print_tree(const char* name, const TriangleMesh& mesh, const BspReport& rep
 
 void run_forms(const char* name, const TriangleMesh& mesh, std::size_t ray_count, std::mt19937_64& random) {
   std::printf("%s: %zu triangles\n", name, mesh.triangles.size());
-  const BspTree fast = BspTree::build(mesh, {.progress = {}, .cancelled = {}});
-  const BspTree best = BspTree::build(mesh, {.progress = {}, .cancelled = {}, .form = BspForm::best});
+  const Bvh fast = Bvh::build(mesh, {.progress = {}, .cancelled = {}});
+  const Bvh best = Bvh::build(mesh, {.progress = {}, .cancelled = {}, .form = BvhForm::best});
   print_tree("fast", mesh, fast.report());
   print_tree("best", mesh, best.report());
   const std::vector<Ray> rays = rays_through(fast.bounds(), ray_count, random);
@@ -130,7 +130,7 @@ void run_saved(const TriangleMesh& mesh, std::mt19937_64& random) {
   const std::string without = stem + "_without.cscene";
   Scene scene{.name = "s", .mesh = mesh, .parts = {{"s", 0, static_cast<std::uint32_t>(mesh.triangles.size()), {}}}};
   save_scene(without, scene);
-  const auto bytes = std::make_shared<const std::vector<std::byte>>(BspTree::build(mesh).saved(mesh));
+  const auto bytes = std::make_shared<const std::vector<std::byte>>(Bvh::build(mesh).saved(mesh));
   scene.index = {*bytes, bytes};
   save_scene(with, scene);
   const auto count = static_cast<double>(mesh.triangles.size());

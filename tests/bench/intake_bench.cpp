@@ -18,10 +18,10 @@
 
 #include "server/exact_phase/edge_kinds.hpp"
 #include "server/intake/file_bytes.hpp"
-#include "server/intake/mend.hpp"
-#include "server/intake/mesh_health.hpp"
-#include "server/intake/reading.hpp"
-#include "server/world/self_intersections.hpp"
+#include "server/intake/mesh/mend.hpp"
+#include "server/intake/mesh/mesh_health.hpp"
+#include "server/intake/readers/reading.hpp"
+#include "server/world/objects/self_intersections.hpp"
 #include "tests/scenes/mesh_files.hpp"
 #include "tests/scenes/meshes.hpp"
 
@@ -111,13 +111,13 @@ void check_rows(const TriangleMesh& mesh) {
   std::printf("  health report        %6.3f s\n", seconds([&] { health = examine(mesh); }));
   std::printf("  creases, silhouettes %6.3f s\n",
               seconds([&] { edge_kinds(mesh, health.edges, {.eye = Vec3(3, 2, 30)}); }));
-  BspTree tree;
+  Bvh tree;
   std::printf("  index                %6.3f s\n",
-              seconds([&] { tree = BspTree::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}); }));
+              seconds([&] { tree = Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}); }));
   std::printf("  self-intersections   %6.3f s\n", seconds([&] { self_intersections(mesh, tree); }));
   TriangleMesh flat = mesh;
   for (Vec3& v : flat.vertices) v[2] = 0;
-  const BspTree flat_tree = BspTree::build(flat, {.threads = 1, .progress = {}, .cancelled = {}});
+  const Bvh flat_tree = Bvh::build(flat, {.threads = 1, .progress = {}, .cancelled = {}});
   std::printf("  the same, laid flat  %6.3f s\n", seconds([&] { self_intersections(flat, flat_tree); }));
   std::printf("  mending a clean mesh %6.3f s\n", seconds([&] { mend(mesh, 0); }));
 }

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <random>
 
-#include "server/broad_phase/bsp_tree.hpp"
-#include "server/exact_phase/overlap.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/bench/mesh_pair_peers.hpp"
 #include "tests/bench/obj.hpp"
 #include "tests/bench/rows.hpp"
@@ -50,7 +50,7 @@ Aabb bounds_of(const Triangle& t) { return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a
 class Ours final : public MeshPairPeer {
  public:
   Ours(const TriangleMesh& a, const TriangleMesh& b)
-      : a_(a), b_(b), tree_a_(BspTree::build(a)), tree_b_(BspTree::build(b)) {
+      : a_(a), b_(b), tree_a_(Bvh::build(a)), tree_b_(Bvh::build(b)) {
     for (const Vec3& vertex : b.vertices) reach_m_ = std::max(reach_m_, vertex.norm());
   }
   std::string name() const override { return "collided"; }
@@ -93,8 +93,8 @@ class Ours final : public MeshPairPeer {
 
   const TriangleMesh& a_;
   const TriangleMesh& b_;
-  BspTree tree_a_;
-  BspTree tree_b_;
+  Bvh tree_a_;
+  Bvh tree_b_;
   double reach_m_ = 0;
   Frame frame_;
   TrianglePairs* out_ = nullptr;

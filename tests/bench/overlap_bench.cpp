@@ -5,11 +5,11 @@
 #include <cstdio>
 #include <random>
 
-#include "server/exact_phase/closest.hpp"
+#include "server/exact_phase/distance/closest.hpp"
 #include "server/exact_phase/exactly.hpp"
-#include "server/exact_phase/overlap.hpp"
-#include "server/world/query.hpp"
-#include "server/world/scene_touch.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "server/world/objects/scene_touch.hpp"
+#include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
 #include "tests/bench/obj.hpp"
 #include "tests/bench/overlap_peers.hpp"

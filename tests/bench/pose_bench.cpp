@@ -8,10 +8,10 @@
 #include <random>
 #include <vector>
 
-#include "server/service/clock.hpp"
-#include "server/service/decoding.hpp"
-#include "server/service/inbox.hpp"
-#include "server/service/publishers.hpp"
+#include "server/service/ingest/decoding.hpp"
+#include "server/service/ingest/inbox.hpp"
+#include "server/service/ingest/publishers.hpp"
+#include "server/service/runtime/clock.hpp"
 #include "tests/bench/clock.hpp"
 #include "tests/bench/rows.hpp"
 

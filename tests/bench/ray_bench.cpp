@@ -13,9 +13,9 @@
 #include <random>
 #include <span>
 
-#include "server/broad_phase/bsp_tree.hpp"
-#include "server/exact_phase/precision.hpp"
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/exact_phase/arithmetic/precision.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/bench/embree_scene.hpp"
 #include "tests/bench/obj.hpp"
 #include "tests/bench/ray_peers.hpp"
@@ -74,24 +74,24 @@ struct ClosestPlainly {
 };
 
 template <class Closest>
-Answer shoot(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
+Answer shoot(const Bvh& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
   Closest closest{ray};
   tree.walk_ray_nearest(ray, kInfinity, mesh, closest, cost);
   return closest.best;
 }
 
-bool meets_any(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
+bool meets_any(const Bvh& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
   const auto decide = [&](std::uint32_t, const Triangle& corners, double limit) {
     RayHit hit;
     return cast_ray(ray, corners, hit).yes() ? -1 : limit;
   };
-  return tree.meet_ray(ray, kInfinity, mesh, decide, cost) != BspTree::kNoTriangle;
+  return tree.meet_ray(ray, kInfinity, mesh, decide, cost) != Bvh::kNoTriangle;
 }
 
 /// A whole stretch at once, its walks in turn.
 class Batch {
  public:
-  void shoot(const BspTree& tree, const TriangleMesh& mesh, std::span<const Ray> rays, Answer* answers) {
+  void shoot(const Bvh& tree, const TriangleMesh& mesh, std::span<const Ray> rays, Answer* answers) {
     closest_.clear();
     tasks_.clear();
     closest_.reserve(rays.size());
@@ -99,13 +99,13 @@ class Batch {
       closest_.push_back({ray});
       tasks_.push_back({.ray = &ray, .limit = kInfinity, .candidate = closest_.back(), .cost = &cost_});
     }
-    tree.walk_rays(tasks_, mesh, BspTree::RayGoal::nearest);
+    tree.walk_rays(tasks_, mesh, Bvh::RayGoal::nearest);
     for (std::size_t i = 0; i < rays.size(); ++i) answers[i] = closest_[i].best;
   }
 
  private:
   std::vector<ClosestExactly> closest_;
-  std::vector<BspTree::RayTask> tasks_;
+  std::vector<Bvh::RayTask> tasks_;
   WalkCost cost_;
 };
 
@@ -344,7 +344,7 @@ const std::vector<MakePeer> kPeers{
 class Bench {
  public:
   Bench(const Options& options, std::string scene, const TriangleMesh& mesh)
-      : options_(options), scene_(std::move(scene)), mesh_(mesh), tree_(BspTree::build(mesh, {.progress = {}, .cancelled = {}, .form = BspForm::best})),
+      : options_(options), scene_(std::move(scene)), mesh_(mesh), tree_(Bvh::build(mesh, {.progress = {}, .cancelled = {}, .form = BvhForm::best})),
         embree_(mesh, RTC_SCENE_FLAG_NONE), robust_(mesh, RTC_SCENE_FLAG_ROBUST) {
     const double mesh_bytes =
         static_cast<double>(mesh.vertices.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(TriangleCorners));
@@ -367,7 +367,7 @@ class Bench {
   const Options& options_;
   std::string scene_;
   const TriangleMesh& mesh_;
-  BspTree tree_;
+  Bvh tree_;
   Embree embree_;
   Embree robust_;
   double bytes_each_ = 0;

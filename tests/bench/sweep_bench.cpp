@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <random>
 
-#include "server/world/indexed_mesh.hpp"
-#include "server/world/scene_touch.hpp"
-#include "server/world/swept_object.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/objects/scene_touch.hpp"
+#include "server/world/objects/swept_object.hpp"
 #include "tests/bench/clock.hpp"
 #include "tests/bench/rows.hpp"
 #include "tests/oracle/seed.hpp"
@@ -130,7 +130,7 @@ int main(int argc, char** argv) {
   scene.parts = {{.name = "terrain", .first_triangle = 0,
                   .triangle_count = static_cast<std::uint32_t>(scene.mesh.triangles.size())}};
   scene.part_objects = {1};
-  scene.tree = BspTree::build(scene.mesh);
+  scene.tree = Bvh::build(scene.mesh);
   for (const bench::Case& one : bench::cases()) bench::run(options, one, scene, random);
   return 0;
 }

@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "server/intake/scene.hpp"
-#include "server/world/query.hpp"
+#include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
 #include "tests/bench/rows.hpp"
 #include "tests/bench/service_rays.hpp"

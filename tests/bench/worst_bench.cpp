@@ -34,7 +34,7 @@ struct Question {
   Ray ray;
 };
 
-std::vector<std::uint8_t> offered(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
+std::vector<std::uint8_t> offered(const Bvh& tree, const TriangleMesh& mesh, const Ray& ray, WalkCost& cost) {
   std::vector<std::uint8_t> seen(mesh.triangles.size());
   const auto note = [&](std::uint32_t triangle, const Triangle&, double limit) {
     seen[triangle] = 1;
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> offered(const BspTree& tree, const TriangleMesh& mesh,
   return seen;
 }
 
-void ask(const Question& question, const BspTree& tree, const TriangleMesh& mesh) {
+void ask(const Question& question, const Bvh& tree, const TriangleMesh& mesh) {
   WalkCost all_cost;
   double start = thread_seconds();
   const std::vector<std::uint8_t> seen = offered(tree, mesh, question.ray, all_cost);
@@ -73,14 +73,14 @@ void ask(const Question& question, const BspTree& tree, const TriangleMesh& mesh
   expect(closest_s < 1e-9 * Bounds{}.decided_ns * count, "time of the closest hit");
 }
 
-void run(const char* name, const TriangleMesh& mesh, BspForm form, const std::vector<Question>& questions) {
-  const BspTree tree = BspTree::build(mesh, {.progress = {}, .cancelled = {}, .form = form});
-  const BspReport& report = tree.report();
+void run(const char* name, const TriangleMesh& mesh, BvhForm form, const std::vector<Question>& questions) {
+  const Bvh tree = Bvh::build(mesh, {.progress = {}, .cancelled = {}, .form = form});
+  const BvhReport& report = tree.report();
   const auto count = static_cast<double>(mesh.triangles.size());
   const double bytes = static_cast<double>(report.bytes) / count;
   const double peak = static_cast<double>(report.peak_bytes) / count;
   std::printf("  %s, %s: %.0f triangles, built in %.0f ms, depth %u, %.2f references, %.1f bytes a triangle, peak %.0f\n",
-              name, form == BspForm::fast ? "fast" : "best", count, 1e3 * report.build_s, report.depth,
+              name, form == BvhForm::fast ? "fast" : "best", count, 1e3 * report.build_s, report.depth,
               static_cast<double>(report.references) / count, bytes, peak);
   const Bounds bounds;
   expect(1e6 * report.build_s < bounds.build_us_each * count, "time of the build");
@@ -143,7 +143,7 @@ int main() {
   using namespace collided;
   using bench::Question;
   std::mt19937_64 random = oracle::seeded(20260613);
-  for (const BspForm form : {BspForm::fast, BspForm::best}) {
+  for (const BvhForm form : {BvhForm::fast, BvhForm::best}) {
     bench::run("identical triangles", bench::identical(100'000), form,
                {{"through all", {{0.2, 0.2, 1}, {0, 0, -1}}},
                 {"along an edge of all", {{-1, 0, -0.2}, {1, 0, 0.2}}},

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "server/intake/scene.hpp"
-#include "server/world/query.hpp"
+#include "server/world/query/query.hpp"
 #include "tests/data/recorded.hpp"
 
 namespace collided::recorded {

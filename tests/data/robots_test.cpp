@@ -5,9 +5,9 @@
 #include <set>
 #include <sstream>
 
-#include "server/exact_phase/convex_pair.hpp"
-#include "server/exact_phase/general_shapes.hpp"
-#include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/distance/convex_pair.hpp"
+#include "server/exact_phase/distance/general_shapes.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/aabb.hpp"
 #include "tests/data/recorded.hpp"
 

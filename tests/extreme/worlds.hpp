@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/world/query.hpp"
+#include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/brute_force.hpp"
 

@@ -4,10 +4,10 @@
 #include <mutex>
 #include <set>
 
-#include "server/intake/files/file_options.hpp"
-#include "server/intake/files/mesh_findings.hpp"
-#include "server/intake/files/simplifying.hpp"
-#include "server/intake/sphere_mesh.hpp"
+#include "server/intake/mesh/sphere_mesh.hpp"
+#include "server/programs/files/file_options.hpp"
+#include "server/programs/files/mesh_findings.hpp"
+#include "server/programs/files/simplifying.hpp"
 
 // What the program behind `collide check` and `collide convert` is made of, part by part.
 namespace collided::engine::files {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "server/intake/mend.hpp"
-#include "server/intake/mesh_health.hpp"
+#include "server/intake/mesh/mend.hpp"
+#include "server/intake/mesh/mesh_health.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 // A mesh of the bytes: the first says the widest crack, then three bytes a vertex as sixteenths with a little shift,

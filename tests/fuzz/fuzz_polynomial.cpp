@@ -1,9 +1,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "server/exact_phase/implicit_ray.hpp"
-#include "server/exact_phase/precision.hpp"
-#include "server/intake/polynomial_text.hpp"
+#include "server/exact_phase/arithmetic/precision.hpp"
+#include "server/exact_phase/ray/implicit_ray.hpp"
+#include "server/intake/readers/polynomial_text.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <random>
 
-#include "server/broad_phase/bsp_saved.hpp"
-#include "server/broad_phase/bsp_tree.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/broad_phase/hierarchy/bvh_saved.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/oracle/plain_ray.hpp"
 #include "tests/scenes/meshes.hpp"
@@ -31,7 +31,7 @@ const TriangleMesh& fuzz_mesh() {
 
 using Seen = std::vector<std::uint8_t>;
 
-void expect_complete(const BspTree& tree) {
+void expect_complete(const Bvh& tree) {
   const TriangleMesh& mesh = fuzz_mesh();
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> number(-1, 1);
@@ -89,16 +89,16 @@ void expect_complete(const BspTree& tree) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<std::byte> bytes(size);
   if (size > 0) std::memcpy(bytes.data(), data, size);
-  bsp::seal(bytes, fuzz_mesh());
-  const auto loaded = BspTree::load(fuzz_mesh(), bytes, nullptr, 1);
-  if (const auto* tree = std::get_if<BspTree>(&loaded)) expect_complete(*tree);
+  bvh::seal(bytes, fuzz_mesh());
+  const auto loaded = Bvh::load(fuzz_mesh(), bytes, nullptr, 1);
+  if (const auto* tree = std::get_if<Bvh>(&loaded)) expect_complete(*tree);
   return 0;
 }
 
 std::vector<std::string> fuzz_seeds() {
   std::vector<std::string> seeds;
-  for (const BspForm form : {BspForm::fast, BspForm::best}) {
-    const BspTree tree = BspTree::build(fuzz_mesh(), {.threads = 1, .progress = {}, .cancelled = {}, .form = form});
+  for (const BvhForm form : {BvhForm::fast, BvhForm::best}) {
+    const Bvh tree = Bvh::build(fuzz_mesh(), {.threads = 1, .progress = {}, .cancelled = {}, .form = form});
     const std::vector<std::byte> bytes = tree.saved(fuzz_mesh());
     seeds.emplace_back(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <iterator>
 
-#include "server/broad_phase/bsp_tree.hpp"
-#include "server/intake/scene_file.hpp"
-#include "server/intake/scene_index.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/intake/scene_file/scene_index.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -36,7 +36,7 @@ std::vector<std::string> fuzz_seeds() {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("fuzz_" + std::to_string(::getpid()) + ".cscene");
   Scene with_index = small;
-  const auto index = std::make_shared<const std::vector<std::byte>>(BspTree::build(small.mesh).saved(small.mesh));
+  const auto index = std::make_shared<const std::vector<std::byte>>(Bvh::build(small.mesh).saved(small.mesh));
   with_index.index = with_index.objects[0].index = {*index, index};
   Scene with_levels = small;
   with_levels.collapses = {{0, 1}};

@@ -1,8 +1,8 @@
 #include <cstring>
 
 #include "idl/scene_generated.h"
-#include "server/intake/scene_file.hpp"
-#include "server/intake/sphere_mesh.hpp"
+#include "server/intake/mesh/sphere_mesh.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

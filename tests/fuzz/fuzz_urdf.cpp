@@ -1,4 +1,4 @@
-#include "server/intake/srdf.hpp"
+#include "server/intake/readers/srdf.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

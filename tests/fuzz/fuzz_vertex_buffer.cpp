@@ -1,4 +1,4 @@
-#include "server/intake/vertex_buffer.hpp"
+#include "server/intake/readers/vertex_buffer.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace {

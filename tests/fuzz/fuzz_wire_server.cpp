@@ -1,11 +1,11 @@
 #include <memory>
 
 #include "server/intake/scene.hpp"
-#include "server/intake/scene_file.hpp"
-#include "server/service/ask.hpp"
-#include "server/service/decoding.hpp"
-#include "server/service/publishers.hpp"
-#include "server/world/query.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/service/ingest/decoding.hpp"
+#include "server/service/ingest/publishers.hpp"
+#include "server/service/questions/ask.hpp"
+#include "server/world/query/query.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

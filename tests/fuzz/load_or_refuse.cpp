@@ -2,8 +2,8 @@
 #include <string>
 #include <unordered_set>
 
-#include "server/intake/names.hpp"
-#include "server/intake/reading.hpp"
+#include "server/intake/readers/names.hpp"
+#include "server/intake/readers/reading.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace collided::fuzz {

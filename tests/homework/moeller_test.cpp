@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdio>
 
-#include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/moeller.hpp"
 #include "tests/oracle/random_shapes.hpp"

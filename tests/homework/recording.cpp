@@ -7,8 +7,8 @@
 #include <string>
 
 #include "client/response/spheres.hpp"
-#include "server/intake/sphere_mesh.hpp"
-#include "server/world/indexed_mesh.hpp"
+#include "server/intake/mesh/sphere_mesh.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
 #include "tests/homework/method.hpp"
 
 namespace collided::homework {
@@ -36,7 +36,7 @@ std::shared_ptr<const IndexedMesh> sphere(double radius_m, std::size_t polygons)
   const auto bands = static_cast<unsigned>(std::max(1.0, std::round(std::sqrt(static_cast<double>(polygons) / 4))));
   auto mesh =
       std::make_shared<const TriangleMesh>(latitude_longitude_sphere(radius_m, std::max(3u, 2 * bands), bands + 1));
-  BspTree tree = BspTree::build(*mesh, {.threads = 1, .progress = {}, .cancelled = {}});
+  Bvh tree = Bvh::build(*mesh, {.threads = 1, .progress = {}, .cancelled = {}});
   return indexed_mesh(std::move(mesh), std::move(tree));
 }
 

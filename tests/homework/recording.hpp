@@ -6,7 +6,7 @@
 
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
-#include "server/world/object.hpp"
+#include "server/world/objects/object.hpp"
 
 namespace collided::homework {
 using namespace engine;

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "server/geometry/aabb.hpp"
-#include "server/intake/sphere_mesh.hpp"
+#include "server/intake/mesh/sphere_mesh.hpp"
 #include "tests/oracle/exact_oracle.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/oracle/simple_prototype.hpp"

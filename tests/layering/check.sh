@@ -1,59 +1,98 @@
 #!/usr/bin/env bash
 # Fails on a callback passed as a function and a void* context, and on an include that runs against the arrows:
 #   geometry <- intake, broad_phase, exact_phase <- world <- service <- main;  client -> idl, never server.
-#   vcollide, the engine in a caller's process, stands beside service. intake/files is the program that checks and converts files.
+#   vcollide, the engine in a caller's process, stands beside service. programs/ stand above the rooms they use.
 # usage: check.sh REPOSITORY_ROOT
 set -euo pipefail
 cd "${1:?repository root}"
 
+# A file obeys its room and, where the room has rooms of its own, that one too. "room/." is what lies in the room itself.
 declare -A may=(
   [server/geometry]="server/geometry"
   [server/intake]="server/intake server/geometry idl"
-  [server/intake/files]="server/world server/exact_phase server/broad_phase server/intake server/geometry"  # a program: above the rooms it uses
   [server/broad_phase]="server/broad_phase server/geometry"
   [server/exact_phase]="server/exact_phase server/geometry"
   [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry idl"
   [server/vcollide]="server/world server/exact_phase server/broad_phase server/geometry"
   [server/service]="server/service server/world server/exact_phase server/broad_phase server/intake server/geometry idl"
+  [server/programs]="server/programs server/world server/exact_phase server/broad_phase server/intake server/geometry"
   [client]="client collided idl"
   [idl]="idl"
 )
+# Which rooms of the same room: an arrow that is not here is not wanted.
+declare -A within=(
+  [broad_phase/hierarchy]="."
+  [broad_phase/sweep_and_prune]=". hierarchy"
+  [broad_phase/grid]=". hierarchy sweep_and_prune"
+  [exact_phase/arithmetic]=""
+  [exact_phase/kernels]="arithmetic"
+  [exact_phase/ray]="kernels arithmetic"
+  [exact_phase/distance]="overlap ray kernels arithmetic"  # a contact's depth begins with the yes or no
+  [exact_phase/overlap]="distance kernels arithmetic"      # general shapes decide by the nearest point
+  [exact_phase/motion]="overlap distance kernels arithmetic"
+  [intake/polygons]=". readers"
+  [intake/mesh]=". polygons readers"
+  [intake/simplify]=". mesh polygons"
+  [intake/readers]=". mesh polygons"
+  [intake/scene_file]=". mesh readers"
+  [world/objects]=""
+  [world/events]="objects"
+  [world/step]=". objects events"
+  [world/query]=". objects step"
+  [service/runtime]=""
+  [service/recording]="runtime"
+  [service/events]="recording runtime"
+  [service/questions]="events recording runtime"
+  [service/durability]="questions runtime"
+  [service/ingest]="questions recording runtime"
+  [service/commands]=". durability ingest questions runtime"
+  [service/options]="commands"
+)
 violations=0
-files=0
-for room in "${!may[@]}"; do
-  while IFS=: read -r file _ include; do
-    target=$(sed -E 's/^ *#include "([^"]+)".*/\1/' <<<"$include")
+say() { echo "$1"; violations=$((violations + 1)); }
+while IFS=$'\t' read -r file target; do
+  for room in "${!may[@]}"; do
+    [[ $file == "$room"/* ]] || continue
     allowed=no
     for prefix in ${may[$room]}; do [[ $target == "$prefix"/* ]] && allowed=yes; done
-    if [[ $allowed == no ]]; then
-      echo "$file includes \"$target\": $room may include only: ${may[$room]}"
-      violations=$((violations + 1))
-    fi
-  done < <(grep -rnE '^ *#include "' "$room" --include='*.hpp' --include='*.cpp' | grep -v "^$room/files/" || true)
-  files=$((files + $(find "$room" -name '*.hpp' -o -name '*.cpp' | wc -l)))
-done
+    [[ $allowed == yes ]] || say "$file includes \"$target\": $room may include only: ${may[$room]}"
+  done
+  [[ $file =~ ^server/([a-z_]+/[a-z_]+)/ ]] || continue
+  inner=${BASH_REMATCH[1]}
+  [[ -n ${within[$inner]+set} && $target == server/"${inner%%/*}"/* ]] || continue
+  other=$(dirname "${target#server/"${inner%%/*}"/}")
+  [[ $other == "${inner#*/}" || " ${within[$inner]} " == *" $other "* ]] ||
+    say "$file includes \"$target\": $inner may include of its room only: ${within[$inner]}"
+done < <(grep -rE '^ *#include "' server client idl --include='*.hpp' --include='*.cpp' |
+         sed -E 's/^([^:]+): *#include "([^"]+)".*/\1\t\2/')
+while IFS= read -r folder; do
+  [[ -n ${within[${folder#server/}]+set} || $folder =~ ^server/(vcollide|programs)/ ]] ||
+    say "$folder has no arrows in this script"
+done < <(find server -mindepth 2 -maxdepth 2 -type d)
+files=$(find server client idl -name '*.hpp' -o -name '*.cpp' | wc -l)
 # One door a package.
 door() { # PATTERN ALLOWED_REGEX NAME
   while IFS= read -r file; do
-    [[ $file =~ $2 ]] || { echo "$file includes $3 past its door"; violations=$((violations + 1)); }
+    [[ $file =~ $2 ]] || say "$file includes $3 past its door"
   done < <(grep -rlE "$1" server client idl --include='*.hpp' --include='*.cpp' || true)
 }
 door '#include [<"]fcl/' '^$' FCL  # has none: a yardstick of the tests alone
 door '#include [<"]dds/' '^idl/dds' 'Cyclone DDS'
-door '#include [<"](flatbuffers/|idl/(scene|geometry)_generated)' '^(server/intake/scene_(file\.cpp|encoder\.hpp)|server/service/geometry_encoding\.cpp|client/library/(shape_encoding|geometry_decoding)\.cpp)$' FlatBuffers
+door '#include [<"](flatbuffers/|idl/(scene|geometry)_generated)' '^(server/intake/scene_file/scene_(file\.cpp|encoder\.hpp)|server/service/commands/geometry_encoding\.cpp|client/library/(shape_encoding|geometry_decoding)\.cpp)$' FlatBuffers
 door '#include <boost/(asio|beast)' '^client/view/web_server\.cpp$' 'Boost.Beast'
-door '#include <assimp/' '^server/intake/import/' Assimp
+door '#include <assimp/' '^server/programs/import/' Assimp
 # Who calls back takes a FunctionRef, not a function and what it is to be given.
 while IFS= read -r line; do
-  echo "$line: a callback is a FunctionRef (server/geometry/function_ref.hpp)"
-  violations=$((violations + 1))
+  say "$line: a callback is a FunctionRef (server/geometry/function_ref.hpp)"
 done < <(grep -rnwE 'void ?\* ?context' server client idl tests --include='*.hpp' --include='*.cpp' || true)
 # A file that a comment or the server's README names must be there; what cmake generates is not in the tree.
 named=$(grep -rhoE '//.*' server client idl tests --include='*.hpp' --include='*.cpp' | grep -oE '[A-Za-z0-9_.-]+\.(cpp|hpp|idl|fbs)\b'
         grep -oE '[A-Za-z0-9_.-]+\.(cpp|hpp|idl|csv|sh)\b' server/README.md)
 while IFS= read -r name; do
-  echo "'$name' is named in a comment or in server/README.md, and is not there"
-  violations=$((violations + 1))
+  say "'$name' is named in a comment or in server/README.md, and is not there"
 done < <(comm -23 <(sort -u <<<"$named") <(find server client idl tests deploy -type f -printf '%f\n' | sort -u))
+while IFS= read -r path; do
+  [[ -e server/$path || -e $path ]] || say "'$path' is named in server/README.md, and is not there"
+done < <(grep -oE '`(geometry|broad_phase|exact_phase|intake|world|service|client|tests|idl)/[A-Za-z0-9_./-]+`' server/README.md | tr -d '`')
 echo "$files files, $violations violations"
 [[ $files -gt 20 && $violations -eq 0 ]]

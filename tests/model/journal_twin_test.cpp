@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "server/service/journal.hpp"
+#include "server/service/durability/journal.hpp"
 #include "tests/model/random_world.hpp"
 #include "tests/oracle/seed.hpp"
 

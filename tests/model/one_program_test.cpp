@@ -3,7 +3,7 @@
 
 #include <collided/client.hpp>
 
-#include "server/world/query.hpp"
+#include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
 
 namespace collided {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/service/publishers.hpp"
+#include "server/service/ingest/publishers.hpp"
 
 namespace collided::model {
 using namespace engine;

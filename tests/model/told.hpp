@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/world/pair_report.hpp"
-#include "server/world/probes.hpp"
-#include "server/world/query.hpp"
+#include "server/world/query/pair_report.hpp"
+#include "server/world/query/probes.hpp"
+#include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::model {

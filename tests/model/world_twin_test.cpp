@@ -5,7 +5,7 @@
 #include <functional>
 #include <set>
 
-#include "server/world/indexed_mesh.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
 #include "tests/model/plain_world.hpp"
 #include "tests/model/random_world.hpp"
 #include "tests/model/told.hpp"

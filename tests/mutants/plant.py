@@ -14,7 +14,7 @@ from clang.cindex import CursorKind, Index, TranslationUnitLoadError
 import rules
 
 ROOMS = ["server/geometry", "server/intake", "server/broad_phase", "server/exact_phase", "server/world", "server/service",
-         "server/vcollide", "client/library", "client/cli", "client/draw", "client/view", "client/response", "idl"]
+         "server/vcollide", "server/programs", "client/library", "client/cli", "client/draw", "client/view", "client/response", "idl"]
 LEAST_IN_A_ROOM = 12
 FUNCTIONS = {CursorKind.FUNCTION_DECL, CursorKind.CXX_METHOD, CursorKind.CONSTRUCTOR, CursorKind.DESTRUCTOR,
              CursorKind.FUNCTION_TEMPLATE, CursorKind.CONVERSION_FUNCTION}

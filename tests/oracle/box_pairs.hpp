@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/broad_phase/bsp_tree.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
 #include "server/geometry/aabb.hpp"
 
 namespace collided::oracle {

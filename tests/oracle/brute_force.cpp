@@ -4,11 +4,11 @@
 #include <cmath>
 #include <map>
 
-#include "server/exact_phase/closest.hpp"
-#include "server/exact_phase/contact.hpp"
-#include "server/exact_phase/half_space.hpp"
-#include "server/exact_phase/overlap.hpp"
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/exact_phase/distance/closest.hpp"
+#include "server/exact_phase/distance/contact.hpp"
+#include "server/exact_phase/distance/half_space.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 
 namespace collided::oracle {
 using namespace engine;

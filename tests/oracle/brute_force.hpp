@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/world/query.hpp"
-#include "server/world/snapshot.hpp"
+#include "server/world/objects/snapshot.hpp"
+#include "server/world/query/query.hpp"
 
 namespace collided::oracle {
 using namespace engine;

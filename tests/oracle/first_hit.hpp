@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/ray.hpp"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "server/geometry/edge_table.hpp"
-#include "server/intake/seams.hpp"
-#include "server/world/self_intersections.hpp"
+#include "server/intake/mesh/seams.hpp"
+#include "server/world/objects/self_intersections.hpp"
 
 namespace collided::oracle {
 using namespace engine;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/exact_phase/moving_features.hpp"
+#include "server/exact_phase/motion/moving_features.hpp"
 
 namespace collided::oracle {
 using namespace engine;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "idl/mcap/reader.hpp"
-#include "server/service/flight_recorder.hpp"
+#include "server/service/recording/flight_recorder.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided::engine::service {

@@ -10,7 +10,7 @@ using namespace engine;
 
 Row level_row(const std::string& study, const std::string& scene, const std::string& label, const TriangleMesh& mesh,
               const std::vector<Vec3>& points, const std::vector<double>& truth_m, double bound_m, int repeats) {
-  const BspTree tree = BspTree::build(mesh);
+  const Bvh tree = Bvh::build(mesh);
   Row row{.study = study,
           .scene = scene,
           .series = "ours",

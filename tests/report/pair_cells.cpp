@@ -3,10 +3,10 @@
 #include <functional>
 #include <random>
 
-#include "server/exact_phase/closest.hpp"
-#include "server/exact_phase/contact.hpp"
-#include "server/exact_phase/overlap.hpp"
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/exact_phase/distance/closest.hpp"
+#include "server/exact_phase/distance/contact.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/report/measure.hpp"
 #include "tests/report/pairs.hpp"

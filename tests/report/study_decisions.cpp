@@ -1,7 +1,7 @@
 #include <random>
 
-#include "server/broad_phase/bsp_tree.hpp"
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/report/peer_method.hpp"
 #include "tests/report/plain.hpp"
 #include "tests/report/studies.hpp"
@@ -44,7 +44,7 @@ std::vector<Row> study_decisions(const Setting& setting) {
   // A closed surface seen from inside: every ray hits it, so no reference is needed.
   TriangleMesh mesh = scenes::icosphere(setting.quick ? 3 : 5, 1);
   for (Vec3& v : mesh.vertices) v = v.cast<float>().cast<double>();
-  const BspTree tree = BspTree::build(mesh);
+  const Bvh tree = Bvh::build(mesh);
   std::uniform_real_distribution<double> part(0, 1);
   std::vector<Row> rows;
   const int count = setting.quick ? 2000 : setting.full ? 1000000 : 100000;

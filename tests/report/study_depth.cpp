@@ -1,9 +1,9 @@
 #include <random>
 
-#include "server/exact_phase/contact.hpp"
+#include "server/exact_phase/arithmetic/precision.hpp"
+#include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/exactly.hpp"
-#include "server/exact_phase/overlap.hpp"
-#include "server/exact_phase/precision.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/report/peer_method.hpp"
 #include "tests/report/plain.hpp"

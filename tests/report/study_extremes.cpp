@@ -1,10 +1,10 @@
 #include <cmath>
 #include <random>
 
-#include "server/broad_phase/bsp_tree.hpp"
-#include "server/exact_phase/contact.hpp"
-#include "server/exact_phase/overlap.hpp"
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/exact_phase/distance/contact.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/report/near_walk.hpp"
 #include "tests/report/peer_method.hpp"
 #include "tests/report/plain.hpp"

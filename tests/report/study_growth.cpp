@@ -5,9 +5,9 @@
 #include <random>
 #include <thread>
 
-#include "server/broad_phase/grid.hpp"
+#include "server/broad_phase/grid/grid.hpp"
 #include "server/intake/scene.hpp"
-#include "server/world/query.hpp"
+#include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
 #include "tests/report/studies.hpp"
 #include "tests/scenes/meshes.hpp"

@@ -5,8 +5,8 @@
 #include <memory>
 #include <random>
 
-#include "server/broad_phase/bsp_tree.hpp"
-#include "tests/oracle/plain_bsp.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "tests/oracle/plain_bvh.hpp"
 #include "tests/oracle/polygon_bsp.hpp"
 #include "tests/report/studies.hpp"
 #include "tests/scenes/meshes.hpp"
@@ -31,7 +31,7 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-FirstHit ask_tree(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray, PlainCost& cost) {
+FirstHit ask_tree(const Bvh& tree, const TriangleMesh& mesh, const Ray& ray, PlainCost& cost) {
   FirstHit first{};
   const auto candidate = [&](std::uint32_t triangle, const Triangle&, double) {
     first.take(mesh, triangle, ray);
@@ -46,8 +46,8 @@ FirstHit ask_tree(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray,
 
 Form wide(const TriangleMesh& mesh) {
   const auto start = std::chrono::steady_clock::now();
-  const auto tree = std::make_shared<const BspTree>(BspTree::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
-  const BspReport& report = tree->report();
+  const auto tree = std::make_shared<const Bvh>(Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
+  const BvhReport& report = tree->report();
   return {"ours: wide tree", [&mesh, tree](const Ray& ray, PlainCost& cost) { return ask_tree(*tree, mesh, ray, cost); },
           static_cast<double>(report.references), static_cast<double>(report.bytes), milliseconds_since(start)};
 }
@@ -81,7 +81,7 @@ std::vector<Ray> rays_for(const TriangleMesh& mesh, int count, std::mt19937_64& 
 std::vector<Row> compare(const std::string& scene, const TriangleMesh& mesh, const Setting& setting,
                          std::mt19937_64& random) {
   const std::vector<Ray> rays = rays_for(mesh, setting.count(1000), random);
-  const Form forms[] = {wide(mesh), plain<oracle::PlainBsp>("plain, across the axes", mesh),
+  const Form forms[] = {wide(mesh), plain<oracle::PlainBvh>("plain, across the axes", mesh),
                         plain<oracle::PolygonBsp>("plain, along the polygons", mesh, random)};
   std::vector<FirstHit> truth;
   for (const Ray& ray : rays) truth.push_back(oracle::first_hit(mesh, ray));

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <random>
 
-#include "server/broad_phase/bsp_tree.hpp"
-#include "server/exact_phase/closest.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/exact_phase/arithmetic/precision.hpp"
+#include "server/exact_phase/distance/closest.hpp"
 #include "server/exact_phase/exactly.hpp"
-#include "server/exact_phase/precision.hpp"
 #include "tests/report/near_walk.hpp"
 #include "tests/report/peer_method.hpp"
 #include "tests/report/plain.hpp"
@@ -61,7 +61,7 @@ Answer certified_distance(const Vec3& point, const Triangle& t) {
   return {true, found.distance_m, found.distance_error_m};
 }
 
-Answer nearest_in(const BspTree& tree, const TriangleMesh& mesh, const Vec3& point, DistanceTo distance) {
+Answer nearest_in(const Bvh& tree, const TriangleMesh& mesh, const Vec3& point, DistanceTo distance) {
   Answer best;
   const auto look = [&](std::uint32_t triangle, double limit_m2) {
     const Answer found = distance(point, mesh.triangle(triangle));
@@ -93,7 +93,7 @@ std::vector<Vec3> points_around(const TriangleMesh& mesh, int count, std::mt1993
 std::vector<Row> study_nearest(const Setting& setting) {
   std::mt19937_64 random(setting.seed + 2);
   const NamedMesh scene = report_mesh(setting.quick);
-  const BspTree tree = BspTree::build(scene.mesh);
+  const Bvh tree = Bvh::build(scene.mesh);
   const std::vector<Vec3> points = points_around(scene.mesh, setting.count(2000), random);
   std::vector<Truth> truth;
   PeerProblem problem{"nearest", scene.mesh, 3, {}};

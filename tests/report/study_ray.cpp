@@ -2,10 +2,10 @@
 #include <cmath>
 #include <random>
 
-#include "server/broad_phase/bsp_tree.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/exactly.hpp"
-#include "server/exact_phase/precision.hpp"
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/report/peer_method.hpp"
 #include "tests/report/plain.hpp"
 #include "tests/report/studies.hpp"
@@ -128,7 +128,7 @@ using Decide = double (*)(Walk& walk, const Triangle& t, double limit);
 
 class RayStudy {
  public:
-  RayStudy(const NamedMesh& scene, const BspTree& tree, std::vector<Ray> rays)
+  RayStudy(const NamedMesh& scene, const Bvh& tree, std::vector<Ray> rays)
       : scene_(scene), tree_(tree), rays_(std::move(rays)) {
     for (const Ray& ray : rays_) truth_.push_back(truth_of(scene.mesh, ray));
   }
@@ -176,7 +176,7 @@ class RayStudy {
   }
 
   const NamedMesh& scene_;
-  const BspTree& tree_;
+  const Bvh& tree_;
   std::vector<Ray> rays_;
   std::vector<Truth> truth_;
 };
@@ -186,7 +186,7 @@ class RayStudy {
 std::vector<Row> study_ray(const Setting& setting) {
   std::mt19937_64 random(setting.seed);
   const NamedMesh scene = report_mesh(setting.quick);
-  const BspTree tree = BspTree::build(scene.mesh);
+  const Bvh tree = Bvh::build(scene.mesh);
   const int count = setting.count(3000);
   std::vector<Row> rows = RayStudy(scene, tree, random_rays(scene.mesh, count, random)).run(setting, "ray");
   const std::vector<Row> hard = RayStudy(scene, tree, hard_rays(scene.mesh, count, random)).run(setting, "ray_hard");

@@ -1,7 +1,7 @@
 #include <random>
 
-#include "server/intake/simplify.hpp"
-#include "server/world/surface_distance.hpp"
+#include "server/intake/simplify/simplify.hpp"
+#include "server/world/objects/surface_distance.hpp"
 #include "tests/report/levels.hpp"
 #include "tests/report/near_walk.hpp"
 #include "tests/report/studies.hpp"
@@ -13,20 +13,20 @@ namespace {
 /// The mesh that distances are asked of, and what they are.
 struct Subject {
   NamedMesh scene;
-  BspTree tree;
+  Bvh tree;
   std::vector<std::uint32_t> part_of;
   std::vector<Vec3> points;
   std::vector<double> truth_m;
 
   explicit Subject(const Setting& setting)
-      : scene(report_mesh(setting.quick)), tree(BspTree::build(scene.mesh)), part_of(scene.mesh.triangles.size(), 0) {
+      : scene(report_mesh(setting.quick)), tree(Bvh::build(scene.mesh)), part_of(scene.mesh.triangles.size(), 0) {
     std::mt19937_64 random(setting.seed + 5);
     points = points_around(scene.mesh, setting.count(2000), random);
     for (const Vec3& p : points) truth_m.push_back(nearest_in(tree, scene.mesh, p, certified_distance).value);
   }
 
   double bound_m(const TriangleMesh& level) const {
-    const BspTree level_tree = BspTree::build(level);
+    const Bvh level_tree = Bvh::build(level);
     const std::vector<std::uint32_t> level_part_of(level.triangles.size(), 0);
     return surface_distance({scene.mesh, tree, part_of}, {level, level_tree, level_part_of});
   }

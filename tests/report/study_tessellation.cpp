@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <random>
 
-#include "server/exact_phase/closest.hpp"
+#include "server/exact_phase/distance/closest.hpp"
 #include "tests/report/levels.hpp"
 #include "tests/report/near_walk.hpp"
 #include "tests/report/studies.hpp"

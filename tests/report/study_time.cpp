@@ -1,7 +1,7 @@
 #include <cmath>
 #include <random>
 
-#include "server/exact_phase/time_of_contact.hpp"
+#include "server/exact_phase/motion/time_of_contact.hpp"
 #include "tests/oracle/random_shapes.hpp"
 #include "tests/report/peer_method.hpp"
 #include "tests/report/plain.hpp"

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "server/exact_phase/time_of_contact.hpp"
+#include "server/exact_phase/motion/time_of_contact.hpp"
 #include "tests/report/measure.hpp"
 
 namespace collided::report {

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "server/service/answering.hpp"
+#include "server/service/questions/answering.hpp"
 #include "tests/service/wire_network.hpp"
 
 namespace collided::engine::service {

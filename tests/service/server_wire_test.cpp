@@ -4,7 +4,7 @@
 #include <random>
 
 #include "server/intake/scene.hpp"
-#include "server/intake/scene_file.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/brute_force.hpp"
 #include "tests/oracle/seed.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "server/service/event_writer.hpp"
+#include "server/service/events/event_writer.hpp"
 #include "tests/simulation/record.hpp"
 
 namespace collided::simulation {

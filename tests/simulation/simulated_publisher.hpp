@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "server/service/publishers.hpp"
-#include "server/service/samples.hpp"
+#include "server/service/ingest/publishers.hpp"
+#include "server/service/ingest/samples.hpp"
 
 namespace collided::simulation {
 using namespace engine;

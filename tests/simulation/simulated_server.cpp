@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
 
 namespace collided::simulation {
 using namespace engine;

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "server/service/broadcast.hpp"
-#include "server/service/publishers.hpp"
+#include "server/service/events/broadcast.hpp"
+#include "server/service/ingest/publishers.hpp"
 #include "server/world/world.hpp"
 #include "tests/simulation/recording_event_writer.hpp"
 

@@ -17,10 +17,10 @@ bool is_foot(const std::string& joint) {
   return std::find(kFootJoints.begin(), kFootJoints.end(), joint) != kFootJoints.end();
 }
 
-Shape part_shape(const Bvh& bvh, std::size_t joint, const WalkerOptions& options) {
+Shape part_shape(const MotionCapture& bvh, std::size_t joint, const WalkerOptions& options) {
   if (is_foot(bvh.joints[joint].name)) return {SphereShape{.radius_m = options.foot_radius_m}};
   Shape shape;
-  for (const BvhJoint& child : bvh.joints) {
+  for (const CapturedJoint& child : bvh.joints) {
     const Vec3 end = child.offset * options.unit_m;
     const bool is_bone = child.parent == static_cast<int>(joint) && end != Vec3::Zero();
     if (is_bone) shape.push_back(CapsuleShape{.b = end, .radius_m = options.bone_radius_m});
@@ -38,7 +38,7 @@ std::uint32_t group_of(const std::string& name) {
 
 class Walker : public Source {
  public:
-  Walker(Bvh bvh, const WalkerOptions& options) : bvh_(std::move(bvh)), options_(options), parts_(walker_parts(bvh_, options)) {
+  Walker(MotionCapture bvh, const WalkerOptions& options) : bvh_(std::move(bvh)), options_(options), parts_(walker_parts(bvh_, options)) {
     if (bvh_.frame_count < 2) throw bad_use("the recording has no frame after its first, artificial one");
     std::set<std::string> names;
     for (const WalkerPart& part : parts_) {
@@ -86,7 +86,7 @@ class Walker : public Source {
   }
 
  private:
-  Bvh bvh_;
+  MotionCapture bvh_;
   WalkerOptions options_;
   std::vector<WalkerPart> parts_;
   std::vector<Publisher::Object> objects_;
@@ -96,16 +96,16 @@ class Walker : public Source {
 
 }  // namespace
 
-std::vector<WalkerPart> walker_parts(const Bvh& bvh, const WalkerOptions& options) {
+std::vector<WalkerPart> walker_parts(const MotionCapture& bvh, const WalkerOptions& options) {
   std::vector<WalkerPart> parts;
   for (std::size_t joint = 0; joint < bvh.joints.size(); ++joint) {
-    const BvhJoint& definition = bvh.joints[joint];
+    const CapturedJoint& definition = bvh.joints[joint];
     if (!definition.is_end()) parts.push_back({options.name + "/" + definition.name, joint, part_shape(bvh, joint, options)});
   }
   return parts;
 }
 
-std::vector<Pose> walker_poses(const Bvh& bvh, const std::vector<WalkerPart>& parts, const WalkerOptions& options, std::size_t frame) {
+std::vector<Pose> walker_poses(const MotionCapture& bvh, const std::vector<WalkerPart>& parts, const WalkerOptions& options, std::size_t frame) {
   const std::vector<Pose> joints = joint_poses(bvh, frame);
   // A quarter turn about x, with exact zeros for positions and the nearest unit quaternion for rotations.
   const double half = std::sqrt(0.5);
@@ -120,7 +120,7 @@ std::vector<Pose> walker_poses(const Bvh& bvh, const std::vector<WalkerPart>& pa
   return poses;
 }
 
-std::unique_ptr<Source> make_walker(Bvh bvh, const WalkerOptions& options) {
+std::unique_ptr<Source> make_walker(MotionCapture bvh, const WalkerOptions& options) {
   return std::make_unique<Walker>(std::move(bvh), options);
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/publish/bvh.hpp"
+#include "client/cli/publish/motion_capture.hpp"
 #include "client/cli/publish/source.hpp"
 
 namespace collided::cli {
@@ -28,12 +28,12 @@ struct WalkerPart {
 
 /// A capsule for every bone that has a length; LeftFoot, LeftToeBase, RightFoot and RightToeBase are spheres. A joint without
 /// such a bone is a sphere of the bones' radius.
-std::vector<WalkerPart> walker_parts(const Bvh& bvh, const WalkerOptions& options);
+std::vector<WalkerPart> walker_parts(const MotionCapture& bvh, const WalkerOptions& options);
 
 /// Where the parts are in a frame, in metres and with the chosen axis up.
-std::vector<Pose> walker_poses(const Bvh& bvh, const std::vector<WalkerPart>& parts, const WalkerOptions& options, std::size_t frame);
+std::vector<Pose> walker_poses(const MotionCapture& bvh, const std::vector<WalkerPart>& parts, const WalkerOptions& options, std::size_t frame);
 
 /// A recording as a publisher, without its frame 0: recordings begin with an artificial pose. All parts share a group.
-std::unique_ptr<Source> make_walker(Bvh bvh, const WalkerOptions& options);
+std::unique_ptr<Source> make_walker(MotionCapture bvh, const WalkerOptions& options);
 
 }  // namespace collided::cli

@@ -6,11 +6,11 @@
 #include <cstring>
 #include <random>
 
-#include "server/exact_phase/closest.hpp"
-#include "server/exact_phase/contact.hpp"
-#include "server/exact_phase/overlap.hpp"
-#include "server/exact_phase/ray_cast.hpp"
-#include "server/exact_phase/time_of_contact.hpp"
+#include "server/exact_phase/distance/closest.hpp"
+#include "server/exact_phase/distance/contact.hpp"
+#include "server/exact_phase/motion/time_of_contact.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/accuracy/census/pair_inputs.hpp"
 #include "tests/accuracy/census/ray_inputs.hpp"
 

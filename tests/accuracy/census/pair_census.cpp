@@ -1,4 +1,4 @@
-#include "server/exact_phase/overlap.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/accuracy/census/inputs.hpp"
 #include "tests/accuracy/census/pair_inputs.hpp"
 #include "tests/accuracy/census/peers.hpp"

@@ -1,4 +1,4 @@
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/accuracy/census/inputs.hpp"
 #include "tests/accuracy/census/peers.hpp"
 #include "tests/accuracy/census/ray_inputs.hpp"

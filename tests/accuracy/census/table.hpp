@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "server/exact_phase/precision.hpp"
-#include "server/exact_phase/verdict.hpp"
+#include "server/exact_phase/arithmetic/precision.hpp"
+#include "server/exact_phase/arithmetic/verdict.hpp"
 
 namespace collided::census {
 using namespace engine;

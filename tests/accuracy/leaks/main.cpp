@@ -4,8 +4,8 @@
 #include <cstring>
 #include <vector>
 
-#include "server/broad_phase/bsp_tree.hpp"
-#include "server/exact_phase/ray_cast.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/exact_phase/ray/ray_cast.hpp"
 #include "tests/accuracy/census/table.hpp"
 #include "tests/accuracy/leaks/peers.hpp"
 #include "tests/oracle/seed.hpp"
@@ -66,7 +66,7 @@ InsideRay aimed(const TriangleMesh& mesh, const Vec3& center, double inside_m, A
   return asked;
 }
 
-Decision leaks_not(const BspTree& tree, const TriangleMesh& mesh, const Ray& ray) {
+Decision leaks_not(const Bvh& tree, const TriangleMesh& mesh, const Ray& ray) {
   Decision answer = Decision::no;
   WalkCost cost;
   const auto candidate = [&](std::uint32_t, const Triangle& corners, double limit) {
@@ -88,7 +88,7 @@ struct Scene {
 };
 
 void count_leaks(Table& table, const Scene& scene, std::uint64_t count, std::uint64_t peer_count, std::mt19937_64& random) {
-  const BspTree tree = BspTree::build(scene.mesh);
+  const Bvh tree = Bvh::build(scene.mesh);
   std::vector<Method<InsideRay>> methods;
   methods.push_back(method<InsideRay>(kOurs, [&](const InsideRay& c) { return leaks_not(tree, scene.mesh, c.ray); }));
   for (const Peer& peer : closed_mesh_peers(scene.mesh)) {

@@ -25,7 +25,7 @@ case $bug in
     readers_of kSeparationError ;;
   bounded) plant server/geometry/bounded.hpp 's/kRoundoff \* std::abs(value)/0x1p-58 * std::abs(value)/' ;;
   traced) plant server/geometry/bounded.hpp 's/(a.error + b.error) + std::abs(lost)/(a.error + b.error)/' ;;
-  box_ulp) plant server/exact_phase/box_kernel.hpp 's/height\[i\] = half\[i\] \* abs(determinant)/height[i] = half[i] * abs(determinant) * N(1 - 0x1p-52)/' ;;
+  box_ulp) plant server/exact_phase/kernels/box_kernel.hpp 's/height\[i\] = half\[i\] \* abs(determinant)/height[i] = half[i] * abs(determinant) * N(1 - 0x1p-52)/' ;;
   contraction)
     # Fused products break the error-free transformations that the second rung stands on.
     flags="-std=c++20 -O2 -DNDEBUG -mfma -ffp-contract=fast -ffast-math -fno-finite-math-only"

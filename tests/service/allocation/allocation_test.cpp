@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "server/intake/scene.hpp"
-#include "server/service/answering.hpp"
-#include "server/service/listeners.hpp"
-#include "server/service/publishers.hpp"
+#include "server/service/ingest/listeners.hpp"
+#include "server/service/ingest/publishers.hpp"
+#include "server/service/questions/answering.hpp"
 #include "tests/service/allocation/counting.hpp"
 #include "tests/service/wire_network.hpp"
 

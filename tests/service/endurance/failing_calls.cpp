@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "server/intake/scene_file.hpp"
-#include "server/service/journal.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/service/durability/journal.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
@@ -89,7 +89,7 @@ Scene make_scene(std::uint64_t seed) {
   scene.objects[1].shape.primitives.emplace_back(Sphere{{0, 0, 0}, 1});
   for (auto* index : {&scene.index, &scene.objects[0].index}) {
     const TriangleMesh& mesh = index == &scene.index ? scene.mesh : *scene.objects[0].shape.mesh;
-    const auto bytes = std::make_shared<const std::vector<std::byte>>(BspTree::build(mesh).saved(mesh));
+    const auto bytes = std::make_shared<const std::vector<std::byte>>(Bvh::build(mesh).saved(mesh));
     *index = {*bytes, bytes};
   }
   return scene;

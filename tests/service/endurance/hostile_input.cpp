@@ -19,12 +19,12 @@
 #include <memory>
 #include <random>
 
-#include "server/intake/scene_file.hpp"
-#include "server/service/ask.hpp"
-#include "server/service/command_arguments.hpp"
-#include "server/service/publishers.hpp"
-#include "server/world/indexed_mesh.hpp"
-#include "server/world/query.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/service/commands/command_arguments.hpp"
+#include "server/service/ingest/publishers.hpp"
+#include "server/service/questions/ask.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/query/query.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 #include "tests/service/child_process.hpp"

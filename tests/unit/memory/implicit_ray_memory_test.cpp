@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "server/exact_phase/implicit_ray.hpp"
-#include "server/intake/polynomial_text.hpp"
+#include "server/exact_phase/ray/implicit_ray.hpp"
+#include "server/intake/readers/polynomial_text.hpp"
 #include "tests/unit/memory/counting.hpp"
 
 namespace collided::engine {

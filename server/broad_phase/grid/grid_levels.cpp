@@ -1,0 +1,312 @@
+#include "server/broad_phase/grid/grid_levels.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace collided::engine::grid {
+namespace {
+
+constexpr int kLeastExponent = -1000;
+constexpr int kMostExponent = 1000;
+constexpr std::int16_t kEmpty = std::numeric_limits<std::int16_t>::max();
+constexpr std::int16_t kUnbounded = kEmpty - 1;
+/// Cells are at least this part of the coordinates they hold, so that cell numbers are exact.
+constexpr double kLeastCellOfReach = 0x1p-40;
+/// So few boxes of a size are cheaper to ask each time than to look up.
+constexpr std::uint32_t kFewBoxes = 16;
+
+/// Cells are at least this part as wide as long: narrower ones are many rows for a question to look up.
+constexpr double kLeastCellAspect = 0x1p-6;
+
+struct SizeClass {
+  std::uint32_t count = 0;
+  double largest = 0;
+  Vec3 extent = Vec3::Zero();  // the largest on each axis
+};
+
+/// Boxes by the exponent of their size.
+using Histogram = std::array<SizeClass, kMostExponent - kLeastExponent + 1>;
+
+/// No coordinate is farther from zero.
+double reach_of(const Aabb& box) {
+  return std::max(box.high.cwiseAbs().maxCoeff(), box.low.cwiseAbs().maxCoeff());
+}
+
+/// The size that decides about the level, in metres; infinite for a box that no cell can hold. reach: of all boxes.
+double effective_size(const Aabb& box, double reach) {
+  const double size = std::max((box.high - box.low).maxCoeff(), 0x1p-1000);
+  return size >= reach * kLeastCellOfReach ? size : std::max(size, reach_of(box) * kLeastCellOfReach);
+}
+
+/// Of a normal number.
+int exponent_of(double value) { return static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52) - 1023; }
+
+/// Sizes up to a factor of four share a level, unless the smaller ones are so many that larger cells would crowd
+/// them; far smaller ones join when they are few.
+bool joins(std::uint32_t count, std::uint32_t group_count, int exponents_below) {
+  return exponents_below <= 1 ? count / 4 <= group_count : count <= group_count / 8;
+}
+
+/// A group of neighbouring exponents.
+struct Group {
+  int least = 0;
+  int most = 0;
+  std::uint32_t count = 0;
+  double largest = 0;
+  Vec3 extent = Vec3::Zero();
+};
+
+std::vector<Group> group_sizes(const Histogram& histogram) {
+  std::vector<Group> groups;
+  for (int exponent = kMostExponent; exponent >= kLeastExponent; --exponent) {
+    const SizeClass& size = histogram[exponent - kLeastExponent];
+    if (size.count == 0) continue;
+    if (!groups.empty() && joins(size.count, groups.back().count, groups.back().most - exponent)) {
+      groups.back().least = exponent;
+      groups.back().count += size.count;
+      groups.back().extent = groups.back().extent.cwiseMax(size.extent);
+    } else {
+      groups.push_back({exponent, exponent, size.count, size.largest, size.extent});
+    }
+  }
+  std::reverse(groups.begin(), groups.end());
+  return groups;
+}
+
+/// reach: of the level's boxes or more, in which case cells are only wider than they need be.
+void set_cells(Level& level, double reach) {
+  const double largest = level.cell_m.maxCoeff();
+  // In no case more than the largest box, which is a cell that holds its own coordinates.
+  const double least = std::max(largest * kLeastCellAspect, std::min(largest, reach * kLeastCellOfReach));
+  for (int k = 0; k < 3; ++k) {
+    level.cell_m[k] = std::max(level.cell_m[k], least) * (1 + 0x1p-9);
+    level.inverse[k] = 1 / level.cell_m[k];
+  }
+}
+
+std::uint32_t whole_blocks(std::uint32_t places) { return (places + kBlock - 1) / kBlock * kBlock; }
+
+template <class T>
+void make_room(bvh::PlainArray<T>& array, std::size_t size) {
+  if (array.size() < size) array = bvh::PlainArray<T>(size + size / 8);
+}
+
+}  // namespace
+
+void Levels::choose_levels(std::span<const Aabb> boxes) {
+  Histogram histogram{};
+  exponent_of_box_.resize(boxes.size());
+  entry_count = 0;
+  all_ = Extent{};
+  for (const Aabb& box : boxes) {
+    if (!box.empty()) all_.extend(box);
+  }
+  const double reach = reach_of(all_.bounds);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    exponent_of_box_[i] = kEmpty;
+    if (boxes[i].empty()) continue;
+    ++entry_count;
+    const double size = effective_size(boxes[i], reach);
+    exponent_of_box_[i] = kUnbounded;
+    if (!(size < 0x1p999)) continue;
+    const int exponent = exponent_of(size);
+    exponent_of_box_[i] = static_cast<std::int16_t>(exponent);
+    SizeClass& same = histogram[exponent - kLeastExponent];
+    ++same.count;
+    same.largest = std::max(same.largest, size);
+    same.extent = same.extent.cwiseMax(boxes[i].high - boxes[i].low);
+  }
+  levels.clear();
+  level_of_exponent_.assign(histogram.size(), -1);
+  for (const Group& group : group_sizes(histogram)) {
+    if (group.count <= kFewBoxes) continue;
+    for (int e = group.least; e <= group.most; ++e) {
+      level_of_exponent_[e - kLeastExponent] = static_cast<std::int16_t>(levels.size());
+    }
+    levels.emplace_back();
+    levels.back().end = group.count;  // a count until the levels are laid out
+    levels.back().cell_m = group.extent;
+    // What decided about the level may be the reach and not the box.
+    int longest = 0;
+    group.extent.maxCoeff(&longest);
+    levels.back().cell_m[longest] = std::max(group.extent[longest], group.largest);
+  }
+}
+
+/// Places of levels and loose boxes; returns how many there are, padding included.
+std::uint32_t Levels::lay_out() {
+  std::uint32_t place = 0;
+  std::uint32_t loose_count = entry_count;
+  for (Level& level : levels) {
+    const std::uint32_t count = level.end;
+    loose_count -= count;
+    level.begin = place;
+    level.end = place + count;
+    place = whole_blocks(level.end + 1);
+  }
+  loose_begin = place;
+  loose_end = place + loose_count;
+  return whole_blocks(loose_end);
+}
+
+/// Numbers of the boxes of each level and the loose ones, in members_ at the level's places.
+void Levels::share_out(std::span<const Aabb> boxes) {
+  std::vector<std::uint32_t> next;
+  for (const Level& level : levels) next.push_back(level.begin);
+  next.push_back(loose_begin);
+  members_.resize(loose_end);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const std::int16_t exponent = exponent_of_box_[i];
+    if (exponent == kEmpty) continue;
+    const std::int16_t level = exponent == kUnbounded ? std::int16_t{-1} : level_of_exponent_[exponent - kLeastExponent];
+    members_[next[level < 0 ? levels.size() : static_cast<std::size_t>(level)]++] = static_cast<std::uint32_t>(i);
+  }
+}
+
+void Levels::set_axes(std::span<const Aabb> boxes, Level& level, std::span<const std::uint32_t> members) {
+  Extent extent = all_;
+  if (!members.empty()) {
+    extent = Extent{};
+    for (const std::uint32_t member : members) extent.extend(boxes[member]);
+  }
+  level.bounds = extent.bounds;
+  set_cells(level, reach_of(level.bounds));
+  for (int k = 0; k < 3; ++k) {
+    level.occupied.low[k] = level.cell_of(k, extent.bounds.low[k]);
+    level.occupied.high[k] = level.cell_of(k, extent.highest_low[k]);
+    level.axes[k].set(level.occupied.low[k], level.occupied.high[k]);
+  }
+  const auto bits = [&] { return level.axes[0].bits() + level.axes[1].bits() + level.axes[2].bits(); };
+  if (bits() > kMostKeyBits) {
+    for (int k = 0; k < 3; ++k) {
+      std::vector<Cell> cells;
+      cells.reserve(level.count());
+      for (std::uint32_t i = 0; i < level.count(); ++i) {
+        cells.push_back(level.cell_of(k, boxes[members.empty() ? i : members[i]].low[k]));
+      }
+      level.axes[k].set(std::move(cells));
+    }
+    // More than a million boxes: the cells left are nearly all of their own, so sharing crowds none.
+    const int over = bits() - kMostKeyBits;
+    for (Axis& axis : level.axes) axis.coarsen(over > 0 ? (over + 2) / 3 : 0);
+  }
+  level.y_shift = level.axes[0].bits();
+  level.z_shift = level.y_shift + level.axes[1].bits();
+}
+
+/// Marks places as free.
+void Levels::pad(std::uint32_t from, std::uint32_t to) {
+  const Vec3 nowhere = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  for (std::uint32_t place = from; place < to; ++place) store({nowhere, nowhere}, 0, kNoKey, place);
+}
+
+template <class Element>
+void Levels::fill_level(std::span<const Aabb> boxes, const Level& level, std::span<const std::uint32_t> members,
+                        std::vector<Element>& sorted, std::vector<Element>& scratch) {
+  sorted.resize(level.count());
+  for (std::uint32_t i = 0; i < level.count(); ++i) {
+    const std::uint32_t box = members.empty() ? i : members[i];
+    sorted[i] = Element::of(level.key(boxes[box].low), box);
+  }
+  radix_sort(sorted, scratch, level.z_shift + level.axes[2].bits());
+  for (std::uint32_t i = 0; i < level.count(); ++i) {
+    constexpr std::uint32_t kAhead = 16;
+    if (i + kAhead < level.count()) {
+      const auto* ahead = reinterpret_cast<const char*>(&boxes[sorted[i + kAhead].box()]);
+      __builtin_prefetch(ahead);
+      __builtin_prefetch(ahead + sizeof(Aabb) - 1);
+    }
+    store(boxes[sorted[i].box()], sorted[i].box(), sorted[i].key(), level.begin + i);
+  }
+}
+
+/// The first place of each bucket of keys, a bucket for every two boxes or more.
+void Levels::index_level(Level& level) {
+  level.last_key = keys[level.end - 1];
+  level.bucket_shift = 0;
+  while (level.last_key >> level.bucket_shift > level.count() / 2) ++level.bucket_shift;
+  level.first_bucket = static_cast<std::uint32_t>(directory.size());
+  const auto buckets = static_cast<std::uint32_t>(level.last_key >> level.bucket_shift) + 1;
+  directory.resize(directory.size() + buckets + 1);
+  std::uint32_t* first_of = directory.data() + level.first_bucket;
+  std::uint32_t bucket = 0;
+  for (std::uint32_t place = level.begin; place < level.end; ++place) {
+    const auto own = static_cast<std::uint32_t>(keys[place] >> level.bucket_shift);
+    while (bucket <= own) first_of[bucket++] = place;
+  }
+  first_of[bucket] = level.end;
+}
+
+/// And which they are: a scene of many parts that rest has a place for each, and little that moves.
+bool Levels::are_few(std::span<const Aabb> boxes) {
+  few_numbers.clear();
+  for (std::uint32_t i = 0; i < boxes.size() && few_numbers.size() <= kSweptBoxes; ++i) {
+    if (!boxes[i].empty()) few_numbers.push_back(i);
+  }
+  return few_numbers.size() <= kSweptBoxes;
+}
+
+void Levels::rebuild_few(std::span<const Aabb> boxes) {
+  few_boxes_.clear();
+  for (const std::uint32_t number : few_numbers) few_boxes_.push_back(boxes[number]);
+  few.update(few_boxes_);
+  levels.clear();
+  directory.clear();
+  loose_begin = 0;
+  loose_end = static_cast<std::uint32_t>(few.size());
+  entry_count = loose_end;
+  const std::uint32_t place_count = whole_blocks(loose_end + 1);
+  make_room(blocks, place_count / kBlock);
+  make_room(keys, place_count);
+  make_room(numbers, place_count);
+  for (std::uint32_t place = 0; place < loose_end; ++place) {
+    const std::uint32_t number = few.number(place);
+    store(few_boxes_[number], few_numbers[number], kNoKey, place);
+  }
+  pad(loose_end, place_count);
+}
+
+void Levels::rebuild(std::span<const Aabb> boxes) {
+  if (are_few(boxes)) return rebuild_few(boxes);
+  few.clear();
+  choose_levels(boxes);
+  const std::uint32_t place_count = lay_out();
+  make_room(blocks, place_count / kBlock);
+  make_room(keys, place_count);
+  make_room(numbers, place_count);
+  const bool all_in_one = levels.size() == 1 && levels[0].count() == boxes.size();
+  if (!all_in_one) share_out(boxes);
+  directory.clear();
+  for (Level& level : levels) {
+    std::span<const std::uint32_t> members;  // none: every box is one
+    if (!all_in_one) members = std::span(members_).subspan(level.begin, level.count());
+    set_axes(boxes, level, members);
+    if (level.z_shift + level.axes[2].bits() <= kPackedKeyBits) {
+      fill_level(boxes, level, members, packed_, other_packed_);
+    } else {
+      fill_level(boxes, level, members, keyed_, other_keyed_);
+    }
+    pad(level.end, whole_blocks(level.end + 1));
+    index_level(level);
+  }
+  for (std::uint32_t i = loose_begin; i < loose_end; ++i) store(boxes[members_[i]], members_[i], kNoKey, i);
+  pad(loose_end, place_count);
+}
+
+std::size_t Levels::bytes() const {
+  std::size_t bytes = few.bytes() + blocks.bytes() + keys.bytes() + numbers.bytes() + directory.capacity() * sizeof(directory[0]) +
+                      members_.capacity() * sizeof(members_[0]) +
+                      exponent_of_box_.capacity() * sizeof(exponent_of_box_[0]) +
+                      (packed_.capacity() + other_packed_.capacity()) * sizeof(Packed) +
+                      (keyed_.capacity() + other_keyed_.capacity()) * sizeof(Keyed);
+  for (const Level& level : levels) {
+    for (const Axis& axis : level.axes) bytes += axis.bytes();
+  }
+  return bytes;
+}
+
+}  // namespace collided::engine::grid

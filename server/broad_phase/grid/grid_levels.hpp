@@ -1,0 +1,145 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "server/broad_phase/box_block.hpp"
+#include "server/broad_phase/grid/grid_key.hpp"
+#include "server/broad_phase/grid/grid_sort.hpp"
+#include "server/broad_phase/hierarchy/bvh_layout.hpp"
+#include "server/broad_phase/sweep_and_prune/sweep_and_prune.hpp"
+#include "server/geometry/aabb.hpp"
+
+namespace collided::engine::grid {
+
+inline constexpr std::uint32_t kBlock = BoxBlock::kSize;
+
+/// Up to so many boxes are swept along an axis instead: a frame of 64 then costs 2 to 3 us, not 10 (grid_bench), and a
+/// question that looks at each of them no more than one that looks for them.
+inline constexpr std::size_t kSweptBoxes = 64;
+
+/// One box where it lies.
+struct Entry {
+  const BoxBlock* block;
+  std::uint32_t lane;
+  std::uint32_t number;
+
+  double low(int axis) const { return block->low[axis][lane]; }
+  double high(int axis) const { return block->high[axis][lane]; }
+  std::uint32_t box() const { return number; }
+};
+
+/// Boxes of similar size, each held by the one cell of its low corner. The cell is larger than every box on each axis,
+/// so boxes that overlap have cells at most one apart; needles that lie the same way have cells as narrow.
+struct Level {
+  Vec3 cell_m = Vec3::Ones();
+  Vec3 inverse = Vec3::Ones();
+  std::uint32_t begin = 0;  // places of its boxes, the first of a block
+  std::uint32_t end = 0;
+  std::uint32_t first_bucket = 0;  // of its part of the directory
+  int bucket_shift = 0;
+  Key last_key = 0;
+  int y_shift = 0;
+  int z_shift = 0;
+  Axis axes[3];
+  CellRange occupied;
+  Aabb bounds;
+
+  std::uint32_t count() const { return end - begin; }
+  /// Within 2^41 of zero for the level's own boxes. Monotone, and its two roundings stay far below the 2^-9 by which
+  /// the cell exceeds the boxes.
+  Cell cell_of(int axis, double coordinate) const {
+    const double place = coordinate * inverse[axis];
+    const auto toward_zero = static_cast<Cell>(place);
+    return toward_zero - (place < static_cast<double>(toward_zero) ? 1 : 0);
+  }
+  Key key(std::uint64_t x, std::uint64_t y, std::uint64_t z) const { return z << z_shift | y << y_shift | x; }
+  Key key(const Vec3& corner) const {
+    return key(axes[0].number(cell_of(0, corner[0])), axes[1].number(cell_of(1, corner[1])),
+               axes[2].number(cell_of(2, corner[2])));
+  }
+};
+
+/// Where some boxes lie, and how far their low corners go.
+struct Extent {
+  Aabb bounds;
+  Vec3 highest_low = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+  void extend(const Aabb& box) {
+    bounds.extend(box);
+    highest_low = highest_low.cwiseMax(box.low);
+  }
+};
+
+/// Boxes sorted by level and key, so that a sweep in memory order meets its neighbours in a few parallel streams. Behind
+/// the last box of a level there is at least one place with kNoKey. Boxes that no level suits (unbounded, or too few of
+/// their size to be worth one) are loose: every question asks each of them. Where there are few boxes all are loose.
+struct Levels {
+  std::vector<Level> levels;  // small boxes first
+  bvh::PlainArray<BoxBlock> blocks;
+  bvh::PlainArray<Key> keys;               // by place
+  bvh::PlainArray<std::uint32_t> numbers;  // by place
+  std::vector<std::uint32_t> directory;    // by bucket of keys: its first place
+  std::uint32_t entry_count = 0;
+  std::uint32_t loose_begin = 0;  // behind the levels, the first of a block
+  std::uint32_t loose_end = 0;
+  SweepAndPrune few;                       // where there are no more than kSweptBoxes, all of them loose; else empty
+  std::vector<std::uint32_t> few_numbers;  // of its boxes, ascending
+
+  Entry entry(std::uint32_t place) const {
+    return {&blocks[place / kBlock], place % kBlock, numbers[place]};
+  }
+  /// The level's first place whose key is at least this; its end when there is none.
+  std::uint32_t first_place(const Level& level, Key key) const {
+    if (key > level.last_key) return level.end;
+    const std::uint32_t* bucket = directory.data() + level.first_bucket + (key >> level.bucket_shift);
+    std::uint32_t low = bucket[0];
+    std::uint32_t high = bucket[1];
+    while (low < high) {
+      const std::uint32_t middle = low + (high - low) / 2;
+      if (keys[middle] < key) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    return low;
+  }
+
+  void rebuild(std::span<const Aabb> boxes);
+  std::size_t bytes() const;
+
+ private:
+  bool are_few(std::span<const Aabb> boxes);
+  void rebuild_few(std::span<const Aabb> boxes);
+  void choose_levels(std::span<const Aabb> boxes);
+  std::uint32_t lay_out();
+  void share_out(std::span<const Aabb> boxes);
+  void set_axes(std::span<const Aabb> boxes, Level& level, std::span<const std::uint32_t> members);
+  template <class Element>
+  void fill_level(std::span<const Aabb> boxes, const Level& level, std::span<const std::uint32_t> members,
+                  std::vector<Element>& sorted, std::vector<Element>& scratch);
+  void index_level(Level& level);
+  [[gnu::always_inline]] inline void store(const Aabb& box, std::uint32_t number, Key key, std::uint32_t place) {
+    blocks[place / kBlock].set(place % kBlock, box);
+    keys[place] = key;
+    numbers[place] = number;
+  }
+  void pad(std::uint32_t from, std::uint32_t to);
+
+  Extent all_;  // every box of the last rebuild
+
+  // Scratch of rebuild, kept to save allocations.
+  std::vector<Aabb> few_boxes_;
+  std::vector<std::int16_t> exponent_of_box_;
+  std::vector<std::int16_t> level_of_exponent_;
+  std::vector<std::uint32_t> members_;
+  std::vector<Packed> packed_;
+  std::vector<Packed> other_packed_;
+  std::vector<Keyed> keyed_;
+  std::vector<Keyed> other_keyed_;
+};
+
+}  // namespace collided::engine::grid

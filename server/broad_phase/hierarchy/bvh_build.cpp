@@ -1,0 +1,369 @@
+#include "server/broad_phase/hierarchy/bvh_build.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+#include "server/broad_phase/hierarchy/bvh_collapse.hpp"
+#include "server/broad_phase/hierarchy/bvh_occlusion_order.hpp"
+#include "server/broad_phase/hierarchy/bvh_pieces.hpp"
+#include "server/broad_phase/hierarchy/bvh_primitive.hpp"
+#include "server/broad_phase/hierarchy/bvh_split.hpp"
+#include "server/broad_phase/hierarchy/bvh_threads.hpp"
+
+namespace collided::engine::bvh {
+namespace {
+
+/// A subtree smaller than this is not worth handing to another thread.
+constexpr std::uint32_t kLeastJob = 4096;
+/// Triangles that a thread takes at once where it goes through all.
+constexpr std::size_t kRun = 65536;
+
+/// Tells how far the build is and hears whether to go on; both from the caller's thread only.
+class Watch {
+ public:
+  Watch(const BvhOptions& options, std::uint64_t total) : options_(options), total_(total) {}
+
+  void placed(std::uint32_t count, bool callers_thread) {
+    const std::uint64_t done = done_ += count;
+    if (!callers_thread || done < next_report_) return;
+    next_report_ = done + total_ / 128 + 1;
+    if (options_.progress) options_.progress(static_cast<double>(done) / static_cast<double>(total_));
+    ask();
+  }
+  void ask() {
+    if (options_.cancelled && options_.cancelled()) cancelled_ = true;
+  }
+  bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
+
+ private:
+  const BvhOptions& options_;
+  std::uint64_t total_;
+  std::atomic<std::uint64_t> done_{0};
+  std::atomic<bool> cancelled_{false};
+  std::uint64_t next_report_ = 0;
+};
+
+/// Nodes and leaves in the order of a walk, so that a subtree lies together.
+struct Piece {
+  std::vector<Node> nodes;
+  std::vector<Leaf> leaves;
+  std::uint32_t depth = 0;
+  std::uint64_t references = 0;
+
+  std::uint64_t bytes() const { return nodes.capacity() * sizeof(Node) + leaves.capacity() * sizeof(Leaf); }
+};
+
+/// A subtree left to another thread, and where its parent waits for it.
+struct Job {
+  Range range;
+  std::uint32_t depth = 0;
+  std::uint32_t parent = 0;
+  int slot = 0;
+};
+
+void set_child(Node& node, int slot, const FloatBox& box, Ref ref) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node.plane[axis][0][slot] = box.low[axis];
+    node.plane[axis][1][slot] = box.high[axis];
+  }
+  node.child[slot] = ref;
+}
+
+Node empty_node() {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Node node{};
+  const FloatBox nothing{Float4::Constant(kInfinity), Float4::Constant(-kInfinity)};
+  for (int slot = 0; slot < kWidth; ++slot) set_child(node, slot, nothing, kNothing);
+  return node;
+}
+
+/// Near to far for each octant of directions. A child's list starts with itself; undoing the cuts from the last to the
+/// first joins the lists of their two sides, nearer side first.
+void set_order(const Cut (&cuts)[kWidth], int child_count, Node& node) {
+  for (unsigned octant = 0; octant < 8; ++octant) {
+    std::uint32_t list[kWidth];
+    int length[kWidth];
+    for (int i = 0; i < kWidth; ++i) {
+      list[i] = static_cast<std::uint32_t>(i);
+      length[i] = 1;
+    }
+    for (int c = child_count - 2; c >= 0; --c) {
+      const auto [left, right, axis] = cuts[c];
+      const bool left_first = (octant >> axis & 1u) == 0;
+      const int first = left_first ? left : right;
+      const int second = left_first ? right : left;
+      list[left] = list[first] | list[second] << (3 * length[first]);
+      length[left] += length[right];
+    }
+    // Missing children go last, so that every lane is somewhere.
+    for (int i = child_count; i < kWidth; ++i) list[0] |= static_cast<std::uint32_t>(i) << (3 * i);
+    node.order[octant] = list[0];
+  }
+}
+
+class Builder {
+ public:
+  /// Reads of the layout only how triangles are stored.
+  Builder(const TriangleMesh& mesh, const Layout& layout, std::span<Primitive> primitives, Watch& watch)
+      : mesh_(mesh), layout_(layout), primitives_(primitives), watch_(watch) {}
+
+  /// The subtree over the range. Ranges of at most job_size are left in jobs, if given.
+  Ref build(const Range& range, std::uint32_t depth, bool callers_thread, Piece& piece, std::uint32_t job_size,
+            std::vector<Job>* jobs) const {
+    piece.depth = std::max(piece.depth, depth + 1);
+    if (watch_.cancelled()) return kNothing;
+    if (range.size() <= kWidth) {
+      watch_.placed(range.size(), callers_thread);
+      return add_leaf(range, piece);
+    }
+    if (range.size() <= Collapse::kMostPrimitives && depth + Collapse::kMostDepth <= kMaxHeuristicDepth) {
+      Collapse collapse;
+      collapse.cut(primitives_, range);
+      watch_.placed(range.size(), callers_thread);
+      return add_collapsed(collapse, Collapse::kRoot, depth, piece);
+    }
+    Range children[kWidth];
+    Cut cuts[kWidth];
+    const int count = cut(range, depth, children, cuts);
+    const auto index = static_cast<std::uint32_t>(piece.nodes.size());
+    piece.nodes.push_back(empty_node());
+    set_order(cuts, count, piece.nodes.back());
+    for (int i = 0; i < count; ++i) {
+      const bool later = jobs != nullptr && children[i].size() <= job_size;
+      if (later) jobs->push_back({children[i], depth + 1, index, i});
+      const Ref ref = later ? kNothing : build(children[i], depth + 1, callers_thread, piece, job_size, jobs);
+      set_child(piece.nodes[index], i, children[i].bounds, ref);
+    }
+    return index;
+  }
+
+ private:
+  /// Which child to cut next: the one of largest surface, or of most triangles where only the count still divides;
+  /// -1 when each fits a leaf.
+  static int next_cut(const Range (&children)[kWidth], int count, bool by_count) {
+    int next = -1;
+    for (int i = 0; i < count; ++i) {
+      if (children[i].size() <= kWidth) continue;
+      if (next < 0) {
+        next = i;
+        continue;
+      }
+      const float area = by_count ? 0.0f : children[i].bounds.half_area();
+      const float best = by_count ? 0.0f : children[next].bounds.half_area();
+      if (area > best || (area == best && children[i].size() > children[next].size())) next = i;
+    }
+    return next;
+  }
+
+  /// Cuts until there are eight children or none is larger than a leaf.
+  int cut(const Range& range, std::uint32_t depth, Range (&children)[kWidth], Cut (&cuts)[kWidth]) const {
+    const bool by_count = depth >= kMaxHeuristicDepth;
+    int count = 1;
+    children[0] = range;
+    while (count < kWidth) {
+      const int next = next_cut(children, count, by_count);
+      if (next < 0) break;
+      const Range whole = children[next];
+      const int axis = split(primitives_, whole, by_count, children[next], children[count]);
+      cuts[count - 1] = {next, count, axis};
+      ++count;
+    }
+    return count;
+  }
+
+  Ref add_collapsed(const Collapse& collapse, int part, std::uint32_t depth, Piece& piece) const {
+    piece.depth = std::max(piece.depth, depth + 1);
+    if (collapse.is_leaf(part)) return add_leaf(collapse.range(part), piece);
+    int children[kWidth];
+    Cut cuts[kWidth];
+    const int count = collapse.children(part, children, cuts);
+    const auto index = static_cast<std::uint32_t>(piece.nodes.size());
+    piece.nodes.push_back(empty_node());
+    set_order(cuts, count, piece.nodes.back());
+    for (int i = 0; i < count; ++i) {
+      const Ref ref = add_collapsed(collapse, children[i], depth + 1, piece);
+      set_child(piece.nodes[index], i, collapse.range(children[i]).bounds, ref);
+    }
+    return index;
+  }
+
+  Ref add_leaf(const Range& range, Piece& piece) const {
+    Leaf leaf{};
+    int count = 0;
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      const std::uint32_t number = primitives_[i].triangle();
+      // Two pieces of one triangle are one here.
+      if (std::find(leaf.triangle, leaf.triangle + count, number) != leaf.triangle + count) continue;
+      set_lane(mesh_, layout_.frame, layout_.has_corners, number, count++, leaf);
+    }
+    piece.references += static_cast<std::uint64_t>(count);
+    piece.leaves.push_back(leaf);
+    return leaf_ref(static_cast<std::uint32_t>(piece.leaves.size() - 1), count);
+  }
+
+  const TriangleMesh& mesh_;
+  const Layout& layout_;
+  std::span<Primitive> primitives_;
+  Watch& watch_;
+};
+
+/// One box a triangle.
+PlainArray<Primitive> whole_triangles(const TriangleMesh& mesh, const LocalFrame& frame, unsigned threads) {
+  PlainArray<Primitive> boxes(mesh.triangles.size());
+  in_runs(threads, boxes.size(), kRun, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) boxes[i] = local_primitive(mesh, frame, static_cast<std::uint32_t>(i));
+  });
+  return boxes;
+}
+
+/// The boxes with those of split triangles replaced by their pieces.
+PlainArray<Primitive> with_pieces(const TriangleMesh& mesh, const LocalFrame& frame, PlainArray<Primitive> whole,
+                                  const std::vector<Split>& splits) {
+  if (splits.empty()) return whole;
+  std::size_t count = whole.size();
+  for (const Split& split : splits) count += split.piece_count - 1;
+  PlainArray<Primitive> boxes(count);
+  std::copy_n(whole.data(), whole.size(), boxes.data());
+  std::size_t end = whole.size();
+  for (const Split& split : splits) {
+    Primitive pieces[kMaxPieces];
+    const std::uint32_t written = cover(mesh, frame, split.triangle, split.piece_count, pieces);
+    boxes[split.triangle] = pieces[0];
+    // What was not needed repeats the first.
+    for (std::uint32_t i = 1; i < split.piece_count; ++i) boxes[end++] = pieces[i < written ? i : 0];
+  }
+  return boxes;
+}
+
+Range range_over(std::span<const Primitive> primitives, unsigned threads) {
+  std::vector<Range> runs((primitives.size() + kRun - 1) / kRun);
+  in_runs(threads, primitives.size(), kRun, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) runs[begin / kRun].add(primitives[i]);
+  });
+  Range all{0, static_cast<std::uint32_t>(primitives.size()), {}, {}};
+  for (const Range& run : runs) {
+    all.bounds.extend(run.bounds);
+    all.centers.extend(run.centers);
+  }
+  return all;
+}
+
+Ref moved(Ref ref, std::size_t node_offset, std::size_t leaf_offset) {
+  if (ref == kNothing) return ref;
+  return static_cast<Ref>(ref + (is_leaf(ref) ? leaf_offset : node_offset));
+}
+
+/// Where each piece comes to lie, the top first.
+struct Places {
+  std::vector<std::size_t> first_node{0};
+  std::vector<std::size_t> first_leaf{0};
+
+  Places(const std::vector<Piece>& pieces) {
+    for (const Piece& piece : pieces) {
+      first_node.push_back(first_node.back() + piece.nodes.size());
+      first_leaf.push_back(first_leaf.back() + piece.leaves.size());
+    }
+    if (first_node.back() > kIndexMask || first_leaf.back() > kIndexMask) {
+      throw std::length_error("a hierarchy of " + std::to_string(first_leaf.back()) + " leaves; at most " +
+                              std::to_string(kIndexMask) + " are addressable. Nothing was built.");
+    }
+  }
+};
+
+/// Puts the pieces one after the other, freeing each, and joins each job's root to its parent.
+void join(std::vector<Piece>& pieces, const std::vector<Job>& jobs, const std::vector<Ref>& roots, unsigned threads,
+          Layout& layout) {
+  const Places places(pieces);
+  layout.nodes = PlainArray<Node>(places.first_node.back());
+  layout.leaves = PlainArray<Leaf>(places.first_leaf.back());
+  in_parallel(threads, pieces.size(), [&](std::size_t p, bool) {
+    const Piece piece = std::move(pieces[p]);
+    std::copy(piece.leaves.begin(), piece.leaves.end(), layout.leaves.data() + places.first_leaf[p]);
+    Node* nodes = layout.nodes.data() + places.first_node[p];
+    for (std::size_t i = 0; i < piece.nodes.size(); ++i) {
+      nodes[i] = piece.nodes[i];
+      for (Ref& ref : nodes[i].child) ref = moved(ref, places.first_node[p], places.first_leaf[p]);
+    }
+  });
+  // Piece 0 is the top, which starts at 0, so a parent's number is its place.
+  for (std::size_t p = 1; p < pieces.size(); ++p) {
+    const Job& job = jobs[p - 1];
+    layout.nodes[job.parent].child[job.slot] = moved(roots[p], places.first_node[p], places.first_leaf[p]);
+  }
+  layout.root = roots[0];
+}
+
+void set_root_box(const Range& all, Layout& layout) {
+  for (int axis = 0; axis < 3; ++axis) {
+    layout.root_low[axis] = all.bounds.low[axis];
+    layout.root_high[axis] = all.bounds.high[axis];
+  }
+}
+
+/// Of a build whose pieces wait to be joined.
+void count_up(const std::vector<Piece>& pieces, std::uint64_t primitive_bytes, BvhReport& report) {
+  std::uint64_t nodes = 0;
+  std::uint64_t leaves = 0;
+  report.peak_bytes = primitive_bytes;
+  for (const Piece& piece : pieces) {
+    nodes += piece.nodes.size();
+    leaves += piece.leaves.size();
+    report.depth = std::max(report.depth, piece.depth);
+    report.references += piece.references;
+    report.peak_bytes += piece.bytes();
+  }
+  report.nodes = static_cast<std::uint32_t>(nodes);
+  report.leaves = static_cast<std::uint32_t>(leaves);
+  report.bytes = nodes * sizeof(Node) + leaves * sizeof(Leaf);
+}
+
+/// Pieces are built by one thread each, so that none waits for another.
+void build_pieces(const Builder& builder, const Range& all, unsigned threads, std::vector<Piece>& pieces,
+                  std::vector<Job>& jobs, std::vector<Ref>& roots) {
+  const std::uint32_t job_size = threads == 1 ? 0 : std::max(kLeastJob, all.size() / (threads * 8));
+  pieces.resize(1);
+  roots.resize(1);
+  roots[0] = builder.build(all, 0, true, pieces[0], job_size, &jobs);
+  pieces.resize(jobs.size() + 1);
+  roots.resize(jobs.size() + 1);
+  in_parallel(threads, jobs.size(), [&](std::size_t i, bool callers_thread) {
+    roots[i + 1] = builder.build(jobs[i].range, jobs[i].depth, callers_thread, pieces[i + 1], 0, nullptr);
+  });
+}
+
+}  // namespace
+
+Layout build_layout(const TriangleMesh& mesh, const BvhOptions& options, BvhReport& report) {
+  Layout layout;
+  const unsigned threads = thread_count(options.threads);
+  if (mesh.triangles.empty() || (options.cancelled && options.cancelled())) return layout;
+  const MeshFrame found = mesh_frame(mesh, threads);
+  layout.frame = found.frame;
+  layout.has_corners = found.has_corners;
+  PlainArray<Primitive> primitives = whole_triangles(mesh, layout.frame, threads);
+  if (options.form == BvhForm::best) {
+    layout.splits = worth_splitting(mesh, layout.frame, {primitives.data(), primitives.size()}, threads);
+    primitives = with_pieces(mesh, layout.frame, std::move(primitives), layout.splits);
+  }
+  const std::span<Primitive> all_primitives(primitives.data(), primitives.size());
+  const Range all = range_over(all_primitives, threads);
+  Watch watch(options, primitives.size());
+  watch.ask();
+  std::vector<Piece> pieces;
+  std::vector<Job> jobs;
+  std::vector<Ref> roots;
+  build_pieces(Builder(mesh, layout, all_primitives, watch), all, threads, pieces, jobs, roots);
+  if (watch.cancelled()) return {};
+  count_up(pieces, primitives.bytes(), report);
+  report.split_triangles = static_cast<std::uint32_t>(layout.splits.size());
+  primitives = {};
+  join(pieces, jobs, roots, threads, layout);
+  set_root_box(all, layout);
+  set_occlusion_orders(layout, threads);
+  if (options.progress) options.progress(1);
+  return layout;
+}
+
+}  // namespace collided::engine::bvh

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/broad_phase/hierarchy/bvh_layout.hpp"
+
+namespace collided::engine::bvh {
+
+/// The walks in SIMD, each compiled for every instruction set and chosen at run time. The layout is not empty and
+/// limits are not negative.
+
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, Bvh::RayCandidate candidate,
+              WalkCost& cost);
+
+void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, const TriangleMesh& mesh,
+              Bvh::RayTriangle candidate, WalkCost& cost);
+
+void walk_ray_nearest(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
+                      Bvh::RayTriangle candidate, WalkCost& cost);
+
+std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
+                       Bvh::RayTriangle candidate, WalkCost& cost);
+
+/// By one of the two below, whichever suits the first rays; only the costs differ.
+void walk_rays(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
+               Bvh::RayGoal goal);
+void walk_rays_in_turn(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
+                       Bvh::RayGoal goal);
+/// Eight at a time through each node; for goals nearest and any.
+void walk_ray_packets(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
+                      Bvh::RayGoal goal);
+
+/// A box in local coordinates, already grown by every rounding.
+struct LocalBox {
+  float low[3];
+  float high[3];
+};
+void walk_box(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate, WalkCost& cost);
+
+/// The point's low and high ends, already grown by every rounding; squares of distances times limit_scale (twice,
+/// since its square may not fit) are local.
+struct LocalPoint {
+  float low[3];
+  float high[3];
+  double limit_scale;
+
+  float local_limit(double limit_m2) const;
+};
+void walk_near(const Layout& layout, const LocalPoint& point, double limit_m2, Bvh::NearCandidate candidate,
+               WalkCost& cost);
+
+}  // namespace collided::engine::bvh

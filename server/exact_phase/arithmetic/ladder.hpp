@@ -1,0 +1,54 @@
+#pragma once
+
+#include <algorithm>
+
+#include "server/exact_phase/arithmetic/value.hpp"
+
+namespace collided::engine::kernel {
+
+// A question is written once over its rungs, `Climb` says which of them it may stand on.
+
+/// From double upward: what the product answers with.
+struct WholeLadder {
+  template <class Kernel>
+  static Verdict climb(const Kernel& kernel) {
+    return kernel::climb(kernel);
+  }
+
+  /// value<N>() from the first rung on which it is crisp.
+  template <class Value>
+  static auto sharpened(const Value& value) {
+    auto quick = value.template operator()<Bounded>();
+    if (crisp(quick)) return quick;
+    ++rungs.sharpened;
+    const RangeWatch range;
+    auto traced = value.template operator()<Traced>();
+    if (crisp(traced)) return traced;
+    if (!range.was_left()) {
+      auto slow = value.template operator()<Expansion>();
+      if (crisp(slow)) return slow;
+    }
+    auto scaled = value.template operator()<Scaled>();
+    if (crisp(scaled)) return scaled;
+    return value.template operator()<Dyadic>();
+  }
+};
+
+/// Rationals and nothing else: what the product is audited with.
+struct RationalsAlone {
+  template <class Kernel>
+  static Verdict climb(const Kernel& kernel) {
+    return {kernel.template operator()<Dyadic>(), Level::rational};
+  }
+
+  template <class Value>
+  static auto sharpened(const Value& value) {
+    return value.template operator()<Dyadic>();
+  }
+};
+
+inline Verdict joined(const Verdict& a, const Verdict& b) {
+  return {either(a.decision, b.decision), std::max(a.level, b.level)};
+}
+
+}  // namespace collided::engine::kernel

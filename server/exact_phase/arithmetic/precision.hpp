@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/exact_phase/arithmetic/verdict.hpp"
+
+namespace collided::engine {
+
+/// What the tests of one thread may spend. The defaults decide everything and sharpen every number.
+struct Precision {
+  /// Above this rung nothing is tried: `undecided` instead, and numbers keep the bound they have.
+  Level highest = Level::rational;
+  /// A distance, depth or time known to this many metres is not sharpened further. Decisions stay exact.
+  double error_asked_m = 0;
+};
+
+/// What the tests of one thread have needed since it started: the honest price of exactness.
+struct RungCounts {
+  std::uint64_t uncertain = 0;  // questions that double with a running bound left open
+  std::uint64_t expansion = 0;  // of those, asked of expansions or, out of a double's range, of scaled numbers
+  std::uint64_t rational = 0;   // of those, asked of rationals
+  std::uint64_t sharpened = 0;  // numbers worked out again because double knew too few digits
+};
+
+namespace kernel {
+// Read only where a filter has failed, so that the sure majority never pays for it.
+inline thread_local constinit Precision precision;
+// Counted only where a filter has failed, for the same reason.
+inline thread_local constinit RungCounts rungs;
+}  // namespace kernel
+
+/// Sets the calling thread's precision for as long as it lives; scopes nest.
+class PrecisionScope {
+ public:
+  explicit PrecisionScope(const Precision& wanted) : before_(kernel::precision) { kernel::precision = wanted; }
+  ~PrecisionScope() { kernel::precision = before_; }
+  PrecisionScope(const PrecisionScope&) = delete;
+  PrecisionScope& operator=(const PrecisionScope&) = delete;
+
+ private:
+  Precision before_;
+};
+
+}  // namespace collided::engine

@@ -1,0 +1,269 @@
+#include "server/exact_phase/distance/contact.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include "server/exact_phase/distance/core.hpp"
+#include "server/exact_phase/distance/general_shapes.hpp"
+#include "server/exact_phase/distance/half_space.hpp"
+#include "server/exact_phase/distance/nearest_value.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+
+namespace collided::engine {
+namespace {
+
+using namespace kernel;
+
+Contact flipped(Contact c) {
+  c.normal = -c.normal;
+  return c;
+}
+
+Contact make_contact(const Vec3& point, const Vec3& normal, const Bounded& depth) {
+  // Cores that touch in exact arithmetic may come out a rounding below zero.
+  const double depth_m = std::max(depth.value, 0.0);
+  return {point, normal, depth_m, depth.bound() + std::abs(depth_m - depth.value)};
+}
+
+/// Half the least push, from the surface of a core's rounding towards the other.
+Vec3 middle_along(const Vec3& on_a, double radius_a_m, const Vec3& normal, double depth_m) {
+  return on_a + (radius_a_m - depth_m / 2) * normal;
+}
+
+/// The sphere's centre is outside the core of `other` or on it: the depth is the radii less the distance.
+Contact ball_contact(const Sphere& a, double other_radius_m, const NearestValue& nearest, const Vec3& fallback) {
+  const Vec3 towards = nearest.away.isZero(0) ? fallback : nearest.away;
+  const Vec3 normal = -towards;
+  const Contact contact = make_contact(a.center, normal, -nearest.gap);
+  // Seen from b: its surface, half the depth inward.
+  return {middle_along(nearest.foot, other_radius_m, towards, contact.depth_m), normal, contact.depth_m,
+          contact.depth_error_m};
+}
+
+/// At least the largest distance between two points of the pair.
+double size_of(const Core& a, const Core& b) {
+  double size = 0;
+  for (const Core* core : {&a, &b}) {
+    for (int i = 0; i < core->point_count; ++i) size += (core->point[i] - a.point[0]).cwiseAbs().sum();
+    if (core->is_box) size += 2 * (core->axes * core->half_m.asDiagonal()).cwiseAbs().sum();
+  }
+  return size;
+}
+
+/// The push along one facet axis, in the direction that needs less.
+struct Push {
+  Bounded depth;
+  Vec3 normal = Vec3::Zero();
+  bool exists = false;
+};
+
+template <class N>
+Push push_out(const FacetAxis& axis, const Core& a, const Core& b) {
+  const Vector<N> n = direction<N>(axis);
+  if (is_zero(n) == Decision::yes) return {};
+  const Scaled length = sqrt(scaled(square(n)));
+  const Pushes<N> push = pushes_along(n, a, b);
+  const Bounded forward = plain(scaled(push.forward) / length);
+  const Bounded backward = plain(scaled(push.backward) / length);
+  const Vec3 normal = unit(n);
+  return backward.value < forward.value ? Push{backward, -normal, true} : Push{forward, normal, true};
+}
+
+/// By the error really made, which is none on small integers; exactly where that is still too wide.
+Push push_out_sharply(const FacetAxis& axis, const Core& a, const Core& b) {
+  const Push traced = push_out<Traced>(axis, a, b);
+  return traced.exists && sharp(traced.depth, kRefineRay) ? traced : push_out<Dyadic>(axis, a, b);
+}
+
+struct PushList {
+  std::array<Push, 15> push;
+  int count = 0;
+
+  double least_high() const {
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < count; ++i) least = push[i].exists ? std::min(least, push[i].depth.high()) : least;
+    return least;
+  }
+  bool competes(int i, double least) const { return push[i].exists && push[i].depth.low() <= least; }
+
+  /// The push that wins, its depth widened over all that compete. Depths within `blunt` keep the earlier axis: faces
+  /// before edge pairs, in a fixed order.
+  Push least(double blunt) const {
+    const double high = least_high();
+    Push winner;
+    Bounded depth(std::numeric_limits<double>::max());
+    for (int i = 0; i < count; ++i) {
+      if (!competes(i, high)) continue;
+      depth = lesser(depth, push[i].depth);
+      if (!winner.exists || push[i].depth.value < winner.depth.value - blunt) winner = push[i];
+    }
+    winner.depth = depth;
+    return winner;
+  }
+};
+
+/// Least push that parts two cores that share a point: the nearest facet of the Minkowski difference. It is flat, and
+/// the push zero, when all facet axes vanish.
+Push least_push(const Core& a, const Core& b) {
+  const FacetAxes axes = facet_axes(a, b);
+  PushList list;
+  list.count = axes.count;
+  for (int i = 0; i < axes.count; ++i) list.push[i] = push_out<Bounded>(axes.axis[i], a, b);
+  const double blunt = kRefineDistance * size_of(a, b);
+  const double wide = list.least_high();
+  for (int i = 0; i < axes.count; ++i) {
+    if (list.competes(i, wide) && !(list.push[i].depth.bound() <= blunt)) {
+      list.push[i] = push_out_sharply(axes.axis[i], a, b);
+    }
+  }
+  const Push least = list.least(blunt);
+  if (!least.exists || sharp(least.depth, kRefineRay)) return least;
+  // Hardly touching: the digits that cancelled are worth having, and a touch is exactly zero.
+  const double narrow = list.least_high();
+  for (int i = 0; i < axes.count; ++i) {
+    if (list.competes(i, narrow)) list.push[i] = push_out_sharply(axes.axis[i], a, b);
+  }
+  return list.least(0);
+}
+
+Vec3 edge_normal(const Core& core) { return any_normal(Vec3(core.point[1] - core.point[0])); }
+
+Vec3 normal_without_facets(const Core& a, const Core& b) {
+  if (a.point_count == 3) return any_normal(Triangle{a.point[0], a.point[1], a.point[2]});
+  if (b.point_count == 3) return any_normal(Triangle{b.point[0], b.point[1], b.point[2]});
+  if (a.point_count == 2 && a.point[0] != a.point[1]) return edge_normal(a);
+  return b.point_count == 2 ? edge_normal(b) : Vec3(Vec3::UnitX());
+}
+
+Contact contact_of_meeting_cores(const Core& a, const Core& b) {
+  Push push = least_push(a, b);
+  if (!push.exists) push = {Bounded(), normal_without_facets(a, b), true};
+  const Bounded depth = push.depth + Bounded(a.radius_m) + Bounded(b.radius_m);
+  return make_contact(middle_of_both(a, b, push.normal), push.normal, depth);
+}
+
+/// The depth is at most the push along any direction that parts the two: the one across the witnesses, or, when they
+/// are so near that rounding made their direction, the best facet axis.
+Push best_known_push(const Core& a, const Core& b, const WitnessPair& pair, double low_m) {
+  Push best{Bounded(0, std::numeric_limits<double>::infinity()), normal_without_facets(a, b), true};
+  const Vec3 across = unit(Vec3(pair.on_b - pair.on_a));
+  const Vec3 fallback = best.normal;
+  for (const Vec3& normal : {across, fallback}) {
+    if (normal.isZero(0)) continue;
+    const Vector<Bounded> n(normal);
+    const Bounded push = pushes_along(n, a, b).forward / sqrt(square(n));
+    if (push.high() < best.depth.high()) best = {push, normal, true};
+    if (best.depth.high() - low_m <= kRefineRay * size_of(a, b)) return best;
+  }
+  const FacetAxes axes = facet_axes(a, b);
+  for (int i = 0; i < axes.count; ++i) {
+    const Push push = push_out<Dyadic>(axes.axis[i], a, b);
+    if (push.exists && push.depth.high() < best.depth.high()) best = push;
+  }
+  return best;
+}
+
+/// Cores apart, radii overlapping. Two witnesses bound the distance from above, a plane between them from below, and
+/// both bounds hold whatever the witnesses are worth.
+Contact contact_of_apart_cores(const Core& a, const Core& b) {
+  const WitnessPair pair = nearest_witnesses(a, b);
+  const double apart_m = (pair.on_b - pair.on_a).stableNorm();
+  // The witnesses are off their cores by roundings of the extents, the norm by roundings of itself.
+  const Bounded apart(apart_m, kWitnessError * (extent(a) + extent(b)) + 16 * kRoundoff * apart_m);
+  const Bounded radii = Bounded(a.radius_m) + Bounded(b.radius_m);
+  const Push push = best_known_push(a, b, pair, -apart.high());
+  const double low = std::max((radii - apart).low(), 0.0);
+  const double high = std::max((radii + push.depth).high(), low);
+  const double middle = low + (high - low) / 2;
+  const Bounded depth(middle, (high - low) / 2 + 2 * kRoundoff * high);
+  return make_contact(middle_along(pair.on_a, a.radius_m, push.normal, middle), push.normal, depth);
+}
+
+/// Solves at a size near 1 and scales back: squares of tiny and huge coordinates leave the range of double. A power of
+/// two changes no digit but those of coordinates that vanish beside the extent.
+template <class Solve>
+Contact at_unit_size(Core a, Core b, const Solve& solve) {
+  const double largest = std::max(extent(a) + a.radius_m, extent(b) + b.radius_m);
+  int power = 0;
+  if (std::isfinite(largest)) std::frexp(largest, &power);
+  if (std::abs(power) < 200) return solve(a, b);
+  scale(a, -power);
+  scale(b, -power);
+  Contact contact = solve(a, b);
+  for (double& x : contact.point) x = std::ldexp(x, power);
+  contact.depth_m = std::ldexp(contact.depth_m, power);
+  contact.depth_error_m = std::ldexp(contact.depth_error_m + kRoundoff, power);
+  return contact;
+}
+
+Contact contact_of_cores(const Core& a, const Core& b, bool cores_meet) {
+  return at_unit_size(a, b, cores_meet ? contact_of_meeting_cores : contact_of_apart_cores);
+}
+
+}  // namespace
+
+Contact contact(const Sphere& a, const Sphere& b) {
+  return ball_contact(a, b.radius_m, nearest_value(a.center, a.radius_m, b), -Vec3::UnitX());
+}
+
+Contact contact(const Sphere& a, const Box& b) {
+  if (overlaps(Sphere{a.center, 0}, b).yes()) return contact_of_cores(Core(a), Core(b), true);
+  return ball_contact(a, 0, nearest_value(a.center, a.radius_m, b), -Vec3::UnitX());
+}
+
+Contact contact(const Sphere& a, const Capsule& b) {
+  return ball_contact(a, b.radius_m, nearest_value(a.center, a.radius_m, b), any_normal(Vec3(b.b - b.a)));
+}
+
+Contact contact(const Sphere& a, const Triangle& b) {
+  const NearestValue nearest = nearest_value(a.center, a.radius_m, b);
+  return ball_contact(a, 0, nearest, nearest.away.isZero(0) ? any_normal(b) : nearest.away);
+}
+
+Contact contact(const Box& a, const Box& b) { return contact_of_cores(Core(a), Core(b), true); }
+
+Contact contact(const Box& a, const Capsule& b) {
+  const bool meet = overlaps(a, Capsule{b.a, b.b, 0}).yes();
+  return contact_of_cores(Core(a), Core(b), meet);
+}
+
+Contact contact(const Box& a, const Triangle& b) { return contact_of_cores(Core(a), Core(b), true); }
+
+Contact contact(const Capsule& a, const Capsule& b) {
+  const bool meet = overlaps(Capsule{a.a, a.b, 0}, Capsule{b.a, b.b, 0}).yes();
+  return contact_of_cores(Core(a), Core(b), meet);
+}
+
+Contact contact(const Capsule& a, const Triangle& b) {
+  const bool meet = overlaps(Capsule{a.a, a.b, 0}, b).yes();
+  return flipped(contact_of_cores(Core(b), Core(a), meet));
+}
+
+Contact contact(const Triangle& a, const Triangle& b) { return contact_of_cores(Core(a), Core(b), true); }
+
+namespace {
+
+template <class Shape>
+constexpr int kRank = std::is_same_v<Shape, Sphere> ? 0 : std::is_same_v<Shape, Box> ? 1 : std::is_same_v<Shape, Capsule> ? 2 : 3;
+
+}  // namespace
+
+Contact contact(const Primitive& a, const Primitive& b) {
+  return std::visit(
+      [](const auto& first, const auto& second) {
+        using First = std::decay_t<decltype(first)>;
+        using Second = std::decay_t<decltype(second)>;
+        if constexpr (kRank<First> <= kRank<Second> || General<First> || std::is_same_v<Second, HalfSpace>) return contact(first, second);
+        else return flipped(contact(second, first));
+      },
+      a, b);
+}
+
+Contact contact(const Primitive& a, const Triangle& b) {
+  return std::visit([&](const auto& solid) { return contact(solid, b); }, a);
+}
+
+}  // namespace collided::engine

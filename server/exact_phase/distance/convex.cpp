@@ -1,0 +1,131 @@
+#include "server/exact_phase/distance/convex.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/exact_phase/arithmetic/value.hpp"
+#include "server/geometry/mesh.hpp"
+#include "server/geometry/stable_length.hpp"
+
+namespace collided::engine::kernel {
+namespace {
+
+/// About the farthest point of the disc of radius 1 across the axis. Made perpendicular twice, since the first time
+/// cancels where n runs almost along the axis; there the middle of the disc is as good.
+Vec3 disc_support(const Vec3& n, const Vec3& d) {
+  Vec3 across = n - n.dot(d) * d;
+  const double length2 = across.squaredNorm();
+  const double whole2 = n.squaredNorm();
+  if (!(length2 > kDiscSeenFlat * kDiscSeenFlat * whole2)) return Vec3::Zero();
+  across /= std::sqrt(length2);
+  // At 30 degrees to the axis and more the first time was off by 5 u of |n|, 10 u of what is across, and 4 u for the unit
+  // vector: within what kSupportError has room for.
+  if (length2 > 0.25 * whole2) return across;
+  across -= across.dot(d) * d;
+  return across / across.norm();
+}
+
+Bounded value_of(const ReachPart<Bounded>& part) {
+  const bool no_root = part.numerator.exactly_zero();
+  return no_root ? part.rational : part.rational + sqrt(part.numerator / part.denominator);
+}
+
+Bounded farthest_of(const ReachAlong<Bounded>& reach) {
+  const Bounded first = value_of(reach.part[0]);
+  return reach.count == 1 ? first : max(first, value_of(reach.part[1]));
+}
+
+}  // namespace
+
+Convex::Convex(const Sphere& s) : carrier{s.center}, ball_m(s.radius_m) {}
+
+Convex::Convex(const Box& b) : carrier{b.center}, plus(Plus::box), axes(b.axes), half_m(b.half_m) {
+  reach_m = (axes * half_m.asDiagonal()).cwiseAbs().sum();
+}
+
+Convex::Convex(const Capsule& c) : carrier{c.a, c.b}, carrier_count(2), ball_m(c.radius_m), reach_m((c.b - c.a).stableNorm()) {}
+
+Convex::Convex(const Triangle& t)
+    : carrier{t.a, t.b, t.c}, carrier_count(3), reach_m(std::max((t.b - t.a).stableNorm(), (t.c - t.a).stableNorm())) {}
+
+Convex::Convex(const Cylinder& c)
+    : carrier{c.a, c.b}, carrier_count(2), disc_m(c.radius_m), disc_axis{c.b, c.a}, disc_unit((c.b - c.a).stableNormalized()),
+      reach_m((c.b - c.a).stableNorm() + c.radius_m) {}
+
+Convex::Convex(const Cone& c)
+    : carrier{c.apex, c.base}, carrier_count(2), disc_m(c.radius_m), first_disc(1), disc_axis{c.base, c.apex},
+      disc_unit((c.base - c.apex).stableNormalized()), reach_m((c.base - c.apex).stableNorm() + c.radius_m) {}
+
+Convex::Convex(const Ellipsoid& e) : carrier{e.center}, plus(Plus::ellipsoid), axes(e.axes), half_m(e.half_m) {
+  reach_m = (axes * half_m.asDiagonal()).cwiseAbs().sum();
+}
+
+Convex::Convex(const Hull& h) : carrier{vertex_of(h, 0)}, hull(&h), hull_count(static_cast<int>(h.mesh->vertices.size())) {
+  // In the hull's own frame, which turning and rounding leave as it is but for the last digits.
+  const std::vector<Vec3>& vertices = h.mesh->vertices;
+  double reach = 0;
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& vertex : vertices) {
+    const Vec3 away = vertex - vertices[0];
+    reach = std::max(reach, away.cwiseAbs().maxCoeff());
+    sum += away;
+  }
+  hull_middle_ = h.rotation * (sum / static_cast<double>(vertices.size()));
+  reach_m = 1.75 * reach + 16 * kRoundoff * carrier[0].cwiseAbs().maxCoeff();
+}
+
+Vec3 Convex::middle() const {
+  if (hull != nullptr) return hull_middle_;
+  if (carrier_count == 2) return (carrier[1] - carrier[0]) / 2;
+  return carrier_count == 3 ? Vec3(((carrier[1] - carrier[0]) + (carrier[2] - carrier[0])) / 3) : Vec3(Vec3::Zero());
+}
+
+Vec3 Convex::point(int i) const { return hull == nullptr ? carrier[i] : vertex_of(*hull, static_cast<std::size_t>(i)); }
+
+Vec3 Convex::support(const Vec3& n) const {
+  Vec3 best = Vec3::Zero();
+  double most = 0;
+  // Discs of one axis are alike, so the carriers compete with them or without.
+  const Vec3 disc = disc_m > 0 ? Vec3(disc_m * disc_support(n, disc_unit)) : Vec3(Vec3::Zero());
+  if (hull != nullptr) {
+    // The vertex farthest along n in the hull's own frame.
+    const Vec3 own = hull->rotation.transpose() * n;
+    const std::vector<Vec3>& vertices = hull->mesh->vertices;
+    std::size_t farthest = 0;
+    double reached = own.dot(vertices[0]);
+    for (std::size_t i = 1; i < vertices.size(); ++i) {
+      const double here = own.dot(vertices[i]);
+      farthest = here > reached ? i : farthest;
+      reached = std::max(reached, here);
+    }
+    return vertex_of(*hull, farthest) - carrier[0];
+  }
+  for (int i = 0; i < carrier_count; ++i) {
+    Vec3 here = carrier[i] - carrier[0];
+    if (i >= first_disc) here += disc;
+    const double along = n.dot(here);
+    if (i > 0 && !(along > most)) continue;
+    best = here;
+    most = along;
+  }
+  if (plus == Plus::box) {
+    for (int i = 0; i < 3; ++i) best += std::copysign(half_m[i], n.dot(axes.col(i))) * axes.col(i);
+  } else if (plus == Plus::ellipsoid) {
+    const Vec3 own = half_m.cwiseProduct(axes.transpose() * n);
+    const double length = stable_length(own);
+    if (length > 0) best += axes * half_m.cwiseProduct(own / length);
+  }
+  return best;
+}
+
+Bounded reach_value(const Convex& set, const Vec3& n, int side, const Vec3& origin) {
+  return farthest_of(reach_along<Bounded>(set, n, side, origin));
+}
+
+Bounded push_along(const Vec3& n, const Convex& a, const Convex& b) {
+  const Vec3& origin = b.carrier[0];
+  const Bounded forward = reach_value(a, n, +1, origin) + reach_value(b, n, -1, origin);
+  return forward / sqrt(square(Vector<Bounded>(n)));
+}
+
+}  // namespace collided::engine::kernel

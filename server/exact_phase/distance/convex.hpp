@@ -1,0 +1,136 @@
+#pragma once
+
+#include "server/exact_phase/arithmetic/number.hpp"
+#include "server/exact_phase/distance/core.hpp"
+#include "server/geometry/pose.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided::engine::kernel {
+
+/// What all convex shapes are: the hull of a few points (carriers), of which those from first_disc on carry a disc, plus
+/// a box or an ellipsoid and a ball. For solvers that know a set by how far it reaches along a direction.
+struct Convex {
+  Vec3 carrier[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  int carrier_count = 1;
+  const Hull* hull = nullptr;  // then its placed vertices are the carriers, the first of them in carrier[0]
+  enum class Plus { nothing, box, ellipsoid } plus = Plus::nothing;
+  Mat3 axes = Mat3::Zero();
+  Vec3 half_m = Vec3::Zero();
+  double ball_m = 0;
+  double disc_m = 0;  // about carriers from first_disc on, across disc_axis
+  int first_disc = 0;
+  EdgeDirection disc_axis;
+  Vec3 disc_unit = Vec3::UnitZ();  // about along the axis, of unit length
+  double reach_m = 0;  // at least the distance of any of its points, without the ball, from carrier[0]
+
+  /// A point in the midst of the set, from carrier[0], to begin a search with.
+  Vec3 middle() const;
+
+  explicit Convex(const Sphere& s);
+  explicit Convex(const Box& b);
+  explicit Convex(const Capsule& c);
+  explicit Convex(const Triangle& t);
+  explicit Convex(const Cylinder& c);
+  explicit Convex(const Cone& c);
+  explicit Convex(const Ellipsoid& e);
+  /// Keeps a pointer to the hull.
+  explicit Convex(const Hull& h);
+
+  int count() const { return hull != nullptr ? hull_count : carrier_count; }
+  Vec3 point(int i) const;
+  /// Flat facets and a ball: decided exactly, whatever it meets of its kind.
+  bool is_polytope() const { return plus != Plus::ellipsoid && disc_m == 0; }
+
+  /// About the farthest point along n, without the ball, as seen from carrier[0]; `nearest_to` is where a search over
+  /// many points begins and ends.
+  Vec3 support(const Vec3& n) const;
+
+ private:
+  int hull_count = 0;
+  Vec3 hull_middle_ = Vec3::Zero();  // from carrier[0]
+};
+
+/// rational + sqrt(numerator / denominator): how far a part of a set reaches along a direction.
+template <class N>
+struct ReachPart {
+  N rational;
+  N numerator;
+  N denominator;
+};
+
+/// How far a set reaches along n from `origin`, times |n|: the larger of the parts (cones have two).
+template <class N>
+struct ReachAlong {
+  ReachPart<N> part[2];
+  int count = 0;
+};
+
+/// sign +1: along n; -1: along -n, so that both sets of a pair are asked with one vector.
+template <class N>
+ReachAlong<N> reach_along(const Convex& set, const Vec3& n_double, int side, const Vec3& origin) {
+  const Vector<N> n = side > 0 ? Vector<N>(n_double) : -Vector<N>(n_double);
+  const auto along = [&](int i) { return dot(n, Vector<N>(set.point(i)) - Vector<N>(origin)); };
+  const auto farthest = [&](int first, int end) {
+    N most = along(first);
+    for (int i = first + 1; i < end; ++i) most = max(most, along(i));
+    return most;
+  };
+  ReachAlong<N> reach;
+  const N nn = square(n);
+  const N zero(0.0);
+  const N one(1.0);
+  if (set.disc_m > 0) {
+    const Vector<N> axis = Vector<N>(set.disc_axis.to) - Vector<N>(set.disc_axis.from);
+    const N radius(set.disc_m);
+    reach.part[reach.count++] = {farthest(set.first_disc, set.count()), radius * radius * square(cross(n, axis)),
+                                 square(axis)};
+    if (set.first_disc > 0) reach.part[reach.count++] = {farthest(0, set.first_disc), zero, one};
+    return reach;
+  }
+  ReachPart<N> part{farthest(0, set.count()), zero, one};
+  if (set.ball_m > 0) part.numerator = N(set.ball_m) * N(set.ball_m) * nn;
+  for (int i = 0; set.plus != Convex::Plus::nothing && i < 3; ++i) {
+    const N extent = N(set.half_m[i]) * dot(n, Vector<N>(Vec3(set.axes.col(i))));
+    if (set.plus == Convex::Plus::box) part.rational = part.rational + abs(extent);
+    else part.numerator = part.numerator + extent * extent;
+  }
+  reach.part[reach.count++] = std::move(part);
+  return reach;
+}
+
+/// p + sqrt(q) + sqrt(r) < 0, the roots' arguments as quotients of positive denominators.
+template <class N>
+Decision root_sum_negative(const N& p, const ReachPart<N>& q, const ReachPart<N>& r) {
+  const Decision below = less(p, N(0.0));
+  if (below != Decision::yes) return below;
+  // Both sides of sqrt(q) + sqrt(r) < -p squared, and what is left of the roots once more.
+  const N rest = (p * p * q.denominator * r.denominator - q.numerator * r.denominator) - r.numerator * q.denominator;
+  const Decision room = is_positive(rest);
+  if (room != Decision::yes) return room;
+  const N product = q.numerator * r.denominator * (r.numerator * q.denominator);
+  return less(N(4.0) * product, rest * rest);
+}
+
+/// Whether some plane across n has the two sets strictly on its two sides, b ahead.
+template <class N>
+Decision parted_along(const Vec3& n, const Convex& a, const Convex& b) {
+  const Vec3& origin = b.carrier[0];
+  const ReachAlong<N> reach_a = reach_along<N>(a, n, +1, origin);
+  const ReachAlong<N> reach_b = reach_along<N>(b, n, -1, origin);
+  AllOf all;
+  for (int i = 0; i < reach_a.count; ++i) {
+    for (int j = 0; j < reach_b.count; ++j) {
+      const N p = reach_a.part[i].rational + reach_b.part[j].rational;
+      if (all.add(root_sum_negative(p, reach_a.part[i], reach_b.part[j]))) return Decision::no;
+    }
+  }
+  return all.result();
+}
+
+/// How far the set reaches along n (side +1) or against it (-1) from the origin, times |n|.
+Bounded reach_value(const Convex& set, const Vec3& n, int side, const Vec3& origin);
+
+/// How far b must move along n, of any length, until the sets only touch, as a length; negative: they are parted.
+Bounded push_along(const Vec3& n, const Convex& a, const Convex& b);
+
+}  // namespace collided::engine::kernel

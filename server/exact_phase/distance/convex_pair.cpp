@@ -1,0 +1,155 @@
+#include "server/exact_phase/distance/convex_pair.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/exact_phase/arithmetic/value.hpp"
+#include "server/exact_phase/distance/ball_inside.hpp"
+#include "server/exact_phase/distance/nearest_value.hpp"
+#include "server/exact_phase/distance/polytope_kernel.hpp"
+#include "server/exact_phase/distance/simplex_search.hpp"
+
+namespace collided::engine::kernel {
+namespace {
+
+double reach_of(const ConvexPair& pair) {
+  return (pair.a.carrier[0] - pair.b.carrier[0]).cwiseAbs().sum() + pair.a.reach_m + pair.b.reach_m;
+}
+
+/// How far a difference point may be from the true difference set.
+double support_error_m(const ConvexPair& pair) { return kSupportError * reach_of(pair) * (1 + 16 * kRoundoff); }
+
+double balls_m(const ConvexPair& pair) { return pair.a.ball_m + pair.b.ball_m; }
+
+/// The proposal alone proves an answer.
+Decision quick_decision(const ConvexPair& pair, const Proposal& proposal) {
+  if (proposal.parted) return Decision::no;
+  const double error_m = support_error_m(pair);
+  if (proposal.encloses) return surely_holds_ball(proposal.corner, error_m) ? Decision::yes : Decision::undecided;
+  if (proposal.nearest.isZero(0)) return Decision::undecided;
+  const double apart_m = proposal.nearest.stableNorm() * (1 + 8 * kRoundoff) + error_m;
+  if (apart_m < balls_m(pair) * (1 - 4 * kRoundoff)) return Decision::yes;
+  return push_along(Vec3(-proposal.nearest), pair.a, pair.b).high() < 0 ? Decision::no : Decision::undecided;
+}
+
+/// Planes and points that the search came by, for sets with round parts.
+struct Witnesses {
+  Vec3 normal[4];
+  Vec3 point[10];
+
+  Witnesses(const ConvexPair& pair, const Proposal& proposal, const DepthProposal& depth)
+      : normal{squared_up(-proposal.nearest), squared_up(depth.normal), -proposal.nearest, depth.normal} {
+    point[1] = pair.a.carrier[0] + depth.on_a;
+    point[2] = pair.b.carrier[0] + depth.on_b;
+    point[0] = point[1] / 2 + point[2] / 2;
+    // The same on the plane that a reaches: where two faces touch, the search comes only near it.
+    for (int which = 0; which < 2; ++which) {
+      const Vec3& n = normal[which];
+      const Vec3 reached = pair.a.carrier[0] + pair.a.support(n) + pair.a.ball_m * n;
+      for (int i = 0; i < 3; ++i) point[3 + 3 * which + i] = point[i] + n.dot(reached - point[i]) * n;
+    }
+    // Between the nearest points of the two without their balls, the middle of what both balls cover.
+    const Vec3 near_a = pair.a.carrier[0] + proposal.on_a();
+    const double apart_m = proposal.nearest.stableNorm();
+    point[9] = near_a + (pair.a.ball_m + (apart_m - pair.b.ball_m)) / 2 * unit(Vec3(-proposal.nearest));
+  }
+  /// Of unit length, without the components that are rounding: in aligned scenes the true direction has none.
+  static Vec3 squared_up(const Vec3& n) {
+    Vec3 result = unit(n);
+    for (double& x : result) x = std::abs(x) < 1e-7 ? 0 : x;
+    return unit(result);
+  }
+};
+
+/// Near touching: each plane and point is asked exactly.
+Verdict careful_decision(const ConvexPair& pair, const Proposal& proposal) {
+  const DepthProposal depth = depth_proposal(pair.a, pair.b, proposal, 0);
+  if (depth.least_m > support_error_m(pair)) return {Decision::yes, Level::filter};
+  const Witnesses witnesses(pair, proposal, depth);
+  Level level = Level::filter;
+  for (const Vec3& n : witnesses.normal) {
+    if (n.isZero(0)) continue;
+    const Verdict parted = climb([&]<class N>() { return parted_along<N>(n, pair.a, pair.b); });
+    level = std::max(level, parted.level);
+    if (parted.yes()) return {Decision::no, level};
+  }
+  for (const Vec3& point : witnesses.point) {
+    const Verdict held = pair.both_hold(point);
+    level = std::max(level, held.level);
+    if (held.yes()) return {Decision::yes, level};
+  }
+  return {Decision::undecided, level};
+}
+
+Contact bracketed(const Vec3& point, const Vec3& normal, double low, double high) {
+  const double least = std::max(low, 0.0);
+  const double middle = least + std::max(high - least, 0.0) / 2;
+  return {point, normal, middle, std::max(high - least, 0.0) / 2 + 2 * kRoundoff * std::abs(high)};
+}
+
+}  // namespace
+
+Verdict sets_overlap(const ConvexPair& pair) {
+  // Most pairs are parted by the first plane that comes, or enclose each other's points; the others are worth a search to
+  // the end.
+  const Decision quick = quick_decision(pair, nearest_proposal(pair.a, pair.b, Seek::plane));
+  if (quick != Decision::undecided) return {quick, Level::filter};
+  const Proposal proposal = nearest_proposal(pair.a, pair.b, Seek::distance);
+  const Decision sharp = quick_decision(pair, proposal);
+  if (sharp != Decision::undecided) return {sharp, Level::filter};
+  ++rungs.uncertain;
+  if (precision.highest == Level::filter) return {Decision::undecided, Level::filter};
+  if (!pair.a.is_polytope() || !pair.b.is_polytope()) return careful_decision(pair, proposal);
+  if (precision.highest != Level::rational) return {Decision::undecided, Level::expansion};
+  ++rungs.rational;
+  return {polytopes_meet(pair.a, pair.b), Level::rational};
+}
+
+Decision sets_overlap_by_rationals(const ConvexPair& pair) {
+  if (pair.a.is_polytope() && pair.b.is_polytope()) return polytopes_meet(pair.a, pair.b);
+  const Proposal proposal = nearest_proposal(pair.a, pair.b, Seek::distance);
+  const Witnesses witnesses(pair, proposal, depth_proposal(pair.a, pair.b, proposal, 0));
+  for (const Vec3& n : witnesses.normal) {
+    if (!n.isZero(0) && parted_along<Dyadic>(n, pair.a, pair.b) == Decision::yes) return Decision::no;
+  }
+  for (const Vec3& point : witnesses.point) {
+    if (pair.both_hold(point).yes()) return Decision::yes;
+  }
+  return Decision::undecided;
+}
+
+Contact contact_of(const ConvexPair& pair) {
+  const Proposal proposal = nearest_proposal(pair.a, pair.b, Seek::distance);
+  const double error_m = support_error_m(pair);
+  const double apart_m = proposal.nearest.stableNorm();
+  if (!proposal.encloses && apart_m > error_m && balls_m(pair) > 0) {
+    const Vec3 normal = unit(Vec3(-proposal.nearest));
+    const Vec3 on_a = pair.a.carrier[0] + proposal.on_a();
+    const double low = balls_m(pair) * (1 - 2 * kRoundoff) - (apart_m * (1 + 8 * kRoundoff) + error_m);
+    const double high = push_along(normal, pair.a, pair.b).high();
+    const Contact contact = bracketed(on_a, normal, low, high);
+    return {on_a + (pair.a.ball_m - contact.depth_m / 2) * normal, normal, contact.depth_m, contact.depth_error_m};
+  }
+  const double tolerance_m = std::max(kRefineRay * (pair.a.reach_m + pair.b.reach_m), precision.error_asked_m);
+  const DepthProposal depth = depth_proposal(pair.a, pair.b, proposal, tolerance_m);
+  const Vec3 middle = (pair.a.carrier[0] + depth.on_a) / 2 + (pair.b.carrier[0] + depth.on_b) / 2;
+  const double low = depth.least_m - error_m + balls_m(pair) * (1 - 2 * kRoundoff);
+  return bracketed(middle, depth.normal, low, push_along(depth.normal, pair.a, pair.b).high());
+}
+
+Separation separation_of(const ConvexPair& pair) {
+  const Proposal proposal = nearest_proposal(pair.a, pair.b, Seek::distance);
+  Separation result;
+  result.normal = unit(Vec3(-proposal.nearest));
+  result.point_error_m = support_error_m(pair) + 8 * kRoundoff * (pair.a.carrier[0].cwiseAbs().maxCoeff() + pair.b.carrier[0].cwiseAbs().maxCoeff() + balls_m(pair));
+  result.on_a = pair.a.carrier[0] + proposal.on_a() + pair.a.ball_m * result.normal;
+  result.on_b = pair.b.carrier[0] + proposal.on_b() - pair.b.ball_m * result.normal;
+  const double high = proposal.nearest.stableNorm() * (1 + 8 * kRoundoff) + support_error_m(pair) - balls_m(pair) * (1 - 2 * kRoundoff);
+  const double low = result.normal.isZero(0) ? 0 : std::max(-push_along(result.normal, pair.a, pair.b).high(), 0.0);
+  result.distance_m = low + std::max(high - low, 0.0) / 2;
+  result.error_m = std::max(high - low, 0.0) / 2 + 2 * kRoundoff * std::abs(high);
+  return result;
+}
+
+}  // namespace collided::engine::kernel

@@ -1,0 +1,233 @@
+#include "server/exact_phase/distance/core.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "server/exact_phase/distance/nearest_value.hpp"
+#include "server/geometry/tolerance.hpp"
+
+namespace collided::engine::kernel {
+namespace {
+
+int edge_directions(const Core& core, EdgeDirection* edges) {
+  if (core.is_box) {
+    for (int i = 0; i < 3; ++i) edges[i] = {core.axes.col(i), Vec3::Zero()};
+    return 3;
+  }
+  if (core.point_count == 1) return 0;
+  edges[0] = {core.point[1], core.point[0]};
+  if (core.point_count == 2) return 1;
+  edges[1] = {core.point[2], core.point[1]};
+  edges[2] = {core.point[0], core.point[2]};
+  return 3;
+}
+
+void append(FacetAxes& axes, const EdgeDirection& u, const EdgeDirection& v) { axes.axis[axes.count++] = {u, v}; }
+
+struct Edge {
+  Vec3 a;
+  Vec3 b;
+};
+
+/// Up to `Capacity` of something, on the stack: contacts are made while a request waits, so nothing is allocated.
+template <class T, int Capacity>
+class Few {
+ public:
+  void push_back(const T& item) { items_[count_++] = item; }
+  bool empty() const { return count_ == 0; }
+  const T* begin() const { return items_.data(); }
+  const T* end() const { return items_.data() + count_; }
+
+ private:
+  std::array<T, Capacity> items_;
+  int count_ = 0;
+};
+
+using Edges = Few<Edge, 12>;
+
+Edges edges_of(const Core& core) {
+  Edges edges;
+  if (core.is_box) {
+    const Mat3 reach = core.axes * core.half_m.asDiagonal();
+    for (int k = 0; k < 3; ++k) {
+      for (int which = 0; which < 4; ++which) {
+        const Vec3 middle = core.point[0] + (which & 1 ? 1 : -1) * reach.col((k + 1) % 3) +
+                            (which & 2 ? 1 : -1) * reach.col((k + 2) % 3);
+        edges.push_back({middle - reach.col(k), middle + reach.col(k)});
+      }
+    }
+  } else if (core.point_count == 1) {
+    edges.push_back({core.point[0], core.point[0]});
+  } else if (core.point_count == 2) {
+    edges.push_back({core.point[0], core.point[1]});
+  } else {
+    for (int i = 0; i < 3; ++i) edges.push_back({core.point[i], core.point[(i + 1) % 3]});
+  }
+  return edges;
+}
+
+/// {x : normal . x <= offset}; enough of them bound a core.
+struct HalfSpace {
+  Vec3 normal;
+  double offset;
+};
+
+using HalfSpaces = Few<HalfSpace, 6>;
+
+HalfSpaces half_spaces_of(const Core& core, double size_m) {
+  HalfSpaces spaces;
+  const double slack = kClipSlack * size_m;
+  if (core.is_box) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 normal = unit(Vec3(unit(Vec3(core.axes.col((i + 1) % 3))).cross(unit(Vec3(core.axes.col((i + 2) % 3))))));
+      const double reach = core.half_m[i] * std::abs(normal.dot(core.axes.col(i))) + slack;
+      const double middle = normal.dot(core.point[0]);
+      spaces.push_back({normal, middle + reach});
+      spaces.push_back({-normal, -middle + reach});
+    }
+  } else if (core.point_count == 3) {
+    const Vec3 normal = any_normal(Triangle{core.point[0], core.point[1], core.point[2]});
+    const double middle = normal.dot(core.point[0]);
+    spaces.push_back({normal, middle + slack});
+    spaces.push_back({-normal, -middle + slack});
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 outward = unit(Vec3(unit(Vec3(core.point[(i + 1) % 3] - core.point[i])).cross(normal)));
+      spaces.push_back({outward, outward.dot(core.point[i]) + slack});
+    }
+  }
+  return spaces;
+}
+
+/// The middle of the part of an edge that all half-spaces keep.
+bool clipped_middle(const Edge& edge, const HalfSpaces& spaces, Vec3& middle) {
+  double low = 0;
+  double high = 1;
+  for (const HalfSpace& space : spaces) {
+    const double at_a = space.normal.dot(edge.a) - space.offset;
+    const double at_b = space.normal.dot(edge.b) - space.offset;
+    if (at_a > 0 && at_b > 0) return false;
+    if (at_a > 0) low = std::max(low, at_a / (at_a - at_b));
+    if (at_b > 0) high = std::min(high, at_a / (at_a - at_b));
+  }
+  if (low > high) return false;
+  middle = edge.a + (low + high) / 2 * (edge.b - edge.a);
+  return true;
+}
+
+Vec3 farthest_along(const Core& core, const Vec3& n) {
+  Vec3 best = core.point[0];
+  for (int i = 1; i < core.point_count; ++i) {
+    if (n.dot(core.point[i]) > n.dot(best)) best = core.point[i];
+  }
+  for (int i = 0; core.is_box && i < 3; ++i) {
+    const Vec3 axis = core.axes.col(i);
+    // A face across n is met in its middle, not in one of its corners.
+    const double along = n.dot(axis);
+    if (std::abs(along) > kClipSlack * axis.norm()) best += std::copysign(core.half_m[i], along) * axis;
+  }
+  return best;
+}
+
+/// Nearest points of two segments (Ericson 5.1.9), parameters clamped to [0, 1].
+WitnessPair nearest_on_edges(const Edge& s, const Edge& t) {
+  const Vec3 d = s.b - s.a;
+  const Vec3 e = t.b - t.a;
+  const Vec3 w = s.a - t.a;
+  const double dd = d.squaredNorm();
+  const double ee = e.squaredNorm();
+  const double de = d.dot(e);
+  const double dw = d.dot(w);
+  const double ew = e.dot(w);
+  const double determinant = dd * ee - de * de;
+  double u = determinant > 0 ? std::clamp((de * ew - dw * ee) / determinant, 0.0, 1.0) : 0.0;
+  double v = ee > 0 ? std::clamp((de * u + ew) / ee, 0.0, 1.0) : 0.0;
+  u = dd > 0 ? std::clamp((de * v - dw) / dd, 0.0, 1.0) : 0.0;
+  v = ee > 0 ? std::clamp((de * u + ew) / ee, 0.0, 1.0) : 0.0;
+  return {s.a + u * d, t.a + v * e};
+}
+
+}  // namespace
+
+double extent(const Core& core) {
+  double largest = 0;
+  for (int i = 0; i < core.point_count; ++i) largest = std::max(largest, core.point[i].cwiseAbs().maxCoeff());
+  if (core.is_box) largest += (core.axes * core.half_m.asDiagonal()).cwiseAbs().sum();
+  return largest;
+}
+
+void scale(Core& core, int power) {
+  const auto scale_vector = [power](Vec3& v) {
+    for (double& x : v) x = std::ldexp(x, power);
+  };
+  for (Vec3& point : core.point) scale_vector(point);
+  scale_vector(core.half_m);
+  core.radius_m = std::ldexp(core.radius_m, power);
+}
+
+FacetAxes facet_axes(const Core& a, const Core& b) {
+  FacetAxes axes;
+  EdgeDirection edge_a[3];
+  EdgeDirection edge_b[3];
+  const int count_a = edge_directions(a, edge_a);
+  const int count_b = edge_directions(b, edge_b);
+  if (a.is_box) for (int i = 0; i < 3; ++i) append(axes, edge_a[(i + 1) % 3], edge_a[(i + 2) % 3]);
+  else if (count_a == 3) append(axes, edge_a[0], edge_a[1]);
+  if (b.is_box) for (int i = 0; i < 3; ++i) append(axes, edge_b[(i + 1) % 3], edge_b[(i + 2) % 3]);
+  else if (count_b == 3) append(axes, edge_b[0], edge_b[1]);
+  for (int i = 0; i < count_a; ++i) {
+    for (int j = 0; j < count_b; ++j) append(axes, edge_a[i], edge_b[j]);
+  }
+  return axes;
+}
+
+Vec3 middle_of_both(const Core& a, const Core& b, const Vec3& normal) {
+  if (!a.is_box && a.point_count == 1) return a.point[0];
+  if (!b.is_box && b.point_count == 1) return b.point[0];
+  const double size_m = extent(a) + extent(b);
+  const std::array<const Core*, 2> cores{&a, &b};
+  Vec3 sum = Vec3::Zero();
+  int count = 0;
+  for (int side = 0; side < 2; ++side) {
+    const HalfSpaces spaces = half_spaces_of(*cores[1 - side], size_m);
+    if (spaces.empty()) continue;
+    for (const Edge& edge : edges_of(*cores[side])) {
+      Vec3 middle;
+      if (!clipped_middle(edge, spaces, middle)) continue;
+      sum += middle;
+      ++count;
+    }
+  }
+  if (count > 0 && sum.allFinite()) return sum / count;
+  if (a.point_count == 2 && b.point_count == 2) {
+    const WitnessPair pair = nearest_witnesses(a, b);
+    return pair.on_a / 2 + pair.on_b / 2;
+  }
+  return farthest_along(a, normal) / 2 + farthest_along(b, -normal) / 2;
+}
+
+WitnessPair nearest_witnesses(const Core& a, const Core& b) {
+  WitnessPair best;
+  double least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const WitnessPair& pair) {
+    const double distance2 = (pair.on_a - pair.on_b).squaredNorm();
+    if (!(distance2 < least)) return;
+    least = distance2;
+    best = pair;
+  };
+  for (const Edge& edge_a : edges_of(a)) {
+    for (const Edge& edge_b : edges_of(b)) consider(nearest_on_edges(edge_a, edge_b));
+  }
+  for (int i = 0; i < b.point_count; ++i) {
+    if (a.is_box) {
+      const Box box{a.point[0], a.axes, a.half_m};
+      consider({nearest_value(b.point[i], box).foot, b.point[i]});
+    } else if (a.point_count == 3) {
+      consider({nearest_value(b.point[i], Triangle{a.point[0], a.point[1], a.point[2]}).foot, b.point[i]});
+    }
+  }
+  return best;
+}
+
+}  // namespace collided::engine::kernel

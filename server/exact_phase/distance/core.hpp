@@ -1,0 +1,92 @@
+#pragma once
+
+#include "server/exact_phase/arithmetic/number.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided::engine::kernel {
+
+/// The part of a shape that is left when its radius is taken off: the hull of up to three points, or a box.
+struct Core {
+  Vec3 point[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  int point_count = 1;
+  bool is_box = false;
+  Mat3 axes = Mat3::Zero();
+  Vec3 half_m = Vec3::Zero();
+  double radius_m = 0;
+
+  explicit Core(const Sphere& s) : point{s.center}, radius_m(s.radius_m) {}
+  explicit Core(const Box& b) : point{b.center}, is_box(true), axes(b.axes), half_m(b.half_m) {}
+  explicit Core(const Capsule& c) : point{c.a, c.b}, point_count(2), radius_m(c.radius_m) {}
+  explicit Core(const Triangle& t) : point{t.a, t.b, t.c}, point_count(3) {}
+};
+
+/// At least the largest coordinate of any of its points.
+double extent(const Core& core);
+
+/// Every length times 2^power.
+void scale(Core& core, int power);
+
+/// The direction of an edge as the difference of two doubles each: from - to.
+struct EdgeDirection {
+  Vec3 to = Vec3::Zero();
+  Vec3 from = Vec3::Zero();
+};
+
+/// A direction that may bound the Minkowski difference of two cores: the cross product of two edges.
+struct FacetAxis {
+  EdgeDirection u;
+  EdgeDirection v;
+};
+
+/// Every facet normal of the Minkowski difference, up to sign.
+struct FacetAxes {
+  FacetAxis axis[15];
+  int count = 0;
+};
+
+FacetAxes facet_axes(const Core& a, const Core& b);
+
+template <class N>
+Vector<N> direction(const FacetAxis& axis) {
+  return cross(Vector<N>(axis.u.to) - Vector<N>(axis.u.from), Vector<N>(axis.v.to) - Vector<N>(axis.v.from));
+}
+
+/// How far b must move along n, and how far along -n, until the cores only touch; both times |n|. The first is the
+/// largest n . (x_a - x_b).
+template <class N>
+struct Pushes {
+  N forward;
+  N backward;
+};
+
+template <class N>
+Pushes<N> pushes_along(const Vector<N>& n, const Core& a, const Core& b) {
+  N largest = dot(n, Vector<N>(a.point[0]) - Vector<N>(b.point[0]));
+  N smallest = largest;
+  for (int pair = 1; pair < a.point_count * b.point_count; ++pair) {
+    const N along = dot(n, Vector<N>(a.point[pair / b.point_count]) - Vector<N>(b.point[pair % b.point_count]));
+    largest = max(largest, along);
+    smallest = min(smallest, along);
+  }
+  N reach(0.0);
+  for (const Core* core : {&a, &b}) {
+    for (int i = 0; core->is_box && i < 3; ++i) {
+      reach = reach + N(core->half_m[i]) * abs(dot(n, Vector<N>(Vec3(core->axes.col(i)))));
+    }
+  }
+  return {largest + reach, reach - smallest};
+}
+
+/// A point of both cores, near the middle of what they share, given that they do. In plain double: it is a place to
+/// draw the contact and to apply its force, and no decision hangs on it.
+Vec3 middle_of_both(const Core& a, const Core& b, const Vec3& normal);
+
+/// Points of two cores at about the least distance, each on its core but for a few roundings of its extent. b is a
+/// point or a segment.
+struct WitnessPair {
+  Vec3 on_a = Vec3::Zero();
+  Vec3 on_b = Vec3::Zero();
+};
+WitnessPair nearest_witnesses(const Core& a, const Core& b);
+
+}  // namespace collided::engine::kernel

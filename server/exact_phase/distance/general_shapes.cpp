@@ -1,0 +1,95 @@
+#include "server/exact_phase/distance/general_shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/exact_phase/distance/convex_pair.hpp"
+#include "server/exact_phase/distance/polytope_kernel.hpp"
+#include "server/exact_phase/kernels/membership_kernel.hpp"
+
+namespace collided::engine {
+namespace {
+
+using kernel::Convex;
+using kernel::ConvexPair;
+
+Convex convex(const ShapeView& view) {
+  return std::visit([](const auto* shape) { return Convex(*shape); }, view);
+}
+
+Verdict holds(const ShapeView& view, const Vec3& point) {
+  return std::visit(
+      [&](const auto* shape) {
+        if constexpr (std::is_same_v<decltype(shape), const Hull*>) {
+          return Verdict{kernel::polytopes_meet(Convex(Sphere{point, 0}), Convex(*shape)), Level::rational};
+        } else {
+          return kernel::climb([&]<class N>() { return kernel::holds_point<N>(*shape, point); });
+        }
+      },
+      view);
+}
+
+struct BothHold {
+  const ShapeView& a;
+  const ShapeView& b;
+
+  Verdict operator()(const Vec3& point) const {
+    const Verdict held = holds(a, point);
+    if (!held.yes()) return held;
+    const Verdict b_held = holds(b, point);
+    return {b_held.decision, std::max(held.level, b_held.level)};
+  }
+};
+
+/// Rationals alone.
+Decision surely_holds(const ShapeView& view, const Vec3& point) {
+  return std::visit(
+      [&](const auto* shape) {
+        if constexpr (std::is_same_v<decltype(shape), const Hull*>) {
+          return kernel::polytopes_meet(Convex(Sphere{point, 0}), Convex(*shape));
+        } else {
+          return kernel::holds_point<Dyadic>(*shape, point);
+        }
+      },
+      view);
+}
+
+}  // namespace
+
+Verdict overlaps_in_general(const ShapeView& a, const ShapeView& b) {
+  const BothHold both_hold{a, b};
+  const Verdict verdict = kernel::sets_overlap({convex(a), convex(b), both_hold});
+  if (verdict.decision != Decision::undecided) return verdict;
+  // Both orders are tried, so that the order asked in is not to be seen.
+  return kernel::sets_overlap({convex(b), convex(a), both_hold});
+}
+
+Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b) {
+  const auto both_hold = [&](const Vec3& point) {
+    return Verdict{kernel::both(surely_holds(a, point), surely_holds(b, point)), Level::rational};
+  };
+  return kernel::sets_overlap_by_rationals({convex(a), convex(b), both_hold});
+}
+
+Contact contact_in_general(const ShapeView& a, const ShapeView& b) {
+  return kernel::contact_of({convex(a), convex(b), BothHold{a, b}});
+}
+
+Closest closest_in_general(const Vec3& point, const ShapeView& shape) {
+  const Sphere at{point, 0};
+  const ShapeView point_view = &at;
+  const BothHold both_hold{shape, point_view};
+  const ConvexPair pair{convex(shape), Convex(at), both_hold};
+  if (kernel::sets_overlap(pair).yes()) return {0, 0, point, kernel::contact_of(pair).normal, 0};
+  const Separation apart = kernel::separation_of(pair);
+  Closest result{apart.distance_m, apart.error_m, apart.on_a, apart.normal};
+  // The nearest point of a convex set is within sqrt(h^2 - l^2) of any of its points at distance h, if it is at l or more.
+  // With h and l an error off the distance that is the root of 4 distance error; h - l itself would lose its digits.
+  const double distance = apart.distance_m;
+  const double error = apart.error_m;
+  const double within_m = distance > error ? 2 * std::sqrt(distance) * std::sqrt(error) : distance + error;
+  result.point_error_m = within_m * (1 + 0x1p-48) + apart.point_error_m;
+  return result;
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <concepts>
+#include <variant>
+
+#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/distance/closest.hpp"
+#include "server/exact_phase/distance/contact.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided::engine {
+
+/// Shapes whose pairs have no closed form here: they go through one search with certificates (convex_pair.hpp).
+template <class Shape>
+concept General = std::same_as<Shape, Cylinder> || std::same_as<Shape, Cone> || std::same_as<Shape, Ellipsoid> ||
+                  std::same_as<Shape, Hull>;
+
+/// Any convex shape, looked at for the time of a call.
+using ShapeView = std::variant<const Sphere*, const Box*, const Capsule*, const Cylinder*, const Cone*, const Ellipsoid*,
+                               const Hull*, const Triangle*>;
+
+template <class Shape>
+concept Viewable = std::constructible_from<ShapeView, const Shape*>;
+
+/// As overlaps, contact and closest of the shapes that the views show.
+Verdict overlaps_in_general(const ShapeView& a, const ShapeView& b);
+Contact contact_in_general(const ShapeView& a, const ShapeView& b);
+Closest closest_in_general(const Vec3& point, const ShapeView& shape);
+
+/// The same decision without the filter's way out: planes and points are asked of rationals alone.
+Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b);
+
+template <class A, class B>
+  requires(Viewable<A> && Viewable<B> && (General<A> || General<B>))
+Verdict overlaps(const A& a, const B& b) {
+  return overlaps_in_general(&a, &b);
+}
+
+template <class A, class B>
+  requires(Viewable<A> && Viewable<B> && (General<A> || General<B>))
+Contact contact(const A& a, const B& b) {
+  return contact_in_general(&a, &b);
+}
+
+template <General Shape>
+Closest closest(const Vec3& point, const Shape& shape) {
+  return closest_in_general(point, &shape);
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,70 @@
+#include "server/exact_phase/motion/ground_on_way.hpp"
+
+#include <algorithm>
+#include <variant>
+
+#include "server/exact_phase/distance/convex.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// One part going down to one plane.
+class Landing {
+ public:
+  Landing(const PartOnWay& part, const HalfSpace& ground, double width, TimeBracket& bracket)
+      : part_(part), ground_(ground), plane_(Sphere{ground.point, 0}), width_(width), bracket_(bracket),
+        motion_m_(part.way->length_m(part.reach_m)), error_m_(2 * part.way->error_m(part.reach_m)) {}
+
+  /// Yes fills the bracket.
+  Decision look(const TimeSpan& span) {
+    const double length = span.high - span.low;
+    const double middle = span.low + length / 2;
+    if (clearance_m(middle) > (motion_m_ * (length / 2) + error_m_) * (1 + 0x1p-40)) return Decision::no;
+    if (length <= width_ || !(span.low < middle && middle < span.high)) return at_the_end(span);
+    const Decision first = look({span.low, middle});
+    if (first == Decision::yes) return first;
+    const Decision second = look({middle, span.high});
+    return second == Decision::no ? first : second;
+  }
+
+ private:
+  /// How far the placed part is from the plane at least; negative where it is not surely ahead of it.
+  double clearance_m(double t) const {
+    const kernel::Convex set = std::visit([](const auto& shape) { return kernel::Convex(shape); }, part_.at(t));
+    return -kernel::push_along(ground_.normal, plane_, set).high();
+  }
+  Decision at_the_end(const TimeSpan& span) const {
+    const Verdict there = std::visit([&](const auto& shape) { return overlaps(ground_, shape); }, part_.at(span.high));
+    if (!there.yes()) return Decision::undecided;
+    bracket_ = {span.low, span.high};
+    return Decision::yes;
+  }
+
+  const PartOnWay& part_;
+  const HalfSpace& ground_;
+  kernel::Convex plane_;
+  double width_;
+  TimeBracket& bracket_;
+  double motion_m_;
+  double error_m_;
+};
+
+}  // namespace
+
+Verdict first_contact(const PartOnWay& part, const HalfSpace& ground, TimeSpan span, double width, TimeBracket& bracket) {
+  const Verdict at_once = std::visit([&](const auto& shape) { return overlaps(ground, shape); }, part.at(span.low));
+  if (at_once.yes()) {
+    bracket = {span.low, span.low};
+    return at_once;
+  }
+  return {Landing(part, ground, width, bracket).look(span), Level::filter};
+}
+
+bool surely_stays_above(const BodyWay& way, double reach_m, const HalfSpace& ground) {
+  const double length = ground.normal.stableNorm();
+  const double height_m = ground.normal.dot(way.at(0.5).position - ground.point) / length;
+  const double size_m = way.to.position.lpNorm<1>() + way.from.position.lpNorm<1>() + ground.point.lpNorm<1>() + reach_m;
+  return height_m > reach_m + way.length_m(reach_m) / 2 + way.error_m(reach_m) + size_m * 0x1p-40;
+}
+
+}  // namespace collided::engine

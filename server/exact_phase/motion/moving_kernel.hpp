@@ -1,0 +1,131 @@
+#pragma once
+
+#include <array>
+
+#include "server/exact_phase/arithmetic/polynomial.hpp"
+#include "server/exact_phase/motion/moving_features.hpp"
+
+namespace collided::engine::kernel {
+
+template <class N>
+using Path = Vector<Polynomial<N>>;
+
+/// `to` seen from `from`. Differences of ends come first: two points that fly together at 1e9 and apart at 1e-9 lose
+/// no more than their distance does.
+template <class N>
+Path<N> path_between(const MovingPoint& from, const MovingPoint& to) {
+  const auto component = [&](int k) {
+    const N at_start = N(to.start[k]) - N(from.start[k]);
+    return Polynomial<N>(at_start, (N(to.end[k]) - N(from.end[k])) - at_start);
+  };
+  return {component(0), component(1), component(2)};
+}
+
+/// Four moving points: a point and the corners of a face, or the ends of two segments.
+struct Quartet {
+  enum class Kind { point_face, edge_edge };
+
+  std::array<MovingPoint, 4> point;
+  Kind kind;
+};
+
+template <class N>
+const Polynomial<N>& component(const Path<N>& v, int axis) {
+  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+/// The three others seen from the first point, and what follows from them. While the four lie in one plane, contact is
+/// a matter of the signs of `side`.
+template <class N>
+struct MovingQuartet {
+  std::array<Path<N>, 3> to;
+  Quartet::Kind kind;
+
+  explicit MovingQuartet(const Quartet& q) : kind(q.kind) {
+    for (int i = 0; i < 3; ++i) to[i] = path_between<N>(q.point[0], q.point[i + 1]);
+  }
+
+  Polynomial<N> coplanarity() const { return dot(to[0], cross(to[1], to[2])); }
+};
+
+/// Vectors of degree 2, in groups. Where, on any axis, two of a group have opposite signs, there is no contact. Where
+/// the points lie in one plane and, on one axis, each group has one strict sign throughout, there is.
+///   point and face: the point's turns about the three edges, one group;
+///   two segments: the turns of the other's ends about each, a group each, the second negated.
+template <class N>
+struct Sides {
+  std::array<Path<N>, 4> turn;
+  int group_count;
+  int group_size;
+
+  explicit Sides(const MovingQuartet<N>& q) {
+    if (q.kind == Quartet::Kind::point_face) {
+      turn = {cross(q.to[0], q.to[1]), cross(q.to[1], q.to[2]), cross(q.to[2], q.to[0]), {}};
+      group_count = 1;
+      group_size = 3;
+      return;
+    }
+    const Path<N> left = cross(q.to[0], q.to[1]);
+    const Path<N> right = cross(q.to[0], q.to[2]);
+    const Path<N> start = cross(q.to[1], q.to[2]);
+    turn = {left, -right, start, right - left - start};
+    group_count = 2;
+    group_size = 2;
+  }
+};
+
+/// Vectors of degree 1 that part the two features by their boxes where, on one axis, all have one strict sign.
+template <class N>
+struct Gaps {
+  std::array<Path<N>, 4> gap;
+  int count;
+
+  explicit Gaps(const MovingQuartet<N>& q) {
+    if (q.kind == Quartet::Kind::point_face) {
+      gap = {q.to[0], q.to[1], q.to[2], {}};
+      count = 3;
+      return;
+    }
+    gap = {q.to[1], q.to[2], q.to[1] - q.to[0], q.to[2] - q.to[0]};
+    count = 4;
+  }
+};
+
+/// Contact at a time at which the four lie in one plane, from the signs there of the turns and gaps, as sign_of tells
+/// them; or on a span of such times, where sign_of knows the signs on all of it.
+template <class N, class SignOf>
+Decision meets_in_plane(const Sides<N>& sides, const Gaps<N>& gaps, const SignOf& sign_of) {
+  bool all_flat = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    bool unsure = false;
+    bool flat = true;
+    for (int group = 0; group < sides.group_count; ++group) {
+      bool negative = false;
+      bool positive = false;
+      for (int i = 0; i < sides.group_size; ++i) {
+        const Sign s = sign_of(component(sides.turn[group * sides.group_size + i], axis));
+        negative = negative || s == Sign::negative;
+        positive = positive || s == Sign::positive;
+        unsure = unsure || s == Sign::unsure;
+      }
+      if (negative && positive) return Decision::no;
+      flat = flat && !negative && !positive;
+    }
+    if (!flat && !unsure) return Decision::yes;
+    all_flat = all_flat && flat && !unsure;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const Sign first = sign_of(component(gaps.gap[0], axis));
+    bool apart = first == Sign::negative || first == Sign::positive;
+    for (int i = 0; i < gaps.count && (apart || all_flat); ++i) {
+      const Sign s = sign_of(component(gaps.gap[i], axis));
+      apart = apart && s == first;
+      all_flat = all_flat && s != Sign::unsure;
+    }
+    if (apart) return Decision::no;
+  }
+  // On one line, where boxes that meet are enough.
+  return all_flat ? Decision::yes : Decision::undecided;
+}
+
+}  // namespace collided::engine::kernel

@@ -1,0 +1,277 @@
+#include "server/exact_phase/motion/part_on_way.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "server/exact_phase/distance/convex.hpp"
+#include "server/exact_phase/distance/general_shapes.hpp"
+#include "server/exact_phase/distance/simplex_search.hpp"
+#include "server/exact_phase/motion/moving_features.hpp"
+#include "server/exact_phase/motion/moving_solids.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "server/geometry/tolerance.hpp"
+
+namespace collided::engine {
+namespace {
+
+using kernel::Convex;
+
+/// Beyond this many planes along one way the parts slide along each other too near to be told apart.
+constexpr int kMostSteps = 512;
+/// What an overlap that doubles do not decide costs, in looks, or a graze.
+constexpr std::uint32_t kExactLooks = 8;
+
+/// Lengths and times that must not be exceeded are taken this much shorter: far more than their own few roundings.
+constexpr double kShy = 1 - 0x1p-40;
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+Convex convex_of(const ConvexPart& part) {
+  return std::visit([](const auto& shape) { return Convex(shape); }, part);
+}
+
+Verdict overlap_at(const PartOnWay& a, const PartOnWay& b, double t) {
+  return std::visit([](const auto& x, const auto& y) { return overlaps(x, y); }, a.at(t), b.at(t));
+}
+
+/// Two parts on their ways, and how planes between them fare.
+class Advance {
+ public:
+  Advance(const PartOnWay& a, const PartOnWay& b)
+      : a_(a), b_(b), slack_m_(2 * (a.way->error_m(a.reach_m) + b.way->error_m(b.reach_m))) {}
+
+  /// A plane that parts the two at time t, and by how much at least; not positive: none was found. `normal` is that of
+  /// the step before: of round parts that nearly touch, double finds a worse one than it did from farther away.
+  double part_at(double t, Vec3& normal) const {
+    const ConvexPart a = a_.at(t);
+    const ConvexPart b = b_.at(t);
+    const Convex set_a = convex_of(a);
+    const Convex set_b = convex_of(b);
+    const kernel::Proposal proposal = kernel::nearest_proposal(set_a, set_b, kernel::Seek::distance);
+    const double gap_before_m = normal.isZero(0) ? 0 : gap_of(normal, set_a, set_b);
+    if (proposal.encloses || proposal.nearest.isZero(0)) return gap_before_m;
+    const Vec3 here = -proposal.nearest.stableNormalized();
+    const double gap_m = gap_of(here, set_a, set_b);
+    if (gap_m < gap_before_m) return gap_before_m;
+    normal = here;
+    return gap_m;
+  }
+
+  /// How long the plane across n surely parts them, which are `gap_m` apart along it at t; infinite: up to `end`.
+  double parted_for(const Vec3& n, double gap_m, double t, double end) const {
+    const double most = end - t;
+    const double speed = closing_speed_m(n);
+    const double sure = speed > 0 ? gap_m / speed * kShy : kForever;
+    if (!(sure < most)) return sure;
+    const double bend_m = bend(n);
+    if (bend_m == 0) return sure;
+    // A bolder step: the plane is tried at its end, and between the ends nothing bends farther than bend step^2.
+    double step = std::min(most, std::sqrt(gap_m / (2 * bend_m)));
+    for (int attempt = 0; attempt < 3 && step > sure; ++attempt) {
+      const double gap_then_m = gap_at(n, t + step);
+      if (std::min(gap_m, gap_then_m) * kShy > bend_m * step * step) return step < most ? step : kForever;
+      // Where the line between the two gaps leaves just enough for the bend.
+      const double whole = gap_m > gap_then_m ? step * gap_m / (gap_m - gap_then_m) : step;
+      const double left = std::clamp(4 * bend_m * whole * whole / gap_m, 0x1p-10, 0.5);
+      step = std::min(step * 0.75, whole * (1 - left));
+    }
+    return sure;
+  }
+
+ private:
+  double gap_of(const Vec3& n, const Convex& a, const Convex& b) const {
+    const double gap_m = -kernel::push_along(n, a, b).high() - slack_m_;
+    // Else steps would shrink for ever. NaN is no gap.
+    return gap_m > slack_m_ / 16 ? gap_m : 0;
+  }
+  double gap_at(const Vec3& n, double t) const {
+    const ConvexPart a = a_.at(t);
+    const ConvexPart b = b_.at(t);
+    return gap_of(n, convex_of(a), convex_of(b));
+  }
+  /// At least how fast the two may close along n, metres in the whole way's time.
+  double closing_speed_m(const Vec3& n) const {
+    const Vec3 travel = a_.way->travel - b_.way->travel;
+    const double straight = n.dot(travel) + 0x1p-48 * travel.cwiseAbs().sum();
+    return straight + (turn_of(n, a_) + turn_of(n, b_)) * (1 + 0x1p-40);
+  }
+  static double turn_of(const Vec3& n, const PartOnWay& part) {
+    return part.way->turn_rad * n.cross(part.way->axis).norm() * part.reach_m;
+  }
+  /// How far a set reaches along n changes, within a step, by no more than linearly and this times the step squared:
+  /// seen from the body n turns, its second derivative is at most turn |n x axis|, reach is convex in n and steeper
+  /// than reach_m nowhere, and a curve is off its chord by an eighth of that.
+  double bend(const Vec3& n) const {
+    return (turn_of(n, a_) * a_.way->turn_rad + turn_of(n, b_) * b_.way->turn_rad) / 8 * (1 + 0x1p-40);
+  }
+
+  const PartOnWay& a_;
+  const PartOnWay& b_;
+  double slack_m_;
+};
+
+/// Where planes end, overlaps are looked for at times farther and farther on; between the last without and the first
+/// with one it is halved.
+Verdict look_for_overlap(const PartOnWay& a, const PartOnWay& b, double low, double end, double width,
+                         TimeBracket& bracket) {
+  Verdict verdict = overlap_at(a, b, low);
+  bracket = {low, low};
+  if (verdict.yes()) return verdict;
+  double before = low;
+  for (double ahead = 0.46875 * width; before < end; ahead *= 2) {
+    double then = std::min(low + ahead, end);
+    verdict = overlap_at(a, b, then);
+    if (!verdict.yes()) {
+      before = then;
+      continue;
+    }
+    while (then - before > width / 2) {
+      const double middle = before + (then - before) / 2;
+      if (!(middle > before && middle < then)) break;
+      (overlap_at(a, b, middle).yes() ? then : before) = middle;
+    }
+    bracket.high = then;
+    return verdict;
+  }
+  return {Decision::undecided, verdict.level};
+}
+
+/// Triangles have no inside to be met in: two that cross flat on share a point for one instant, which no pose but its own
+/// shows. They are followed in a piece so short that their corners go straight to within the way's own error.
+/// Nothing: not triangles, or their numbers are out of range.
+std::optional<Decision> meet_in_piece(const PartOnWay& a, const PartOnWay& b, double low, double then, double width,
+                                      TimeBracket& bracket) {
+  const auto moving = [&](const PartOnWay& part) {
+    const Triangle start = std::get<Triangle>(part.at(low));
+    const Triangle end = std::get<Triangle>(part.at(then));
+    return MovingTriangle{{start.a, end.a}, {start.b, end.b}, {start.c, end.c}};
+  };
+  TimeBracket piece;
+  const Verdict verdict = first_contact(moving(a), moving(b), std::min(1.0, width / (then - low)), piece);
+  if (verdict.decision == Decision::undecided) return std::nullopt;
+  bracket = {low, low};
+  if (piece.high == 0) return verdict.decision;
+  bracket = {std::max(low, std::nextafter(low + piece.low * (then - low), 0.0)),
+             std::min(then, std::nextafter(low + piece.high * (then - low), 2.0))};
+  return verdict.decision;
+}
+
+/// How long the corners of a triangle go straight to within their way's error.
+double straight_for(const PartOnWay& part) {
+  const double turn_rad = part.way->turn_rad;
+  if (turn_rad == 0) return kForever;
+  return std::sqrt(8 * part.way->error_m(part.reach_m) / part.reach_m) / turn_rad;
+}
+
+/// The exact answers that there are about solids: on the whole way of what goes straight past a resting triangle.
+std::optional<Verdict> exactly(const PartOnWay& a, const PartOnWay& b, double width, TimeBracket& bracket) {
+  if (a.way->turn_rad != 0 || b.way->turn_rad != 0) return std::nullopt;
+  if (std::holds_alternative<Triangle>(a.own)) {
+    return std::holds_alternative<Triangle>(b.own) ? std::nullopt : exactly(b, a, width, bracket);
+  }
+  const Triangle* other = std::get_if<Triangle>(&b.own);
+  if (other == nullptr || !b.way->travel.isZero(0)) return std::nullopt;
+  const Triangle resting = place(b.way->from, *other);
+  const Vec3& from = a.way->from.position;
+  const Vec3& to = a.way->to.position;
+  if (const Box* box = std::get_if<Box>(&a.own)) {
+    return first_contact(Translated<Box>{place(a.way->from, *box), from, to}, resting, width, bracket);
+  }
+  if (const Capsule* capsule = std::get_if<Capsule>(&a.own)) {
+    return first_contact(Translated<Capsule>{place(a.way->from, *capsule), from, to}, resting, width, bracket);
+  }
+  return std::nullopt;
+}
+
+/// Nearer than planes tell.
+Verdict decide_graze(const PartOnWay& a, const PartOnWay& b, double low, double end, double width,
+                     TimeBracket& bracket) {
+  TimeBracket exact;
+  if (const std::optional<Verdict> verdict = exactly(a, b, width, exact)) {
+    if (verdict->decision == Decision::no || (verdict->yes() && exact.low > end)) return {Decision::no, verdict->level};
+    // A contact before `low` is one that the ends' rounding makes.
+    if (verdict->yes()) {
+      bracket = {std::max(exact.low, low), std::max(exact.high, low)};
+      return *verdict;
+    }
+  }
+  return look_for_overlap(a, b, low, end, width, bracket);
+}
+
+}  // namespace
+
+ConvexPart part_of(const Primitive& primitive) {
+  return std::visit(
+      [](const auto& shape) -> ConvexPart {
+        if constexpr (std::is_same_v<decltype(shape), const HalfSpace&>) {
+          assert(false);
+          return Sphere{shape.point, 0};
+        } else {
+          return shape;
+        }
+      },
+      primitive);
+}
+
+PartOnWay::PartOnWay(ConvexPart part, const BodyWay& on) : own(std::move(part)), way(&on) {
+  const Convex set = convex_of(own);
+  reach_m = (set.carrier[0].stableNorm() + set.reach_m + set.ball_m) * (1 + 0x1p-40);
+}
+
+ConvexPart PartOnWay::at(double t) const {
+  const Frame frame = way->at(t);
+  return std::visit([&](const auto& shape) { return ConvexPart(place(frame, shape)); }, own);
+}
+
+Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, double width, TimeBracket& bracket,
+                      std::uint32_t* looks) {
+  const Advance advance(a, b);
+  const bool are_flat = std::holds_alternative<Triangle>(a.own) && std::holds_alternative<Triangle>(b.own);
+  double low = span.low;
+  Vec3 normal = Vec3::Zero();
+  for (int step = 0; step < kMostSteps; ++step) {
+    if (looks != nullptr) ++*looks;
+    const double gap_m = advance.part_at(low, normal);
+    if (!(gap_m > 0)) {
+      const double then = std::min({span.high, low + straight_for(a), low + straight_for(b)});
+      if (!are_flat || !(then > low)) break;
+      const std::optional<Decision> met = meet_in_piece(a, b, low, then, width, bracket);
+      if (!met) break;
+      if (*met == Decision::yes || then == span.high) return {*met, Level::rational};
+      low = then;
+      normal.setZero();
+      continue;
+    }
+    const double ahead = advance.parted_for(normal, gap_m, low, span.high);
+    if (ahead == kForever || low + ahead >= span.high) return {Decision::no, Level::filter};
+    // Not all of it: at the very contact no plane would be sure any more.
+    low += ahead > width ? ahead - width / 4 : ahead * kShy;
+    const double then = std::min(low + width * 0.9375, span.high);
+    const Verdict verdict = overlap_at(a, b, then);
+    if (looks != nullptr && verdict.level != Level::filter) *looks += kExactLooks;
+    if (!verdict.yes()) continue;
+    bracket = {low, then};
+    return verdict;
+  }
+  if (looks != nullptr) *looks += kExactLooks;
+  return decide_graze(a, b, low, span.high, width, bracket);
+}
+
+Contact contact_at(const PartOnWay& a, const PartOnWay& b, double t) {
+  return std::visit(
+      [](const auto& x, const auto& y) {
+        if constexpr (requires { contact(x, y); }) {
+          return contact(x, y);
+        } else {
+          Contact turned = contact(y, x);
+          turned.normal = -turned.normal;
+          return turned;
+        }
+      },
+      a.at(t), b.at(t));
+}
+
+}  // namespace collided::engine

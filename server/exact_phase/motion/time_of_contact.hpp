@@ -1,0 +1,34 @@
+#pragma once
+
+#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/geometry/shapes.hpp"
+
+namespace collided::engine {
+
+/// A sphere whose centre moves on the segment start end, at even speed, while time runs from 0 to 1.
+struct MovingSphere {
+  Vec3 start;
+  Vec3 end;
+  double radius_m = 0;
+};
+
+/// No contact anywhere in [0, low]; contact at some time in [low, high]. Both 0 when the start touches.
+struct TimeBracket {
+  double low = 0;
+  double high = 0;
+};
+
+/// Whether the moving sphere meets the set at any time in [0, 1], and the bracket of the first contact, no wider
+/// than `width` unless rounding forbids (then as narrow as it goes). Never late, never missed.
+Verdict first_contact(const MovingSphere& mover, const Sphere& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Box& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Capsule& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Cylinder& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Cone& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Ellipsoid& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Hull& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const HalfSpace& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Triangle& other, double width, TimeBracket& bracket);
+Verdict first_contact(const MovingSphere& mover, const Primitive& other, double width, TimeBracket& bracket);
+
+}  // namespace collided::engine

@@ -1,0 +1,63 @@
+#include "server/exact_phase/overlap/neighbours.hpp"
+
+#include "server/exact_phase/arithmetic/number.hpp"
+#include "server/exact_phase/arithmetic/triple.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "server/exact_phase/overlap/parted_in_projection.hpp"
+
+namespace collided::engine {
+namespace {
+
+using kernel::Triple;
+using kernel::Vector;
+
+/// Side of the plane through o, p, q on which r lies, where plain double knows; the arguments are seen from o.
+int sure_side(const Triple& p, const Triple& q, const Triple& r) {
+  const double product = dot(r, cross(p, q));
+  const double scale = p.largest() * q.largest() * r.largest();
+  // Below, products of differences might underflow; above, overflow.
+  if (!(scale >= 0x1p-300 && scale <= 0x1p900)) return 0;
+  const double error = kOrientationError * scale;
+  return product > error ? 1 : product < -error ? -1 : 0;
+}
+
+Verdict no() { return {Decision::no, Level::filter}; }
+
+/// On exact numbers: the four points lie in one plane, and seen along the axis a and b lie on one side of o p.
+template <class N>
+Decision folds(const Triangle& a, const Triangle& b) {
+  const Vector<N> o(a.a);
+  const Vector<N> along = Vector<N>(a.b) - o;
+  const Vector<N> n = cross(along, Vector<N>(a.c) - o);
+  const Decision in_plane = kernel::is_zero(dot(n, Vector<N>(b.c) - o));
+  if (in_plane != Decision::yes) return in_plane;
+  // In the plane, the normals point the same way where both lie on one side of the edge.
+  return kernel::is_positive(dot(n, cross(along, Vector<N>(b.c) - o)));
+}
+
+}  // namespace
+
+Verdict meet_beyond_corner(const Triangle& a, const Triangle& b) {
+  const Triple o = kernel::triple(a.a);
+  const Triple p = kernel::triple(a.b) - o;
+  const Triple q = kernel::triple(a.c) - o;
+  const Triple r = kernel::triple(b.b) - o;
+  const Triple s = kernel::triple(b.c) - o;
+  // What lies on one side of the other's plane but for the corner meets it in the corner alone.
+  if (sure_side(p, q, r) * sure_side(p, q, s) > 0) return no();
+  if (sure_side(r, s, p) * sure_side(r, s, q) > 0) return no();
+  if (parted_but_for_corner(a, b)) return no();
+  // What they have in common is convex and has the corner in it; going away from the corner it ends on a far side.
+  const Verdict first = overlaps(Triangle{a.b, a.c, a.c}, b);
+  if (first.decision != Decision::no) return first;
+  return overlaps(a, Triangle{b.b, b.c, b.c});
+}
+
+Verdict meet_beyond_edge(const Triangle& a, const Triangle& b) {
+  const Triple o = kernel::triple(a.a);
+  if (sure_side(kernel::triple(a.b) - o, kernel::triple(a.c) - o, kernel::triple(b.c) - o) != 0) return no();
+  if (parted_but_for_edge(a, b)) return no();
+  return kernel::climb([&]<class N>() { return folds<N>(a, b); });
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,234 @@
+#include "server/exact_phase/overlap/separation_filter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "server/exact_phase/arithmetic/triple.hpp"
+#include "server/geometry/tolerance.hpp"
+
+namespace collided::engine::kernel {
+namespace {
+
+bool same_line(const Triple& a, const Triple& b) {
+  return (a.x == b.x && a.y == b.y && a.z == b.z) || (a.x == -b.x && a.y == -b.y && a.z == -b.z);
+}
+
+using Triples = std::array<Triple, 3>;
+
+struct BoxAxes {
+  Triples axis;
+  Triples normal;  // cross products of the other two axes
+  double volume;
+  double largest = 0;
+  double half_sum;
+
+  explicit BoxAxes(const Box& box) : half_sum(box.half_m.sum()) {
+    for (int i = 0; i < 3; ++i) {
+      axis[i] = {box.axes(0, i), box.axes(1, i), box.axes(2, i)};
+      largest = std::max(largest, axis[i].largest());
+    }
+    for (int i = 0; i < 3; ++i) normal[i] = cross(axis[(i + 1) % 3], axis[(i + 2) % 3]);
+    volume = std::abs(dot(axis[0], normal[0]));
+  }
+};
+
+/// Collects gaps (distance between projections, less what the bodies reach) with the error of their axis.
+class Gaps {
+ public:
+  /// True when this axis surely separates.
+  bool add(double gap, double error) {
+    unsure_ = unsure_ || !(gap < -error);
+    return gap > error;
+  }
+  Decision together() const { return unsure_ ? Decision::undecided : Decision::yes; }
+
+ private:
+  bool unsure_ = false;
+};
+
+/// Neither over- nor underflow can matter: a gap's bound is at least 2^-50 of a product of three lengths.
+bool in_range(double length) { return length >= 0x1p-100 && length <= 0x1p100; }
+
+}  // namespace
+
+Decision quickly_overlaps(const Box& a, const Box& b) {
+  const BoxAxes frame_a(a);
+  const BoxAxes frame_b(b);
+  const Triple between = triple(b.center) - triple(a.center);
+  const double axis = std::max(frame_a.largest, frame_b.largest);
+  const double reach = between.largest() + axis * (frame_a.half_sum + frame_b.half_sum);
+  if (!in_range(axis) || !in_range(reach)) return Decision::undecided;
+  const double error = kSeparationError * axis * axis * reach;
+  const double singular = kSeparationError * axis * axis * axis;
+  if (!(std::min(frame_a.volume, frame_b.volume) > singular)) return Decision::undecided;
+
+  double a_over_b[3][3];  // |axis i of a . normal j of b|
+  double b_over_a[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      a_over_b[i][j] = std::abs(dot(frame_a.axis[i], frame_b.normal[j]));
+      b_over_a[i][j] = std::abs(dot(frame_b.axis[i], frame_a.normal[j]));
+    }
+  }
+  const auto reach_over = [](const Vec3& half, const double (&over)[3][3], int j) {
+    return half[0] * over[0][j] + half[1] * over[1][j] + half[2] * over[2][j];
+  };
+  Gaps gaps;
+  for (int i = 0; i < 3; ++i) {
+    const double gap_a = std::abs(dot(between, frame_a.normal[i])) - a.half_m[i] * frame_a.volume;
+    if (gaps.add(gap_a - reach_over(b.half_m, b_over_a, i), error)) return Decision::no;
+    const double gap_b = std::abs(dot(between, frame_b.normal[i])) - b.half_m[i] * frame_b.volume;
+    if (gaps.add(gap_b - reach_over(a.half_m, a_over_b, i), error)) return Decision::no;
+  }
+  for (int j = 0; j < 3; ++j) {
+    const Triple moment = cross(frame_b.axis[j], between);
+    const int j1 = (j + 1) % 3;
+    const int j2 = (j + 2) % 3;
+    for (int i = 0; i < 3; ++i) {
+      // Parallel axes have no common perpendicular of their own.
+      if (same_line(frame_a.axis[i], frame_b.axis[j])) continue;
+      const int i1 = (i + 1) % 3;
+      const int i2 = (i + 2) % 3;
+      const double reach_a = a.half_m[i1] * b_over_a[j][i2] + a.half_m[i2] * b_over_a[j][i1];
+      const double reach_b = b.half_m[j1] * a_over_b[i][j2] + b.half_m[j2] * a_over_b[i][j1];
+      if (gaps.add(std::abs(dot(frame_a.axis[i], moment)) - (reach_a + reach_b), error)) return Decision::no;
+    }
+  }
+  return gaps.together();
+}
+
+Decision quickly_overlaps(const Box& a, const Triangle& b) {
+  const BoxAxes frame(a);
+  const Triple center = triple(a.center);
+  const Triples corner{triple(b.a) - center, triple(b.b) - center, triple(b.c) - center};
+  const Triples edge{triple(b.b) - triple(b.a), triple(b.c) - triple(b.b), triple(b.a) - triple(b.c)};
+  const double side = std::max({edge[0].largest(), edge[1].largest(), edge[2].largest()});
+  const double reach = std::max({corner[0].largest(), corner[1].largest(), corner[2].largest()}) +
+                       frame.largest * frame.half_sum;
+  if (!in_range(frame.largest) || !in_range(side) || !in_range(reach)) return Decision::undecided;
+  const double singular = kSeparationError * frame.largest * frame.largest * frame.largest;
+  if (!(frame.volume > singular)) return Decision::undecided;
+
+  Gaps gaps;
+  const double face_error = kSeparationError * frame.largest * frame.largest * reach;
+  bool inside[3] = {true, true, true};
+  for (int i = 0; i < 3; ++i) {
+    const double p[3] = {dot(corner[0], frame.normal[i]), dot(corner[1], frame.normal[i]), dot(corner[2], frame.normal[i])};
+    const double apart = std::max(std::min({p[0], p[1], p[2]}), -std::max({p[0], p[1], p[2]}));
+    if (gaps.add(apart - a.half_m[i] * frame.volume, face_error)) return Decision::no;
+    for (int k = 0; k < 3; ++k) inside[k] = inside[k] && std::abs(p[k]) - a.half_m[i] * frame.volume < -face_error;
+  }
+  // Most triangles that a box meets have a corner in it.
+  if (inside[0] || inside[1] || inside[2]) return Decision::yes;
+  const Triple normal = cross(edge[0], edge[1]);
+  double reach_over = 0;
+  for (int i = 0; i < 3; ++i) reach_over += a.half_m[i] * std::abs(dot(normal, frame.axis[i]));
+  if (gaps.add(std::abs(dot(normal, corner[0])) - reach_over, kSeparationError * side * side * reach)) return Decision::no;
+
+  const double edge_error = kSeparationError * frame.largest * side * reach;
+  for (int j = 0; j < 3; ++j) {
+    // An edge projects to one number across itself; the opposite corner to another.
+    const Triple moment_edge = cross(edge[j], corner[j]);
+    const Triple moment_opposite = cross(edge[j], corner[(j + 2) % 3]);
+    const double over[3] = {std::abs(dot(edge[j], frame.normal[0])), std::abs(dot(edge[j], frame.normal[1])),
+                            std::abs(dot(edge[j], frame.normal[2]))};
+    for (int i = 0; i < 3; ++i) {
+      const int i1 = (i + 1) % 3;
+      const int i2 = (i + 2) % 3;
+      const double p = dot(frame.axis[i], moment_edge);
+      const double q = dot(frame.axis[i], moment_opposite);
+      const double apart = std::max(std::min(p, q), -std::max(p, q));
+      if (gaps.add(apart - (a.half_m[i1] * over[i2] + a.half_m[i2] * over[i1]), edge_error)) return Decision::no;
+    }
+  }
+  return gaps.together();
+}
+
+double push_at_most(const Box& a, const Triangle& b, double& reach_m) {
+  const BoxAxes frame(a);
+  const Triple center = triple(a.center);
+  const Triples corner{triple(b.a) - center, triple(b.b) - center, triple(b.c) - center};
+  const double far = std::max({corner[0].largest(), corner[1].largest(), corner[2].largest()});
+  const double reach = far + frame.largest * frame.half_sum;
+  reach_m = 4 * reach;
+  double least = std::numeric_limits<double>::infinity();
+  if (!in_range(frame.largest) || !in_range(reach)) return least;
+  const auto try_axis = [&](const Triple& axis) {
+    const double p[3] = {dot(corner[0], axis), dot(corner[1], axis), dot(corner[2], axis)};
+    double half = 0;
+    for (int i = 0; i < 3; ++i) half += a.half_m[i] * std::abs(dot(frame.axis[i], axis));
+    const double push = half + std::min(std::max({p[0], p[1], p[2]}), -std::min({p[0], p[1], p[2]}));
+    const double length2 = dot(axis, axis);
+    // Far above what underflows; the error of the products is kSeparationError of A |axis| (D + A H) at most.
+    if (length2 >= 0x1p-400) least = std::min(least, push / std::sqrt(length2) + 4 * kSeparationError * reach);
+  };
+  for (const Triple& normal : frame.normal) try_axis(normal);
+  try_axis(cross(triple(b.b) - triple(b.a), triple(b.c) - triple(b.a)));
+  return least;
+}
+
+namespace {
+
+/// Signs that are sure; zero: not sure.
+int sure_sign(double value, double error) { return value > error ? 1 : value < -error ? -1 : 0; }
+
+/// Three points about the plane of a facet.
+struct About {
+  int side[3] = {0, 0, 0};
+  double reach = 0;  // largest coordinate of any difference between the points and the facet's corners, or more
+
+  bool all_sure() const { return side[0] * side[1] * side[2] != 0; }
+  bool one_sided() const { return side[0] == side[1] && side[1] == side[2] && side[0] != 0; }
+  /// The corner that is alone on its side, where the sides are sure and differ.
+  int lone() const { return side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0; }
+};
+
+About sides_about(const Triples& points, const Triples& plane) {
+  const Triple e = plane[1] - plane[0];
+  const Triple f = plane[2] - plane[0];
+  const Triple normal = cross(e, f);
+  const Triples way{points[0] - plane[0], points[1] - plane[0], points[2] - plane[0]};
+  const double first = e.largest();
+  const double second = f.largest();
+  const double distance = std::max({way[0].largest(), way[1].largest(), way[2].largest()});
+  if (!in_range(first) || !in_range(second) || !in_range(distance)) return {};
+  const double error = kOrientationError * first * second * distance;
+  return {{sure_sign(dot(normal, way[0]), error), sure_sign(dot(normal, way[1]), error),
+           sure_sign(dot(normal, way[2]), error)},
+          (distance + std::max(first, second)) * (1 + 0x1p-50)};
+}
+
+}  // namespace
+
+Decision quickly_overlaps(const Triangle& a, const Triangle& b) {
+  const Triples s{triple(a.a), triple(a.b), triple(a.c)};
+  const Triples t{triple(b.a), triple(b.b), triple(b.c)};
+  const About s_about = sides_about(s, t);
+  if (s_about.one_sided()) return Decision::no;
+  const About t_about = sides_about(t, s);
+  if (t_about.one_sided()) return Decision::no;
+  if (!s_about.all_sure() || !t_about.all_sure()) return Decision::undecided;
+
+  // The lone corner of each looks down on the other's plane: where it does not, that plane is turned over.
+  const int i = s_about.lone();
+  const int j = t_about.lone();
+  const bool turn_t = s_about.side[i] < 0;
+  const bool turn_s = t_about.side[j] < 0;
+  const Triple& p = s[i];
+  const Triple& p1 = s[(i + (turn_s ? 2 : 1)) % 3];
+  const Triple& p2 = s[(i + (turn_s ? 1 : 2)) % 3];
+  const Triple& q = t[j];
+  const Triple& q1 = t[(j + (turn_t ? 2 : 1)) % 3];
+  const Triple& q2 = t[(j + (turn_t ? 1 : 2)) % 3];
+  // Two of each three factors run between the triangles; the third is an edge of s, no longer than two that leave its
+  // first corner.
+  const double error = 2 * kOrientationError * s_about.reach * s_about.reach * t_about.reach;
+  const double one = dot(q1 - p1, cross(q - p1, p - p1));
+  const double other = dot(q2 - p, cross(q - p, p2 - p));
+  if (one > error || other > error) return Decision::no;
+  return one < -error && other < -error ? Decision::yes : Decision::undecided;
+}
+
+}  // namespace collided::engine::kernel

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "server/exact_phase/arithmetic/implicit_kernel.hpp"
+#include "server/geometry/ray.hpp"
+
+namespace collided::engine::kernel {
+
+/// Where a ray first meets an implicit surface, as far as double can tell.
+struct FilteredMeeting {
+  Decision meets = Decision::undecided;
+  double low = 0;  // the parameter is in [low, high]
+  double high = 0;
+  Vector<Bounded> point;  // all of the ray between them
+};
+
+/// Sure answers or none.
+///
+/// cost  about 0.5 us; no allocation
+FilteredMeeting first_meeting(const Ray& ray, const ImplicitSurface& surface);
+
+}  // namespace collided::engine::kernel

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/geometry/ray.hpp"
+#include "server/geometry/shapes.hpp"
+#include "server/geometry/tolerance.hpp"
+
+namespace collided::engine {
+
+/// Where a ray first meets a shape. |true distance - distance_m| <= distance_error_m.
+struct RayHit {
+  double distance_m = 0;
+  double distance_error_m = 0;
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();   // unit, against the ray; for a start inside a solid: of the exit
+  Vec3 weights = Vec3::Zero();  // barycentric, triangles only; their sum is 1 to one rounding
+  double exit_m = 0;            // where the ray leaves a solid (may exceed the length); the distance for a triangle
+  double exit_error_m = 0;      // |true exit - exit_m| at most
+  bool inside = false;          // the ray starts inside a solid: distance 0
+};
+
+/// A bound on |hit.point - true point|, for a hit that `cast_ray` filled. Worked out here, not in every hit.
+///
+/// The point is o + x, x the product of the distance and the unit direction (of the parameter and the direction for a
+/// triangle, which is one rounding less). x is off by the distance's own error along the ray and by kPointOnRay of the
+/// distance; the sum rounds once more in each coordinate.
+inline double point_error_m(const RayHit& hit) {
+  if (hit.distance_m == 0 && hit.distance_error_m == 0) return 0;  // the ray's origin
+  return (hit.distance_error_m + kPointOnRay * hit.distance_m + kPointSum * hit.point.cwiseAbs().maxCoeff()) *
+             (1 + kBoundSlack) + kUnderflow;
+}
+
+/// Whether the ray meets the shape, exact for the given doubles; touching counts, so do both ends of the ray and
+/// both sides of a triangle. A zero-area triangle is the segment or point that it is. `hit` is filled on yes only.
+///
+/// threads  pure; allocates only on Level::rational
+Verdict cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Sphere& sphere, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Box& box, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Cone& cone, RayHit& hit);
+Verdict cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit);
+/// The exit of a ray that does not leave again is infinite.
+Verdict cast_ray(const Ray& ray, const HalfSpace& half_space, RayHit& hit);
+/// Of its placed faces: convex to the rounding of placing them.
+Verdict cast_ray(const Ray& ray, const Hull& hull, RayHit& hit);
+
+/// Which of two triangles, both met by the ray, is met first: -1 a, 0 both at once, +1 b. Exact.
+int compare_hits(const Ray& ray, const Triangle& a, const Triangle& b);
+
+}  // namespace collided::engine

@@ -1,9 +1,0 @@
-#include "server/intake/import/assimp_scene.hpp"
-
-namespace collided::engine {
-
-Scene read_with_assimp(const std::string&, const LoadOptions&, LoadReport&) {
-  throw LoadError("this build has no Assimp, which alone reads this format");
-}
-
-}  // namespace collided::engine

@@ -1,0 +1,92 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "server/intake/mesh/tessellate.hpp"
+
+namespace collided::engine {
+namespace {
+
+constexpr std::size_t kMostDegree = 8;
+
+/// Clamped uniform knots: 0 for the first degree + 1, then 1, 2, ... up to the number of spans.
+double knot(std::size_t i, std::size_t degree, std::size_t count) {
+  const std::size_t spans = count - degree;
+  return static_cast<double>(i <= degree ? 0 : std::min(i - degree, spans));
+}
+
+/// A curve's point.
+/// source  de Boor, "On calculating with B-splines", 1972
+Vec3 curve_point(const Vec3* points, std::size_t degree, std::size_t count, double at) {
+  const std::size_t spans = count - degree;
+  const auto span = static_cast<std::size_t>(std::clamp(std::floor(at), 0.0, static_cast<double>(spans - 1)));
+  std::array<Vec3, kMostDegree + 1> d;
+  for (std::size_t i = 0; i <= degree; ++i) d[i] = points[span + i];
+  for (std::size_t round = 1; round <= degree; ++round) {
+    for (std::size_t i = degree; i >= round; --i) {
+      const double low = knot(span + i, degree, count);
+      const double high = knot(span + i + 1 + degree - round, degree, count);
+      const double share = (at - low) / (high - low);
+      d[i] = (1 - share) * d[i - 1] + share * d[i];
+    }
+  }
+  return d[degree];
+}
+
+/// Control points, row after row.
+struct Grid {
+  std::vector<Vec3> points;
+  std::size_t columns;
+  std::size_t rows;
+};
+
+/// Of the derivative along the rows of a spline of that degree, taken `order` times before.
+Grid derivative(const Grid& from, std::size_t degree, std::size_t order) {
+  Grid to{{}, from.columns - 1, from.rows};
+  const std::size_t left = degree - order;  // of the degree
+  const std::size_t count = from.columns + order;
+  for (std::size_t row = 0; row < from.rows; ++row) {
+    for (std::size_t i = 0; i + 1 < from.columns; ++i) {
+      const double width = knot(i + order + left + 1, degree, count) - knot(i + order + 1, degree, count);
+      const Vec3 step = from.points[row * from.columns + i + 1] - from.points[row * from.columns + i];
+      to.points.push_back(width > 0 ? Vec3(static_cast<double>(left) / width * step) : Vec3::Zero());
+    }
+  }
+  return to;
+}
+
+Grid transposed(const Grid& from) {
+  Grid to{{}, from.rows, from.columns};
+  for (std::size_t column = 0; column < from.columns; ++column) {
+    for (std::size_t row = 0; row < from.rows; ++row) to.points.push_back(from.points[row * from.columns + column]);
+  }
+  return to;
+}
+
+/// A spline lies in the hull of its control points.
+double longest(const Grid& grid) {
+  double length = 0;
+  for (const Vec3& point : grid.points) length = std::max(length, point.norm());
+  return length * (1 + 0x1p-40);
+}
+
+double second_derivative(const Grid& grid, std::size_t degree) {
+  return degree < 2 ? 0 : longest(derivative(derivative(grid, degree, 0), degree, 1));
+}
+
+}  // namespace
+
+Vec3 SplinePatch::at(double first, double second) const {
+  std::vector<Vec3> across;
+  for (unsigned row = 0; row < rows(); ++row) across.push_back(curve_point(points.data() + row * columns, first_degree, columns, first));
+  return curve_point(across.data(), second_degree, rows(), second);
+}
+
+SecondDerivatives SplinePatch::second_derivatives() const {
+  const Grid grid{points, columns, rows()};
+  const Grid turned = transposed(grid);
+  const Grid both = derivative(transposed(derivative(grid, first_degree, 0)), second_degree, 0);
+  return {second_derivative(grid, first_degree), longest(both), second_derivative(turned, second_degree)};
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,189 @@
+#include "server/intake/polygons/sweep_triangulation.hpp"
+
+#include <algorithm>
+
+#include "server/intake/polygons/monotone_pieces.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// The pieces that diagonals cut a polygon into. Around each point the ways out are sorted from the ring's next point to
+/// the left; the piece to the left of a way that comes in goes on with the way before it.
+class Pieces {
+ public:
+  Pieces(const PolygonRings& rings, const std::vector<PolygonFlaw>& diagonals) : rings_(rings) {
+    const std::size_t count = rings.points.size();
+    first_way_.assign(count + 1, 0);
+    for (std::size_t i = 0; i < count; ++i) first_way_[i + 1] = 1;
+    for (const auto& [a, b] : diagonals) ++first_way_[a + 1], ++first_way_[b + 1];
+    for (std::size_t i = 0; i < count; ++i) first_way_[i + 1] += first_way_[i];
+    ways_.resize(first_way_[count]);
+    twin_.resize(ways_.size());
+    sort_ways(diagonals);
+  }
+
+  /// Calls visit(points) for each piece, its points to the left round.
+  template <class Visit>
+  void visit(Visit&& visit) const {
+    std::vector<bool> is_done(ways_.size(), false);
+    std::vector<std::uint32_t> piece;
+    for (std::uint32_t begin = 0; begin < ways_.size(); ++begin) {
+      if (is_done[begin]) continue;
+      piece.clear();
+      for (std::uint32_t way = begin; !is_done[way]; way = following(way)) {
+        is_done[way] = true;
+        piece.push_back(start_of(way));
+      }
+      visit(piece);
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kRing = 0xffffffff;
+
+  struct Way {
+    std::uint32_t to;
+    std::uint32_t diagonal;
+  };
+
+  std::uint32_t start_of(std::uint32_t way) const { return starts_[way]; }
+
+  /// The ring's next point lies at angle 0 of the inside; what is less than half a turn from it comes before the rest.
+  bool comes_before(std::uint32_t at, std::uint32_t a, std::uint32_t b) const {
+    const auto& p = rings_.points;
+    const std::uint32_t zero = rings_.next[at];
+    const auto is_late = [&](std::uint32_t to) { return turn(p[at], p[zero], p[to]) < 0; };
+    if (is_late(a) != is_late(b)) return is_late(b);
+    return turn(p[at], p[a], p[b]) > 0;
+  }
+
+  void sort_ways(const std::vector<PolygonFlaw>& diagonals) {
+    std::vector<std::uint32_t> filled(first_way_.begin(), first_way_.end() - 1);
+    for (std::uint32_t i = 0; i < rings_.points.size(); ++i) ways_[filled[i]++] = {rings_.next[i], kRing};
+    for (std::uint32_t d = 0; d < diagonals.size(); ++d) {
+      ways_[filled[diagonals[d].first]++] = {diagonals[d].second, d};
+      ways_[filled[diagonals[d].second]++] = {diagonals[d].first, d};
+    }
+    starts_.resize(ways_.size());
+    std::vector<std::uint32_t> other(diagonals.size(), kRing);
+    for (std::uint32_t i = 0; i < rings_.points.size(); ++i) {
+      std::sort(ways_.begin() + first_way_[i] + 1, ways_.begin() + first_way_[i + 1],
+                [&](const Way& a, const Way& b) { return comes_before(i, a.to, b.to); });
+      for (std::uint32_t w = first_way_[i]; w < first_way_[i + 1]; ++w) {
+        starts_[w] = i;
+        if (ways_[w].diagonal == kRing) continue;
+        std::uint32_t& partner = other[ways_[w].diagonal];
+        if (partner != kRing) twin_[w] = partner, twin_[partner] = w;
+        partner = w;
+      }
+    }
+  }
+
+  std::uint32_t following(std::uint32_t way) const {
+    // Along the ring one arrives behind all the ways out; along a diagonal, at its other end.
+    if (ways_[way].diagonal == kRing) return first_way_[ways_[way].to + 1] - 1;
+    return twin_[way] - 1;
+  }
+
+  const PolygonRings& rings_;
+  std::vector<std::uint32_t> first_way_;  // by point
+  std::vector<Way> ways_;
+  std::vector<std::uint32_t> starts_;  // of the ways
+  std::vector<std::uint32_t> twin_;    // of a diagonal's way, the one back
+};
+
+/// A piece that every upright line meets in one stretch, into triangles.
+class MonotoneCut {
+ public:
+  MonotoneCut(const PolygonRings& rings, std::vector<TriangleCorners>& triangles) : rings_(rings), triangles_(triangles) {}
+
+  void cut(const std::vector<std::uint32_t>& piece) {
+    if (piece.size() == 3) {
+      triangles_.push_back({piece[0], piece[1], piece[2]});
+      return;
+    }
+    sort_both_chains(piece);
+    stack_.assign(sorted_.begin(), sorted_.begin() + 2);
+    for (std::size_t i = 2; i < sorted_.size(); ++i) {
+      const bool is_last = i + 1 == sorted_.size();
+      if (is_last || sorted_[i].is_lower != stack_.back().is_lower) take_all(sorted_[i]);
+      else take_seen(sorted_[i]);
+    }
+  }
+
+ private:
+  struct Corner {
+    std::uint32_t point;
+    bool is_lower;  // on the chain that has the inside above it
+  };
+
+  void sort_both_chains(const std::vector<std::uint32_t>& piece) {
+    const std::size_t count = piece.size();
+    const auto first = static_cast<std::size_t>(std::min_element(piece.begin(), piece.end()) - piece.begin());
+    std::size_t lower = first;                        // goes up the list: the inside is to the left
+    std::size_t upper = (first + count - 1) % count;  // goes down
+    sorted_.clear();
+    sorted_.push_back({piece[lower], true});
+    lower = (lower + 1) % count;
+    while (sorted_.size() < count) {
+      const bool take_lower = piece[lower] < piece[upper];
+      if (take_lower || lower == upper) {
+        sorted_.push_back({piece[lower], true});
+        lower = (lower + 1) % count;
+      } else {
+        sorted_.push_back({piece[upper], false});
+        upper = (upper + count - 1) % count;
+      }
+    }
+  }
+
+  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c, bool is_lower) {
+    triangles_.push_back(is_lower ? TriangleCorners{a, b, c} : TriangleCorners{a, c, b});
+  }
+
+  /// The corner sees the whole other chain.
+  void take_all(const Corner& corner) {
+    for (std::size_t k = 1; k < stack_.size(); ++k) add(stack_[k - 1].point, stack_[k].point, corner.point, stack_.back().is_lower);
+    stack_ = {stack_.back(), corner};
+  }
+
+  /// The corner sees those of its own chain that it turns inward with.
+  void take_seen(const Corner& corner) {
+    Corner last = stack_.back();
+    stack_.pop_back();
+    while (!stack_.empty()) {
+      const int side = turn(rings_.points[stack_.back().point], rings_.points[last.point], rings_.points[corner.point]);
+      if (side == 0 || (side > 0) != corner.is_lower) break;
+      add(stack_.back().point, last.point, corner.point, corner.is_lower);
+      last = stack_.back();
+      stack_.pop_back();
+    }
+    stack_.push_back(last);
+    stack_.push_back(corner);
+  }
+
+  const PolygonRings& rings_;
+  std::vector<TriangleCorners>& triangles_;
+  std::vector<Corner> sorted_;
+  std::vector<Corner> stack_;
+};
+
+}  // namespace
+
+std::optional<PolygonFlaw> triangulate_by_sweep(std::span<const PlanePoint> points, std::span<const std::uint32_t> ring_ends,
+                                                std::vector<TriangleCorners>& triangles) {
+  PolygonRings rings;
+  const auto original = [&](const PolygonFlaw& flaw) { return PolygonFlaw{rings.original[flaw.first], rings.original[flaw.second]}; };
+  if (const auto flaw = join_rings(points, ring_ends, rings)) return original(*flaw);
+  MonotonePieces pieces(rings);
+  if (const auto flaw = pieces.find()) return original(*flaw);
+  const std::size_t first_new = triangles.size();
+  MonotoneCut cutter(rings, triangles);
+  Pieces(rings, pieces.diagonals()).visit([&](const std::vector<std::uint32_t>& piece) { cutter.cut(piece); });
+  for (std::size_t i = first_new; i < triangles.size(); ++i) {
+    for (std::uint32_t& corner : triangles[i]) corner = rings.original[corner];
+  }
+  return std::nullopt;
+}
+
+}  // namespace collided::engine

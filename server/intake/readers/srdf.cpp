@@ -1,0 +1,50 @@
+#include "server/intake/readers/srdf.hpp"
+
+#include <fmt/format.h>
+
+#include <pugixml.hpp>
+#include <unordered_map>
+
+#include "server/intake/readers/reading.hpp"
+
+namespace collided::engine {
+
+LinkPairs read_srdf(const std::string& text, const std::string& file) {
+  pugi::xml_document document;
+  const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
+  if (!parsed)
+    throw LoadError(fmt::format("{}: byte {}: {}. Nothing was loaded.", file, parsed.offset, parsed.description()));
+  const pugi::xml_node robot = document.child("robot");
+  if (!robot) throw LoadError(fmt::format("{}: no <robot> in it. Nothing was loaded.", file));
+  LinkPairs pairs;
+  for (const pugi::xml_node pair : robot.children("disable_collisions")) {
+    pairs.emplace_back(pair.attribute("link1").value(), pair.attribute("link2").value());
+  }
+  return pairs;
+}
+
+std::string allow_pairs(const LinkPairs& pairs, std::vector<SceneObject>& objects, std::uint64_t& unknown_count) {
+  // Layer 0 is that of everything else, which all of them meet.
+  constexpr std::size_t kMostLinks = 31;
+  if (objects.size() > kMostLinks) {
+    return fmt::format("{} links with collision shapes; pairs can be told apart for {}", objects.size(), kMostLinks);
+  }
+  std::unordered_map<std::string, std::size_t> number_of;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    number_of[objects[i].name] = i;
+    objects[i].filter = {.layers = 1u << (i + 1)};
+  }
+  for (const auto& [one, other] : pairs) {
+    const auto a = number_of.find(one);
+    const auto b = number_of.find(other);
+    if (a == number_of.end() || b == number_of.end()) {
+      ++unknown_count;
+      continue;
+    }
+    objects[a->second].filter.mask &= ~objects[b->second].filter.layers;
+    objects[b->second].filter.mask &= ~objects[a->second].filter.layers;
+  }
+  return {};
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,109 @@
+#include "server/programs/files/convert.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <unordered_set>
+
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/geometry/aabb.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/intake/scene_file/scene_index.hpp"
+#include "server/programs/files/interrupt.hpp"
+#include "server/programs/files/progress_line.hpp"
+#include "server/programs/files/simplifying.hpp"
+
+namespace collided::engine::files {
+namespace {
+
+Vec3 middle(const Scene& scene) {
+  Aabb all;
+  for (const Vec3& vertex : scene.mesh.vertices) all.extend(vertex);
+  for (const SceneObject& object : scene.objects) all.extend(object.pose.position);
+  if (all.empty()) throw LoadError("--center: the file holds nothing that has a middle");
+  // Whole metres: the numbers of most files stay exact when they are taken away.
+  return (all.low / 2 + all.high / 2).array().round();
+}
+
+/// a - b, and whether a bit was lost. source  Knuth's TwoSum
+double subtract(double a, double b, std::uint64_t& rounded_count) {
+  const double difference = a - b;
+  const double b_part = a - difference;
+  const double a_part = difference + b_part;
+  const bool exact = (a - a_part) + (b_part - b) == 0;
+  if (!exact) ++rounded_count;
+  return difference;
+}
+
+void move_to_origin(Scene& scene, const Vec3& origin) {
+  std::uint64_t rounded_count = 0;
+  for (Vec3& vertex : scene.mesh.vertices) {
+    for (int axis = 0; axis < 3; ++axis) vertex[axis] = subtract(vertex[axis], origin[axis], rounded_count);
+  }
+  for (SceneObject& object : scene.objects) {
+    for (int axis = 0; axis < 3; ++axis) object.pose.position[axis] = subtract(object.pose.position[axis], origin[axis], rounded_count);
+  }
+  fmt::print("  origin   {},{},{} is now 0 0 0; {} numbers were rounded by that\n", shortest(origin.x()), shortest(origin.y()), shortest(origin.z()),
+             grouped(rounded_count));
+}
+
+void save_index(const TriangleMesh& mesh, BvhForm form, BvhReport& sum, SavedIndex& index) {
+  const Bvh tree = Bvh::build(mesh, {.progress = {}, .cancelled = is_interrupted, .form = form});
+  end_if_interrupted();
+  const auto bytes = std::make_shared<const std::vector<std::byte>>(tree.saved(mesh));
+  index = {*bytes, bytes};
+  sum.references += tree.report().references;
+  sum.bytes += bytes->size();
+  sum.build_s += tree.report().build_s;
+}
+
+void add_indexes(Scene& scene, BvhForm form) {
+  BvhReport sum;
+  std::uint64_t triangles = scene.mesh.triangles.size();
+  save_index(scene.mesh, form, sum, scene.index);
+  std::unordered_set<const TriangleMesh*> done;  // objects that share a mesh share the index that the first one brings
+  for (SceneObject& object : scene.objects) {
+    if (!object.shape.mesh || !done.insert(object.shape.mesh.get()).second) continue;
+    save_index(*object.shape.mesh, form, sum, object.index);
+    triangles += object.shape.mesh->triangles.size();
+  }
+  if (triangles == 0) return;
+  const auto count = static_cast<double>(triangles);
+  fmt::print("  index    {:.0f} ms, {:.1f} bytes and {:.2f} references a triangle\n", 1e3 * sum.build_s,
+             static_cast<double>(sum.bytes) / count, static_cast<double>(sum.references) / count);
+}
+
+Scene load_showing_progress(const FileOptions& file, LoadReport& report) {
+  ProgressLine line("reading");
+  return load(file, report, [&](double fraction) { line.tell(fraction); });
+}
+
+}  // namespace
+
+int convert(const ConvertOptions& options) {
+  if (!options.output.ends_with(".cscene")) throw LoadError(fmt::format("{}: only .cscene files are written", options.output));
+  if (options.center && !options.origin.empty()) throw LoadError("--center and --origin exclude each other");
+  LoadReport report;
+  Scene scene = load_showing_progress(options.file, report);
+  fmt::print("{}  {} parts, {} triangles, {} objects\n", scene.name, grouped(scene.parts.size()), grouped(scene.mesh.triangles.size()),
+             grouped(scene.objects.size()));
+  if (options.center) move_to_origin(scene, middle(scene));
+  if (!options.origin.empty()) move_to_origin(scene, parse_point("--origin", options.origin));
+  forget_indexes(scene);
+  scene.collapses = {};
+  const CollapseCost cost = options.cost == "length" ? CollapseCost::edge_length : CollapseCost::quadric;
+  if (!options.to.empty()) simplify_to(scene, options.to, cost);
+  if (options.levels) add_levels(scene, cost);
+  if (!options.no_index) add_indexes(scene, options.index == "best" ? BvhForm::best : BvhForm::fast);
+  save_scene(options.output, scene);
+  for (const std::string& line : report.placed) fmt::print("  placed   {}\n", line);
+  for (const std::string& line : report.notes) fmt::print("  note     {}\n", line);
+  for (const std::string& line : report.mended) fmt::print("  mended   {}\n", line);
+  for (const std::string& line : report.refused) fmt::print("  refused  {}\n", line);
+  for (const std::string& line : report.warnings) fmt::print("  warning  {}\n", line);
+  fmt::print("  written  {}\n", options.output);
+  return report.refused.empty() ? 0 : 1;
+}
+
+}  // namespace collided::engine::files

@@ -1,0 +1,177 @@
+#include "server/programs/import/assimp_scene.hpp"
+
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "server/intake/file_bytes.hpp"
+#include "server/intake/mesh/single_precision.hpp"
+#include "server/intake/readers/names.hpp"
+#include "server/intake/readers/reading.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// Place of a node: x_W = linear * x + offset.
+struct Placement {
+  Mat3 linear = Mat3::Identity();
+  Vec3 offset = Vec3::Zero();
+};
+
+Placement operator*(const Placement& parent, const aiMatrix4x4& m) {
+  Mat3 linear;
+  linear << m.a1, m.a2, m.a3, m.b1, m.b2, m.b3, m.c1, m.c2, m.c3;
+  return {parent.linear * linear, parent.linear * Vec3(m.a4, m.b4, m.c4) + parent.offset};
+}
+
+class AssimpReader {
+ public:
+  AssimpReader(const aiScene& from, const LoadOptions& options, LoadReport& report)
+      : from_(from), options_(options), report_(report) {}
+
+  Scene read() {
+    count_names();
+    // Our own stack: how deep a file nests is the file's choice.
+    std::vector<std::pair<const aiNode*, Placement>> waiting = {{from_.mRootNode, {}}};
+    while (!waiting.empty()) {
+      const auto [node, parent] = waiting.back();
+      waiting.pop_back();
+      const Placement placement = parent * node->mTransformation;
+      add_part(*node, placement);
+      for (unsigned i = node->mNumChildren; i-- > 0;) {
+        waiting.emplace_back(node->mChildren[i], placement);
+      }
+    }
+    tell();
+    return std::move(scene_);
+  }
+
+ private:
+  void count_names() {
+    std::vector<const aiNode*> waiting = {from_.mRootNode};
+    while (!waiting.empty()) {
+      const aiNode* node = waiting.back();
+      waiting.pop_back();
+      name_counts_[node->mName.C_Str()] += node->mNumMeshes > 0 ? 1 : 0;
+      waiting.insert(waiting.end(), node->mChildren, node->mChildren + node->mNumChildren);
+    }
+  }
+
+  /// A name that many nodes have ("IfcMappedItem") says little; the parent's says what it is part of.
+  std::string part_name(const aiNode& node) {
+    const std::string name = node.mName.C_Str();
+    const bool needs_parent = name_counts_[name] > 1 && node.mParent != nullptr && node.mParent->mName.length > 0;
+    return needs_parent ? fmt::format("{}/{}", node.mParent->mName.C_Str(), name) : name;
+  }
+
+  void add_part(const aiNode& node, const Placement& placement) {
+    const std::size_t first = scene_.mesh.triangles.size();
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+      add_mesh(*from_.mMeshes[node.mMeshes[i]], node, placement);
+    }
+    const std::size_t count = scene_.mesh.triangles.size() - first;
+    if (count > 0) {
+      scene_.parts.push_back({.name = part_name(node),
+                              .first_triangle = static_cast<std::uint32_t>(first),
+                              .triangle_count = static_cast<std::uint32_t>(count)});
+    }
+  }
+
+  void add_mesh(const aiMesh& mesh, const aiNode& node, const Placement& placement) {
+    const std::size_t first_vertex = scene_.mesh.vertices.size();
+    const std::uint64_t limit = std::min<std::uint64_t>(options_.max_triangles, 0xffffffff);
+    // A file may show one mesh any number of times, so its size does not bound this.
+    if (scene_.mesh.triangles.size() + mesh.mNumFaces > limit || first_vertex + mesh.mNumVertices > 0xffffffff) {
+      throw LoadError(fmt::format("more than {} triangles", limit));
+    }
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const aiVector3D& v = mesh.mVertices[i];
+      scene_.mesh.vertices.push_back(placement.linear * Vec3(v.x, v.y, v.z) + placement.offset);
+      if (!scene_.mesh.vertices.back().allFinite()) {
+        throw LoadError(
+            fmt::format("node {}: vertex {} is ({}, {}, {})", quoted(node.mName.C_Str()), i, v.x, v.y, v.z));
+      }
+    }
+    const bool mirrors = placement.linear.determinant() < 0;
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      add_face(mesh.mFaces[i], mesh.mNumVertices, static_cast<std::uint32_t>(first_vertex), mirrors);
+    }
+    warn_of_lost_digits(mesh, placement);
+  }
+
+  /// mirrors: the node shows the mesh as in a mirror, where the corners run round the other way.
+  void add_face(const aiFace& face, unsigned vertex_count, std::uint32_t first_vertex, bool mirrors) {
+    if (face.mNumIndices != 3) {
+      ++other_faces_;
+      return;
+    }
+    TriangleCorners corners{};
+    for (unsigned k = 0; k < 3; ++k) {
+      if (face.mIndices[k] >= vertex_count) {
+        throw LoadError(fmt::format("vertex number {} of {}", face.mIndices[k], vertex_count));
+      }
+      corners[k] = first_vertex + face.mIndices[k];
+    }
+    if (mirrors) std::swap(corners[1], corners[2]);
+    scene_.mesh.triangles.push_back(corners);
+  }
+
+  // Looked for before the node moves the mesh: afterwards the numbers are no longer those of single precision.
+  void warn_of_lost_digits(const aiMesh& mesh, const Placement& placement) {
+    if (!precision_warning_.empty()) {
+      return;
+    }
+    TriangleMesh raw;
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      raw.vertices.emplace_back(mesh.mVertices[i].x, mesh.mVertices[i].y, mesh.mVertices[i].z);
+    }
+    const double scale = std::cbrt(std::abs(placement.linear.determinant()));
+    precision_warning_ = single_precision_warning(raw, options_.unit_m * scale);
+  }
+
+  void tell() {
+    if (other_faces_ > 0) {
+      report_.refused.push_back(
+          fmt::format("{} points, lines and polygons left out; only triangles are loaded", other_faces_));
+    }
+    if (from_.mNumAnimations > 0) {
+      report_.refused.push_back(fmt::format("{} animations left out; the scene stands as it is", from_.mNumAnimations));
+    }
+    if (!precision_warning_.empty()) {
+      report_.warnings.push_back(precision_warning_);
+    }
+  }
+
+  const aiScene& from_;
+  const LoadOptions& options_;
+  LoadReport& report_;
+  Scene scene_;
+  std::unordered_map<std::string, std::uint64_t> name_counts_;
+  std::uint64_t other_faces_ = 0;
+  std::string precision_warning_;
+};
+
+}  // namespace
+
+Scene read_with_assimp(const std::string& path, const LoadOptions& options, LoadReport& report) {
+  Assimp::Importer importer;
+  const aiScene* from = importer.ReadFile(path, aiProcess_Triangulate);
+  if (from == nullptr || from->mRootNode == nullptr) {
+    throw LoadError(fmt::format("Assimp cannot read it: {}", importer.GetErrorString()));
+  }
+  Scene scene = AssimpReader(*from, options, report).read();
+  scene.name = options.name.empty() ? "scene" : options.name;
+  if (scene.mesh.triangles.empty()) {
+    throw LoadError("no triangles");
+  }
+  name_parts({file_name(path), {}, options, report}, scene);
+  return scene;
+}
+
+}  // namespace collided::engine

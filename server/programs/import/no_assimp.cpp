@@ -1,0 +1,9 @@
+#include "server/programs/import/assimp_scene.hpp"
+
+namespace collided::engine {
+
+Scene read_with_assimp(const std::string&, const LoadOptions&, LoadReport&) {
+  throw LoadError("this build has no Assimp, which alone reads this format");
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,119 @@
+#include "server/service/commands/command_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "server/service/commands/nearest_word.hpp"
+#include "server/service/questions/validation.hpp"
+
+namespace collided::engine::service {
+
+Arguments::Arguments(const std::string& text) : arguments_(nlohmann::json::parse(text, nullptr, false)) {
+  if (!arguments_.is_object()) throw BadCommand("a command's text is not a JSON object");
+  const auto command = arguments_.find("command");
+  if (command == arguments_.end() || !command->is_string()) throw BadCommand("a command without its name");
+  command_ = command->get<std::string>();
+}
+
+const nlohmann::json* Arguments::find(const char* name) const {
+  const auto found = arguments_.find(name);
+  return found == arguments_.end() || found->is_null() ? nullptr : &*found;
+}
+
+void Arguments::refuse(const char* name, const std::string& allowed) const {
+  throw BadCommand(fmt::format("{}: '{}' is {}; allowed: {}", command_, name,
+                               arguments_[name].dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                               allowed));
+}
+
+void Arguments::allow_only(std::initializer_list<const char*> names) const {
+  std::vector<std::string> allowed(names.begin(), names.end());
+  for (const auto& [key, value] : arguments_.items()) {
+    if (key == "command" || std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
+    throw BadCommand(fmt::format("{}: unknown argument {}{}", command_, printable(key), did_you_mean(key, allowed)));
+  }
+}
+
+bool Arguments::has(const char* name) const {
+  return find(name) != nullptr;
+}
+
+std::string Arguments::text(const char* name, const std::string& otherwise) const {
+  const nlohmann::json* value = find(name);
+  if (!value) return otherwise;
+  if (!value->is_string()) refuse(name, "text");
+  return value->get<std::string>();
+}
+
+bool Arguments::truth(const char* name, bool otherwise) const {
+  const nlohmann::json* value = find(name);
+  if (!value) return otherwise;
+  if (!value->is_boolean()) refuse(name, "true or false");
+  return value->get<bool>();
+}
+
+double Arguments::number(const char* name, double otherwise) const {
+  const nlohmann::json* value = find(name);
+  if (!value) return otherwise;
+  if (!value->is_number() || !std::isfinite(value->get<double>())) refuse(name, "a finite number");
+  return value->get<double>();
+}
+
+std::uint64_t Arguments::whole(const char* name, std::uint64_t otherwise, std::uint64_t most) const {
+  const nlohmann::json* value = find(name);
+  if (!value) return otherwise;
+  const bool good = value->is_number_unsigned() || (value->is_number_integer() && value->get<std::int64_t>() >= 0);
+  if (!good || value->get<std::uint64_t>() > most) refuse(name, fmt::format("a whole number from 0 to {}", most));
+  return value->get<std::uint64_t>();
+}
+
+std::optional<Vec3> Arguments::vector(const char* name) const {
+  const nlohmann::json* value = find(name);
+  if (!value) return std::nullopt;
+  const bool good = value->is_array() && value->size() == 3 &&
+                    std::all_of(value->begin(), value->end(), [](const nlohmann::json& item) { return item.is_number(); });
+  if (!good) refuse(name, "three numbers");
+  return Vec3((*value)[0].get<double>(), (*value)[1].get<double>(), (*value)[2].get<double>());
+}
+
+std::optional<Pose> Arguments::pose(const char* name) const {
+  const nlohmann::json* value = find(name);
+  if (!value) return std::nullopt;
+  std::vector<double> numbers;
+  if (value->is_array()) {
+    for (const nlohmann::json& item : *value) numbers.push_back(item.is_number() ? item.get<double>() : std::nan(""));
+  }
+  const std::variant<Pose, Refusal> pose = checked_pose(numbers);
+  if (const auto* refusal = std::get_if<Refusal>(&pose)) {
+    throw BadCommand(fmt::format("{}: '{}': {}", command_, name, refusal->reason),
+                     "a pose is [x, y, z, qw, qx, qy, qz]");
+  }
+  return std::get<Pose>(pose);
+}
+
+std::vector<Aabb> Arguments::boxes(const char* name) const {
+  constexpr std::size_t kMost = 10'000;
+  const nlohmann::json* value = find(name);
+  if (!value) return {};
+  const auto number = [](const nlohmann::json& item) {
+    if (item.is_number()) return item.get<double>();
+    const bool is_endless = item.is_string() && (item == "inf" || item == "-inf");
+    return !is_endless ? std::nan("") : item == "inf" ? HUGE_VAL : -HUGE_VAL;
+  };
+  const auto wrong = [&] { refuse(name, fmt::format("at most {} boxes of six numbers, the lower corner first", kMost)); };
+  if (!value->is_array() || value->size() > kMost) wrong();
+  std::vector<Aabb> boxes;
+  for (const nlohmann::json& item : *value) {
+    if (!item.is_array() || item.size() != 6) wrong();
+    const Aabb box{.low = {number(item[0]), number(item[1]), number(item[2])},
+                   .high = {number(item[3]), number(item[4]), number(item[5])}};
+    if (box.empty()) wrong();
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+}  // namespace collided::engine::service

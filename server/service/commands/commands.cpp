@@ -1,0 +1,483 @@
+#include "server/service/commands/commands.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "idl/commands.hpp"
+#include "server/intake/mesh/shape_scale.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/service/commands/nearest_word.hpp"
+#include "server/service/commands/object_description.hpp"
+#include "server/service/questions/validation.hpp"
+#include "server/world/query/plan.hpp"
+#include "server/world/query/query.hpp"
+
+namespace collided::engine::service {
+
+using nlohmann::json;
+using wire_contract::EndReason;
+using wire_contract::EventKind;
+using wire_contract::ReplyStatus;
+namespace names = wire_contract::command;
+
+namespace {
+
+bool is_glob(const std::string& name) {
+  return name.find_first_of("*?[") != std::string::npos;
+}
+
+std::string dump(const json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace
+
+Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
+                   const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight, const std::string& uploads)
+    : loop_(loop),
+      inbox_(inbox),
+      clock_(clock),
+      counts_(counts),
+      audit_(audit),
+      durable_(durable),
+      flight_(flight),
+      slow_jobs_(kMostSlowJobs),
+      pair_jobs_(kMostPairJobs),
+      geometry_(loop.world(), [this](const CommandAsk& ask, ReplyStatus status, std::string text) {
+        send(ask, status, std::move(text));
+      }),
+      uploads_(
+          uploads, durable != nullptr ? durable->commands_left() : std::vector<CommandAsk>(),
+          [this](const CommandAsk& ask, ReplyStatus status, std::string text) { send(ask, status, std::move(text)); },
+          [this](CommandAsk ask, const std::string& path) { load_upload(std::move(ask), path); }) {
+  const auto work = [](WorkQueue<SlowJob>& jobs) {
+    return std::thread([&jobs] {
+      while (std::optional<SlowJob> job = jobs.pop()) (*job)();
+    });
+  };
+  slow_thread_ = work(slow_jobs_);
+  pair_thread_ = work(pair_jobs_);
+}
+
+Commands::~Commands() {
+  stop();
+}
+
+void Commands::stop() {
+  stopping_.store(true);
+  // Whoever has been let in finds its thread; the others are told.
+  { const std::unique_lock alone(gate_); }
+  geometry_.stop();
+  uploads_.stop();
+  for (auto* jobs : {&slow_jobs_, &pair_jobs_}) jobs->close();
+  for (auto* thread : {&slow_thread_, &pair_thread_}) {
+    if (thread->joinable()) thread->join();
+  }
+  forget_recordings();
+}
+
+/// The answer of some work, or the refusal that it threw.
+void Commands::answer(const CommandAsk& ask, const std::function<json()>& work) {
+  answer_text(ask, [&] { return dump(work()); });
+}
+
+void Commands::answer_text(const CommandAsk& ask, const std::function<std::string()>& work) {
+  const auto refuse = [&](const std::string& error, const std::string& hint) {
+    send(ask, ReplyStatus::refused, refusal_text(error, hint));
+  };
+  try {
+    send(ask, ReplyStatus::ok, work());
+  } catch (const BadCommand& bad) {
+    refuse(bad.what(), bad.hint);
+  } catch (const std::bad_alloc&) {
+    // Half of a change may be in the world by now.
+    if (loop_.runs_here()) throw;
+    refuse("not enough memory", "");
+  } catch (const std::exception& failed) {
+    refuse(failed.what(), "");
+  }
+}
+
+/// As answer(), but an answer that says "done" waits until what was done is on the disk.
+void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json()>& work) {
+  if (durable_ == nullptr) return answer(ask, work);
+  json result;
+  try {
+    result = work();
+    forget_what_is_gone();
+  } catch (...) {
+    return answer(ask, []() -> json { throw; });
+  }
+  const CommandAsk whose{ask.client, ask.request, {}, {}};
+  durable_->then([this, whose, result](const std::string& not_kept) mutable {
+    if (!not_kept.empty()) result["not_kept"] = not_kept;
+    send(whose, ReplyStatus::ok, dump(result));
+  });
+}
+
+void Commands::forget_what_is_gone() {
+  const World& world = loop_.world();
+  const auto has_scene = [&](std::string_view name) {
+    const SnapshotRing::Lease state = world.newest();
+    return std::any_of(state->scenes.begin(), state->scenes.end(), [&](const auto& scene) { return scene->name == name; });
+  };
+  for (auto upload = upload_of_scene_.begin(); upload != upload_of_scene_.end();) {
+    const auto here = upload++;
+    if (has_scene(here->first)) continue;
+    uploads_.forget(here->second);
+    upload_of_scene_.erase(here);
+  }
+  durable_->keep_only(has_scene, [&](std::string_view name) { return world.find(name).has_value(); });
+}
+
+/// What is carried out once more did not come over the wire.
+void Commands::tell_flight_recorder(const CommandAsk& ask) {
+  if (flight_ == nullptr) return;
+  dds::Sample<wire::Query> query;
+  query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
+  query->chunk_count = 1;
+  static_cast<void>(dds::set_text(query->text, ask.text));  // it came in such a field
+  const std::vector<std::uint8_t> blob(reinterpret_cast<const std::uint8_t*>(ask.blob.data()),
+                                       reinterpret_cast<const std::uint8_t*>(ask.blob.data()) + ask.blob.size());
+  dds::borrow(query->blob, blob);
+  flight_->note(recording::Recorded::query, *query);
+}
+
+/// Scenes on the thread for slow work; objects behind them on the world's.
+void Commands::replay(const std::vector<CommandAsk>& asks) {
+  if (asks.empty()) return;
+  replaying_.store(true);
+  slow_jobs_.push([this, asks] {
+    std::vector<CommandAsk> objects;
+    for (const CommandAsk& ask : asks) {
+      tell_flight_recorder(ask);
+      try {
+        const Arguments arguments(ask.text);
+        if (arguments.command() == names::kLoad) {
+          load_one(parse_load(ask, arguments));
+        } else {
+          objects.push_back(ask);
+        }
+      } catch (const BadCommand& bad) {
+        send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
+      }
+    }
+    const bool taken = inbox_.push_job([this, objects] {
+      for (const CommandAsk& ask : objects) {
+        answer_once_kept(ask, [&] {
+          const Arguments arguments(ask.text);
+          if (arguments.command() == names::kProbe) return probe(ask, arguments);
+          return arguments.command() == names::kMove ? move(ask, arguments) : add(ask, arguments);
+        });
+      }
+      replaying_.store(false);
+    });
+    if (!taken) replaying_.store(false);
+  });
+}
+
+/// What is carried out once more was asked by nobody that waits; the log hears what could not be done.
+void Commands::send(const CommandAsk& ask, ReplyStatus status, std::string text) {
+  if (ask.client != 0) return answering_->send_text(ask.client, ask.request, status, std::move(text));
+  if (status == ReplyStatus::refused) loop_.say("what was added before the crash cannot be added again: " + text);
+}
+
+void Commands::run(CommandAsk ask) {
+  static const std::vector<std::pair<std::string, Change>> kChanges{
+      {names::kGet, &Commands::get},       {names::kAdd, &Commands::add},     {names::kMove, &Commands::move},
+      {names::kRemove, &Commands::remove}, {names::kClear, &Commands::clear}, {names::kProbe, &Commands::probe},
+      {names::kProbes, &Commands::probes},
+  };
+  const std::shared_lock on_its_way(gate_);
+  if (stopping_.load()) return send(ask, ReplyStatus::refused, refusal_text("the server is stopping. Nothing was done"));
+  std::optional<Arguments> arguments;
+  try {
+    arguments.emplace(ask.text);
+  } catch (const BadCommand& bad) {
+    send(ask, ReplyStatus::refused, refusal_text(bad.what()));
+    return;
+  }
+  const std::string& command = arguments->command();
+  for (const auto& [name, change] : kChanges) {
+    if (command == name) return on_world_thread(std::move(ask), change);
+  }
+  if (command == names::kList) return answer(ask, [&] { return list(*arguments); });
+  if (command == names::kPlan) return answer(ask, [&] { return plan(*arguments); });
+  if (command == names::kCovers) return answer(ask, [&] { return covers(*arguments); });
+  if (command == names::kAudit) return answer(ask, [&] { return audit(*arguments); });
+  if (command == names::kFigures) return answer(ask, [&] { return figures(*arguments); });
+  if (command == names::kUpload || command == names::kPiece || (command == names::kLoad && arguments->has("upload"))) {
+    return uploads_.take(std::move(ask));
+  }
+  if (command == names::kLoad) return load_later(std::move(ask), *arguments);
+  if (command == names::kMenu) return menu_later(std::move(ask), *arguments);
+  if (command == names::kPair) return pair_later(std::move(ask), *arguments);
+  if (command == names::kRecording) return recording_later(std::move(ask), *arguments);
+  if (command == names::kPoses) {
+    return answer_text(ask, [&] {
+      arguments->allow_only({});
+      return encode_poses(*loop_.world().newest());
+    });
+  }
+  if (command == names::kShapes || command == names::kSurface || command == names::kMore) return geometry_.take(std::move(ask));
+  answer(ask, [&]() -> json {
+    const std::vector<std::string> known{names::kLoad, names::kClear, names::kAdd,  names::kMove,  names::kRemove,
+                                         names::kList, names::kGet,   names::kPlan, names::kAudit, names::kMenu,
+                                         names::kPair, names::kProbe, names::kProbes, names::kFigures, names::kShapes,
+                                         names::kSurface, names::kMore, names::kPoses, names::kRecording, names::kCovers,
+                                         names::kUpload, names::kPiece};
+    throw BadCommand(fmt::format("unknown command {}{}", printable(command), did_you_mean(command, known)));
+  });
+}
+
+void Commands::on_world_thread(CommandAsk ask, Change change) {
+  const auto shared = std::make_shared<CommandAsk>(std::move(ask));
+  const bool is_change = change != &Commands::get && change != &Commands::probes;
+  const bool taken = inbox_.push_job([this, shared, change, is_change] {
+    const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };
+    is_change ? answer_once_kept(*shared, work) : answer(*shared, work);
+  });
+  if (!taken) {
+    send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again"));
+  }
+}
+
+// ---- looking
+
+json Commands::list(const Arguments& arguments) const {
+  arguments.allow_only({"name", "moving", "limit"});
+  const std::string glob = arguments.text("name");
+  const std::optional<bool> moving =
+      arguments.has("moving") ? std::optional(arguments.truth("moving", false)) : std::nullopt;
+  const std::uint64_t limit = arguments.whole("limit", 10'000, 1'000'000);
+  const SnapshotRing::Lease state = loop_.world().newest();
+  json objects = json::array();
+  std::uint64_t count = 0;
+  for (const auto& info : *state->objects) {
+    if (!info || (moving && info->moving != *moving)) continue;
+    if (!glob.empty() && !glob_matches(glob, info->name)) continue;
+    if (count++ < limit) objects.push_back(describe_briefly(*state, *info, loop_.publisher_name(info->publisher)));
+  }
+  return {{"objects", objects}, {"count", count}, {"version", state->version}};
+}
+
+json Commands::plan(const Arguments& arguments) const {
+  arguments.allow_only({});
+  const SnapshotRing::Lease state = loop_.world().newest();
+  json structures = json::array();
+  std::vector<PlanRow> rows = plan_of(*state, loop_.contacts_wanted());
+  rows.push_back(plan_of_probes(loop_.probe_count(), loop_.probes_wanted()));
+  for (const PlanRow& row : rows) {
+    structures.push_back({{"structure", row.structure}, {"built", row.built}, {"why", row.why}, {"saves", row.saves}});
+  }
+  json pairs = json::array();
+  for (const PairRow& row : pair_table()) pairs.push_back({{"a", row.a}, {"b", row.b}, {"how", row.how}});
+  std::uint64_t bytes = 0;
+  for (const auto& scene : state->scenes) bytes += scene->bytes();
+  return {{"structures", structures}, {"pairs", pairs}, {"bytes", bytes}};
+}
+
+json Commands::covers_json(const std::vector<Aabb>& boxes) {
+  json list = json::array();
+  const auto number = [](double x) { return std::isinf(x) ? json(x > 0 ? "inf" : "-inf") : json(x); };
+  for (const Aabb& box : boxes) {
+    json corners = json::array();
+    for (const Vec3* corner : {&box.low, &box.high}) {
+      for (const double x : *corner) corners.push_back(number(x));
+    }
+    list.push_back(std::move(corners));
+  }
+  return list;
+}
+
+json Commands::covers(const Arguments& arguments) const {
+  arguments.allow_only({});
+  const SnapshotRing::Lease state = loop_.world().newest();
+  return {{"covers", state->covers ? covers_json(*state->covers) : json(nullptr)}, {"version", state->version}};
+}
+
+json Commands::get(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"name"});
+  const ObjectInfo& info = *loop_.world().info(find_object(arguments.text("name")));
+  const SnapshotRing::Lease state = loop_.world().newest();
+  json object = describe_briefly(*state, info, loop_.publisher_name(info.publisher));
+  describe_fully(*state, info, clock_.now_ns(), object);
+  if (const auto velocity = loop_.publishers().velocity(info.id)) object["velocity"] = *velocity;
+  json contacts = json::array();
+  json in_doubt = json::array();
+  for (const OpenContact& contact : loop_.world().contacts()) {
+    if (contact.a != info.id && contact.b != info.id) continue;
+    const ObjectInfo* other = loop_.world().info(contact.a == info.id ? contact.b : contact.a);
+    if (other) (contact.doubt == wire_contract::Doubt::none ? contacts : in_doubt).push_back(other->name);
+  }
+  object["contacts"] = contacts;
+  if (!in_doubt.empty()) object["in_doubt"] = in_doubt;
+  json waiting = json::array();
+  for (const std::uint64_t publisher : loop_.publishers().waiting_for(info.name))
+    waiting.push_back(loop_.publisher_name(publisher));
+  if (!waiting.empty()) object["name_wanted_by"] = waiting;
+  object["version"] = state->version;
+  return object;
+}
+
+// ---- changing
+
+/// The object of that name in a state that shows it.
+ObjectId Commands::find_object(const std::string& name) const {
+  if (const std::optional<ObjectId> id = loop_.world().find(name)) {
+    // Defined in this very moment: a step makes it part of the state that is shown.
+    const SnapshotRing::Lease state = loop_.world().newest();
+    const bool shown = slot_of(*id) < state->objects->size() && (*state->objects)[slot_of(*id)] &&
+                       (*state->objects)[slot_of(*id)]->id == *id;
+    if (!shown) loop_.step_now();
+    return *id;
+  }
+  std::vector<std::string_view> others;
+  for (const auto& info : loop_.world().objects()) {
+    if (info) others.push_back(info->name);
+  }
+  throw BadCommand(unknown_object(name, others));
+}
+
+void Commands::refuse_if_live(const ObjectInfo& info) const {
+  if (info.publisher == 0 || !loop_.publishers().is_live(info.publisher)) return;
+  throw BadCommand(fmt::format("object {} belongs to publisher {}, which lives", printable(info.name),
+                               printable(loop_.publisher_name(info.publisher))),
+                   "its publisher moves and removes it");
+}
+
+/// Steps; the new version.
+std::uint64_t Commands::step() {
+  loop_.note_change();
+  loop_.step_now();
+  return loop_.world().newest()->version;
+}
+
+std::uint32_t Commands::ended_count() const {
+  const auto& events = loop_.world().events();
+  return static_cast<std::uint32_t>(
+      std::count_if(events.begin(), events.end(), [](const Event& event) { return event.kind == EventKind::ended; }));
+}
+
+json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
+  arguments.allow_only({"name", "pose", "layers", "mask", "group", "moving", "scale"});
+  constexpr std::uint64_t kBits = 0xffffffff;
+  const Filter filter{.layers = static_cast<std::uint32_t>(arguments.whole("layers", 1, kBits)),
+                      .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
+                      .group = static_cast<std::uint32_t>(arguments.whole("group", 0, kBits))};
+  const std::string name = arguments.text("name");
+  if (!is_good_name(name))
+    throw BadCommand(fmt::format("add: the name {} is empty, longer than 255 bytes or not text", printable(name)));
+  DecodedShape decoded = decode_shape(ask.blob);
+  if (!decoded.shape) throw BadCommand("add: " + decoded.refusal);
+  if (decoded.shape->empty()) throw BadCommand("add: the shape is empty");
+  if (const std::optional<Vec3> factor = arguments.vector("scale"); factor && *factor != Vec3::Ones()) {
+    if (const std::string reason = scale(*decoded.shape, *factor); !reason.empty()) throw BadCommand("add: " + reason);
+  }
+  const std::variant<ObjectId, Refusal> defined = loop_.world().define({.name = name,
+                                                                        .scene = {},
+                                                                        .shape = std::move(*decoded.shape),
+                                                                        .pose = arguments.pose("pose").value_or(Pose{}),
+                                                                        .filter = filter,
+                                                                        .moving = arguments.truth("moving", true)});
+  if (const auto* refusal = std::get_if<Refusal>(&defined)) throw BadCommand(refusal->reason);
+  if (durable_ != nullptr) durable_->object_added(name, ask);
+  return {{"name", name}, {"id", std::get<ObjectId>(defined)}, {"version", step()}};
+}
+
+json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
+  arguments.allow_only({"name", "pose", "teleport"});
+  World& world = loop_.world();
+  const std::string name = arguments.text("name");
+  const std::optional<Pose> pose = arguments.pose("pose");
+  if (!pose) throw BadCommand("move: without a pose", "a pose is [x, y, z, qw, qx, qy, qz]");
+  const bool teleport = arguments.truth("teleport", false);
+  const ObjectId id = find_object(name);
+  refuse_if_live(*world.info(id));
+  if (world.has_moved(id)) loop_.step_now();
+  const Vec3 before = world.newest()->poses[slot_of(id)].position;
+  if (!world.move(id, *pose, clock_.now_ns(), teleport)) {
+    throw BadCommand(fmt::format("object {} is a part of scene {} and stays where it is", printable(name),
+                                 printable(world.info(id)->scene)));
+  }
+  if (durable_ != nullptr) {
+    // Carried out once more it has no way: that was gone before the crash.
+    json again = json::parse(ask.text);
+    again["teleport"] = true;
+    durable_->object_moved(name, {0, 0, again.dump(), {}});
+  }
+  const std::uint64_t version = step();
+  json began = json::array();
+  json ended = json::array();
+  for (const Event& event : world.events()) {
+    if (event.of.a != id && event.of.b != id) continue;
+    const ObjectInfo* other = world.info(event.of.a == id ? event.of.b : event.of.a);
+    if (event.kind == EventKind::began) began.push_back(other ? other->name : std::string());
+    if (event.kind == EventKind::ended) ended.push_back(other ? other->name : std::string());
+  }
+  return {{"name", name},
+          {"moved_m", (pose->position - before).norm()},
+          {"began", began},
+          {"ended", ended},
+          {"version", version}};
+}
+
+json Commands::remove(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"name"});
+  World& world = loop_.world();
+  const std::string name = arguments.text("name");
+  std::vector<ObjectId> chosen;
+  if (is_glob(name) && !world.find(name)) {
+    for (const auto& info : world.objects()) {
+      if (info && glob_matches(name, info->name)) chosen.push_back(info->id);
+    }
+  } else {
+    chosen.push_back(find_object(name));
+  }
+  for (const ObjectId id : chosen) refuse_if_live(*world.info(id));
+  if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); })) loop_.step_now();
+  json removed = json::array();
+  for (const ObjectId id : chosen) {
+    removed.push_back(world.info(id)->name);
+    world.remove(id, EndReason::removed);
+  }
+  if (chosen.empty()) return {{"removed", removed}, {"ended", 0}, {"version", world.newest()->version}};
+  const std::uint64_t version = step();
+  return {{"removed", removed}, {"ended", ended_count()}, {"version", version}};
+}
+
+json Commands::clear(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"scene", "moving"});
+  World& world = loop_.world();
+  const std::string scene = arguments.text("scene");
+  const bool moving = arguments.truth("moving", false);
+  std::vector<std::string> scenes;
+  for (const auto& loaded : world.newest()->scenes) scenes.push_back(loaded->name);
+  if (!scene.empty() && std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) {
+    throw BadCommand(fmt::format("scene {} is not loaded; loaded: {}", printable(scene),
+                                 scenes.empty() ? "none" : fmt::format("{}", fmt::join(scenes, ", "))));
+  }
+  loop_.step_now();  // what has moved is examined before it goes
+  std::uint32_t removed = 0;
+  std::uint32_t kept = 0;
+  for (const std::string& name : scenes) {
+    if (name == scene || (scene.empty() && !moving)) removed += world.remove_scene(name);
+  }
+  const bool others = scene.empty() || moving;
+  const ObjectTable objects = world.objects();  // a copy: removing changes the world's
+  for (const auto& info : objects) {
+    if (!others || !info || !world.info(info->id) || (moving && !info->moving)) continue;
+    if (info->publisher != 0 && loop_.publishers().is_live(info->publisher)) {
+      ++kept;
+    } else if (world.remove(info->id, EndReason::removed)) {
+      ++removed;
+    }
+  }
+  const std::uint64_t version = step();
+  return {{"removed", removed}, {"kept", kept}, {"ended", ended_count()}, {"version", version}};
+}
+
+}  // namespace collided::engine::service

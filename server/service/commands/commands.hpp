@@ -1,0 +1,133 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <string>
+#include <thread>
+
+#include "server/service/commands/command_arguments.hpp"
+#include "server/service/commands/geometry_service.hpp"
+#include "server/service/commands/scene_loading.hpp"
+#include "server/service/commands/upload_receiver.hpp"
+#include "server/service/durability/durable_state.hpp"
+#include "server/service/ingest/inbox.hpp"
+#include "server/service/questions/answering.hpp"
+#include "server/service/questions/background_audit.hpp"
+#include "server/service/runtime/work_queue.hpp"
+#include "server/service/world_loop.hpp"
+
+namespace collided::engine::service {
+
+/// The commands of idl/commands.hpp. What only looks is answered where it is asked, on a state; what changes the world
+/// becomes a job of the world's thread; files are read on a thread of their own.
+class Commands {
+ public:
+  /// durable  what commands add, kept over a crash; null: nothing is
+  /// uploads  folder for files that clients send; empty: none are taken
+  /// flight   what `recording` hands out; null: nothing
+  Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
+           const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight, const std::string& uploads);
+  ~Commands();
+
+  /// Where the answers go; before the first run().
+  void connect(Answering& answering) { answering_ = &answering; }
+  /// Carries out once more what an earlier process had been told; after connect().
+  void replay(const std::vector<CommandAsk>& asks);
+  bool replayed() const { return !replaying_.load(); }
+  /// Any thread; returns at once or after looking.
+  void run(CommandAsk ask);
+  /// Calls off the load under way and ends; commands that come later are refused.
+  void stop();
+
+ private:
+  static constexpr std::size_t kMostSlowJobs = 4;  // that wait
+  static constexpr std::size_t kMostPairJobs = 64;
+  static constexpr std::size_t kMostRecordings = 4;  // files that can be fetched
+  using Change = nlohmann::json (Commands::*)(const CommandAsk&, const Arguments&);
+  struct Load {
+    CommandAsk ask;
+    std::string path;
+    LoadOptions options;
+    std::vector<Aabb> covers;
+    bool replace = false;
+  };
+
+  void send(const CommandAsk& ask, wire_contract::ReplyStatus status, std::string text);
+  void answer_text(const CommandAsk& ask, const std::function<std::string()>& work);
+  void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
+  void answer_once_kept(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
+  void on_world_thread(CommandAsk ask, Change change);
+  void forget_what_is_gone();
+
+  // Where it is asked.
+  nlohmann::json list(const Arguments& arguments) const;
+  nlohmann::json plan(const Arguments& arguments) const;
+  nlohmann::json covers(const Arguments& arguments) const;
+  static nlohmann::json covers_json(const std::vector<Aabb>& boxes);
+  nlohmann::json audit(const Arguments& arguments) const;
+  nlohmann::json figures(const Arguments& arguments) const;
+  // On the world's thread.
+  nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json move(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json remove(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json clear(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json probe(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json probes(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json add_scene(const Load& load, LoadedScene& loaded);
+  void keep_upload(const std::string& scene, const std::string& path);
+
+  ObjectId find_object(const std::string& name) const;
+  void refuse_if_live(const ObjectInfo& info) const;
+  std::uint64_t step();
+  std::uint32_t ended_count() const;
+
+  // On threads of their own, one after the other: loads and menus on one, pairs of objects on another.
+  using SlowJob = std::function<void()>;
+  void make_room(const char* what, const WorkQueue<SlowJob>& jobs) const;
+  static Load parse_load(CommandAsk ask, const Arguments& arguments);
+  void load_later(CommandAsk ask, const Arguments& arguments);
+  void load_one(Load load);
+  void load_upload(CommandAsk ask, const std::string& path);
+  void menu_later(CommandAsk ask, const Arguments& arguments);
+  nlohmann::json menu(std::uint32_t questions, std::uint64_t seed) const;
+  void pair_later(CommandAsk ask, const Arguments& arguments);
+  std::shared_ptr<const Snapshot> past_state(const std::string& text, const Snapshot& newest) const;
+  void tell_flight_recorder(const CommandAsk& ask);
+  void recording_later(CommandAsk ask, const Arguments& arguments);
+  nlohmann::json write_recording(std::int64_t last_ns);
+  std::string recording_path(std::uint64_t number);
+  void forget_recordings();
+
+  WorldLoop& loop_;
+  Inbox& inbox_;
+  const WorldClock& clock_;
+  Answering* answering_ = nullptr;
+  const QuestionCounts& counts_;
+  const BackgroundAudit& audit_;
+  const std::int64_t started_ns_ = steady_ns();
+  DurableState* durable_;
+  FlightRecorder* flight_;
+  std::mutex recordings_mutex_;
+  std::deque<std::pair<std::uint64_t, std::string>> recordings_;  // number, path
+  std::atomic<std::uint64_t> recordings_made_{0};
+  std::atomic<bool> replaying_{false};
+  WorkQueue<SlowJob> slow_jobs_;
+  WorkQueue<SlowJob> pair_jobs_;
+  GeometryService geometry_;
+  UploadReceiver uploads_;
+  std::map<std::string, std::string> upload_of_scene_;  // the world's thread
+  std::atomic<bool> stopping_{false};
+  std::shared_mutex gate_;  // shared by commands on their way to a thread; alone: no more come
+  std::thread slow_thread_;
+  std::thread pair_thread_;
+};
+
+}  // namespace collided::engine::service

@@ -1,0 +1,91 @@
+#include "server/service/commands/commands.hpp"
+#include "server/world/query/plan.hpp"
+
+namespace collided::engine::service {
+
+using nlohmann::json;
+using wire_contract::QueryKind;
+
+namespace {
+
+json durations(const DurationCounts& counts) {
+  json steps = json::array();
+  counts.for_each([&](std::int64_t longest_ns, std::uint64_t count) { steps.push_back({longest_ns, count}); });
+  return steps;
+}
+
+json stages(const StepSums& sums) {
+  json rows = json::array();
+  const auto row = [&](const char* stage, const Tally& ns) { rows.push_back({{"stage", stage}, {"ns", ns.get()}}); };
+  row("take", sums.take_ns);
+  row("update", sums.update_ns);
+  row("index", sums.index_ns);
+  row("test", sums.test_ns);
+  row("publish", sums.publish_ns);
+  return rows;
+}
+
+json questions(const QuestionCounts& counts) {
+  json rows = json::array();
+  for (const QueryKind kind : {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep}) {
+    const auto number = static_cast<std::size_t>(kind);
+    std::uint64_t answered = 0;
+    for (const auto& level : counts.levels[number]) answered += level.load(std::memory_order_relaxed);
+    rows.push_back({{"kind", wire_contract::name_of(kind)}, {"answered", answered}, {"durations", durations(counts.durations[number])}});
+  }
+  return rows;
+}
+
+}  // namespace
+
+/// How the clocks of those that live stand to the server's.
+json clocks_of(const Publishers& publishers, std::int64_t now_ns) {
+  json clocks = json::array();
+  publishers.for_each(now_ns, [&](const PublisherView& view) {
+    if (view.state != wire_contract::PublisherState::alive || !view.behind_ns) return;
+    clocks.push_back({{"publisher", view.name}, {"behind_ns", *view.behind_ns}});
+  });
+  return clocks;
+}
+
+json Commands::figures(const Arguments& arguments) const {
+  arguments.allow_only({});
+  const StepSums& sums = loop_.sums();
+  const SnapshotRing::Lease state = loop_.world().newest();
+  json not_built = json::array();
+  for (const PlanRow& row : plan_of(*state, loop_.contacts_wanted())) {
+    if (!row.built) not_built.push_back(row.structure);
+  }
+  return {{"up_ns", steady_ns() - started_ns_},
+          {"version", state->version},
+          {"step_period_ns", loop_.step_period_ns()},
+          {"steps", sums.steps.get()},
+          {"stalled_steps", sums.stalled_steps.get()},
+          {"step_durations", durations(sums.durations)},
+          {"stages", stages(sums)},
+          {"pairs",
+           {{"moved", sums.moved.get()},
+            {"candidates", sums.candidates.get()},
+            {"filtered", sums.filtered.get()},
+            {"exact_tests", sums.exact_tests.get()},
+            {"undecided", sums.undecided.get()},
+            {"in_doubt", sums.in_doubt.get()},
+            {"swept", sums.swept.get()},
+            {"kept_apart", sums.kept_apart.get()}}},
+          {"poses",
+           {{"applied", sums.poses_applied.get()},
+            {"late", sums.poses_late.get()},
+            {"unknown", sums.poses_unknown.get()},
+            {"refused", sums.poses_refused.get()},
+            {"superseded", sums.poses_superseded.get()},
+            {"dropped", sums.poses_dropped.get()}}},
+          {"stamps",
+           {{"late", sums.stamps_late.get()}, {"jumped", sums.stamps_jumped.get()}, {"missing", sums.stamps_missing.get()}}},
+          {"clocks", clocks_of(loop_.publishers(), clock_.now_ns())},
+          {"questions", questions(counts_)},
+          {"refused", counts_.refused.load()},
+          {"undecided", counts_.undecided.load()},
+          {"not_built", not_built}};
+}
+
+}  // namespace collided::engine::service

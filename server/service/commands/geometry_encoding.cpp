@@ -1,0 +1,205 @@
+#include "server/service/commands/geometry_encoding.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <vector>
+
+#include "idl/geometry_generated.h"
+#include "server/exact_phase/edge_kinds.hpp"
+#include "server/intake/mesh/mesh_health.hpp"
+#include "server/intake/scene_file/scene_encoder.hpp"
+#include "server/intake/weld.hpp"
+#include "server/service/commands/command_arguments.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+constexpr std::uint32_t kNoPart = 0xffffffff;
+
+static_assert(static_cast<int>(format::EdgeKinds::boundary) == kBoundaryEdge &&
+              static_cast<int>(format::EdgeKinds::many) == kManyEdge &&
+              static_cast<int>(format::EdgeKinds::crease) == kCreaseEdge &&
+              static_cast<int>(format::EdgeKinds::material) == kMaterialEdge);
+
+std::string text_of(const flatbuffers::FlatBufferBuilder& builder) {
+  return {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()};
+}
+
+void refuse_above_limit(std::uint64_t bytes, const std::string& what) {
+  if (bytes <= kMaxGeometryBytes) return;
+  throw BadCommand(
+      fmt::format("{} take {} bytes to tell, allowed are {}; nothing was told", what, bytes, kMaxGeometryBytes),
+      "name fewer of them");
+}
+
+const std::shared_ptr<const StaticScene>* scene_of(const Snapshot& state, const ObjectInfo& info) {
+  for (const auto& scene : state.scenes) {
+    if (scene->name == info.scene) return &scene;
+  }
+  return nullptr;
+}
+
+class ObjectsEncoder {
+ public:
+  ObjectsEncoder(const Snapshot& state, SurfaceNumbers& numbers)
+      : state_(state), numbers_(numbers), encoder_(64 * 1024) {}
+
+  void add(const ObjectInfo& info) {
+    bytes_ += 320 + info.name.size() + info.scene.size() + 200 * info.primitives.size();
+    refuse_above_limit(bytes_, fmt::format("{} objects and more", objects_.size() + 1));
+    flatbuffers::FlatBufferBuilder& builder = encoder_.builder();
+    const std::vector<format::Run> runs = runs_of(info);
+    Shape solids;
+    for (const Primitive& primitive : info.primitives) {
+      if (!std::holds_alternative<Hull>(primitive)) solids.primitives.push_back(primitive);
+    }
+    const auto shape = solids.empty() ? flatbuffers::Offset<format::Shape>{} : encoder_.shape(solids);
+    const auto name = builder.CreateString(info.name);
+    const auto scene = builder.CreateString(info.scene);
+    const auto run_vector = builder.CreateVectorOfStructs(runs);
+    const std::uint32_t slot = slot_of(info.id);
+    // Parts of a scene are in world coordinates as they are.
+    const Pose pose = info.scene_part == kNoPart ? state_.poses[slot] : Pose{};
+    const format::Filter filter = packed(info.filter);
+    const format::Vec3 position = packed(pose.position);
+    const format::Quat rotation = packed(pose.rotation);
+    objects_.push_back(format::CreateShownObject(builder, info.id, name, scene, info.moving, state_.stale[slot] != 0,
+                                                 &filter, &position, &rotation, shape, run_vector));
+  }
+
+  std::string finish() {
+    flatbuffers::FlatBufferBuilder& builder = encoder_.builder();
+    const auto objects = builder.CreateVector(objects_);
+    builder.Finish(format::CreateShownObjects(builder, state_.epoch, state_.version, state_.table_version,
+                                              state_.world_time_ns, objects));
+    return text_of(builder);
+  }
+
+ private:
+  std::vector<format::Run> runs_of(const ObjectInfo& info) {
+    std::vector<format::Run> runs;
+    const auto add_whole = [&](const std::shared_ptr<const TriangleMesh>& mesh, bool is_hull) {
+      runs.emplace_back(numbers_.number_of(mesh), 0, static_cast<std::uint32_t>(mesh->triangles.size()), is_hull);
+    };
+    if (info.scene_part != kNoPart) {
+      const std::shared_ptr<const StaticScene>* scene = scene_of(state_, info);
+      if (scene == nullptr) return runs;
+      const Part& part = (*scene)->parts[info.scene_part];
+      runs.emplace_back(numbers_.number_of(*scene), part.first_triangle, part.triangle_count, false);
+    }
+    if (info.mesh) add_whole(info.mesh->mesh, false);
+    for (const Primitive& primitive : info.primitives) {
+      if (const auto* hull = std::get_if<Hull>(&primitive)) add_whole(hull->mesh, true);
+    }
+    return runs;
+  }
+
+  const Snapshot& state_;
+  SurfaceNumbers& numbers_;
+  SceneEncoder encoder_;
+  std::uint64_t bytes_ = 0;
+  std::vector<flatbuffers::Offset<format::ShownObject>> objects_;
+};
+
+/// A scene's parts are what its file's materials and groups have become.
+std::vector<std::uint32_t> materials_of(const StaticScene& scene) {
+  std::vector<std::uint32_t> materials(scene.mesh.triangles.size());
+  for (std::uint32_t i = 0; i < scene.parts.size(); ++i) {
+    std::fill_n(materials.begin() + scene.parts[i].first_triangle, scene.parts[i].triangle_count, i);
+  }
+  return materials;
+}
+
+struct Edges {
+  std::vector<std::uint32_t> numbers;
+  std::vector<std::uint8_t> kinds;
+};
+
+Edges edges_of(const SurfaceNumbers::Found& surface, double crease_cosine) {
+  const TriangleMesh& mesh = *surface.mesh;
+  std::vector<bool> is_flat(mesh.triangles.size());
+  for (std::uint32_t i = 0; i < is_flat.size(); ++i) is_flat[i] = has_zero_area(mesh.triangle(i));
+  const EdgeTable table = edge_table(mesh, first_equal_vertices(mesh.vertices), is_flat);
+  const std::vector<std::uint32_t> materials =
+      surface.scene ? materials_of(*surface.scene) : std::vector<std::uint32_t>{};
+  Edges edges{.numbers = {},
+              .kinds = edge_kinds(mesh, table, {.crease_cosine = crease_cosine, .material = materials, .eye = {}})};
+  edges.numbers.reserve(4 * table.size());
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const auto uses = table.uses_of(i);
+    const std::uint32_t second = uses.size() > 1 ? triangle_of(uses[1]) : wire_contract::kNoTriangle;
+    for (const std::uint32_t number : {table.edges[i].low, table.edges[i].high, triangle_of(uses[0]), second}) {
+      edges.numbers.push_back(number);
+    }
+    if (table.is_inconsistent(i)) edges.kinds[i] |= static_cast<std::uint8_t>(format::EdgeKinds::turned);
+  }
+  return edges;
+}
+
+}  // namespace
+
+std::string encode_objects(const Snapshot& state, const std::function<bool(const ObjectInfo&)>& wanted,
+                           SurfaceNumbers& numbers) {
+  ObjectsEncoder encoder(state, numbers);
+  for (const auto& info : *state.objects) {
+    if (info && wanted(*info)) encoder.add(*info);
+  }
+  return encoder.finish();
+}
+
+std::string encode_surface(const SurfaceNumbers::Found& surface, std::optional<double> crease_cosine) {
+  const TriangleMesh& mesh = *surface.mesh;
+  // A triangle has three edges at most, and shares them with others mostly.
+  const std::uint64_t bytes = encoded_bytes(mesh) + (crease_cosine ? 17 * 3 * mesh.triangles.size() / 2 : 0);
+  refuse_above_limit(bytes, fmt::format("a surface's {} triangles", mesh.triangles.size()));
+  SceneEncoder encoder(bytes + 1024);
+  flatbuffers::FlatBufferBuilder& builder = encoder.builder();
+  const auto mesh_table = encoder.mesh(mesh);
+  flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> numbers;
+  flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>> kinds;
+  if (crease_cosine) {
+    const Edges edges = edges_of(surface, *crease_cosine);
+    numbers = builder.CreateVector(edges.numbers);
+    kinds = builder.CreateVector(edges.kinds);
+  }
+  builder.Finish(format::CreateSurface(builder, mesh_table, numbers, kinds));
+  return text_of(builder);
+}
+
+std::string encode_poses(const Snapshot& state) {
+  std::vector<std::uint64_t> ids;
+  for (const auto& info : *state.objects) {
+    if (info && info->moving) ids.push_back(info->id);
+  }
+  if (ids.size() > kMaxPosesTold) {
+    throw BadCommand(fmt::format("{} objects move; the poses of {} at most are told", ids.size(), kMaxPosesTold));
+  }
+  std::vector<double> numbers;
+  numbers.reserve(wire_contract::kPoseNumbers * ids.size());
+  std::vector<std::uint8_t> stale;
+  stale.reserve(ids.size());
+  for (const std::uint64_t id : ids) {
+    const Pose& pose = state.poses[slot_of(id)];
+    const Vec3& p = pose.position;
+    const Quat& q = pose.rotation;
+    numbers.insert(numbers.end(), {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+    stale.push_back(state.stale[slot_of(id)]);
+  }
+  flatbuffers::FlatBufferBuilder builder(256 + 80 * ids.size());
+  const auto id_vector = builder.CreateVector(ids);
+  const auto pose_vector = builder.CreateVector(numbers);
+  const auto stale_vector = builder.CreateVector(stale);
+  builder.Finish(format::CreatePoses(builder, state.epoch, state.version, state.table_version, state.world_time_ns,
+                                     id_vector, pose_vector, stale_vector));
+  return text_of(builder);
+}
+
+std::string encode_page(std::uint64_t transfer, std::uint64_t total, std::uint64_t first, std::string_view bytes) {
+  flatbuffers::FlatBufferBuilder builder(bytes.size() + 128);
+  const auto vector = builder.CreateVector(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  builder.Finish(format::CreatePage(builder, transfer, total, first, vector));
+  return text_of(builder);
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,111 @@
+#include "server/service/commands/geometry_service.hpp"
+
+#include <algorithm>
+
+#include "idl/commands.hpp"
+#include "server/world/query/query.hpp"
+
+namespace collided::engine::service {
+
+namespace names = wire_contract::command;
+using wire_contract::ReplyStatus;
+
+GeometryService::GeometryService(const World& world, Send send) : world_(world), send_(std::move(send)), jobs_(kMostJobs) {
+  thread_ = std::thread([this] {
+    while (std::optional<CommandAsk> ask = jobs_.pop()) answer(*ask);
+  });
+}
+
+void GeometryService::stop() {
+  stopping_.store(true);
+  jobs_.close();
+  if (thread_.joinable()) thread_.join();
+}
+
+void GeometryService::take(CommandAsk ask) {
+  if (!jobs_.has_room()) return send_(ask, ReplyStatus::refused, refusal_text("too many viewers ask for shapes already", "ask again"));
+  jobs_.push(std::move(ask));
+}
+
+void GeometryService::answer(const CommandAsk& ask) {
+  try {
+    if (stopping_.load()) throw BadCommand("the server is stopping");
+    const Arguments arguments(ask.text);
+    const std::string& command = arguments.command();
+    send_(ask, ReplyStatus::ok,
+          command == names::kShapes    ? shapes(arguments)
+          : command == names::kSurface ? surface(arguments)
+                                       : more(arguments));
+  } catch (const BadCommand& bad) {
+    send_(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
+  } catch (const std::bad_alloc&) {
+    send_(ask, ReplyStatus::refused, refusal_text("not enough memory"));
+  }
+}
+
+std::string GeometryService::shapes(const Arguments& arguments) {
+  arguments.allow_only({"only", "skip", "mask", "moving"});
+  const std::string only = arguments.text("only");
+  const std::string skip = arguments.text("skip");
+  const std::uint64_t mask = arguments.whole("mask", 0xffffffff, 0xffffffff);
+  const std::optional<bool> moving =
+      arguments.has("moving") ? std::optional(arguments.truth("moving", false)) : std::nullopt;
+  const SnapshotRing::Lease state = world_.newest();
+  return first_page(encode_objects(
+      *state,
+      [&](const ObjectInfo& info) {
+        return (info.filter.layers & mask) != 0 && (!moving || info.moving == *moving) &&
+               (only.empty() || glob_matches(only, info.name)) && (skip.empty() || !glob_matches(skip, info.name));
+      },
+      numbers_));
+}
+
+std::string GeometryService::surface(const Arguments& arguments) {
+  arguments.allow_only({"surface", "epoch", "edges", "crease_cosine"});
+  const double cosine = arguments.number("crease_cosine", 0.5);
+  if (!(cosine >= -1 && cosine <= 1)) throw BadCommand("surface: crease_cosine is out of range; allowed: -1 to 1");
+  const SurfaceNumbers::Found found = numbers_.find(arguments.whole("surface", 0, ~std::uint64_t{0}));
+  const bool is_ours = arguments.whole("epoch", 0, ~std::uint64_t{0}) == world_.newest()->epoch;
+  if (!is_ours || !found.mesh) return encode_page(0, 0, 0, {});
+  return first_page(encode_surface(found, arguments.truth("edges", false) ? std::optional(cosine) : std::nullopt));
+}
+
+std::string GeometryService::more(const Arguments& arguments) {
+  arguments.allow_only({"transfer", "first"});
+  const std::uint64_t number = arguments.whole("transfer", 0, ~std::uint64_t{0});
+  const std::uint64_t first = arguments.whole("first", 0, kMaxGeometryBytes);
+  const auto found =
+      std::find_if(transfers_.begin(), transfers_.end(), [&](const Transfer& t) { return t.number == number; });
+  if (found == transfers_.end()) return encode_page(0, 0, 0, {});
+  const std::string_view bytes = found->bytes;
+  if (first >= bytes.size()) throw BadCommand("more: first is beyond the end");
+  const std::string page = encode_page(number, bytes.size(), first, bytes.substr(first, kPageBytes));
+  if (bytes.size() - first <= kPageBytes) {
+    transfers_.erase(found);
+  } else {
+    found->asked_at = Clock::now();
+    transfers_.splice(transfers_.end(), transfers_, found);
+  }
+  return page;
+}
+
+std::string GeometryService::first_page(std::string bytes) {
+  if (bytes.size() <= kPageBytes) return encode_page(0, bytes.size(), 0, bytes);
+  make_room(bytes.size());
+  transfers_.push_back({.number = ++newest_transfer_, .bytes = std::move(bytes), .asked_at = Clock::now()});
+  const Transfer& kept = transfers_.back();
+  return encode_page(kept.number, kept.bytes.size(), 0, std::string_view(kept.bytes).substr(0, kPageBytes));
+}
+
+void GeometryService::make_room(std::size_t byte_count) {
+  std::uint64_t kept = byte_count;
+  for (const Transfer& transfer : transfers_) kept += transfer.bytes.size();
+  const Clock::time_point stale = Clock::now() - kPatience;
+  while (!transfers_.empty() &&
+         (transfers_.front().asked_at < stale || kept > kMostKeptBytes || transfers_.size() >= kMostTransfers)) {
+    kept -= transfers_.front().bytes.size();
+    transfers_.pop_front();
+  }
+}
+
+}  // namespace collided::engine::service

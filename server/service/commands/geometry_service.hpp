@@ -1,0 +1,65 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <string>
+#include <thread>
+
+#include "server/service/commands/command_arguments.hpp"
+#include "server/service/commands/geometry_encoding.hpp"
+#include "server/service/questions/answering.hpp"
+#include "server/service/runtime/work_queue.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::engine::service {
+
+/// Tells viewers what is where, in pages, on a thread of its own: the commands shapes, surface and more. Every buffer
+/// is of one state; what was begun is kept until its last page was sent, for half a minute, or until too much waits.
+class GeometryService {
+ public:
+  using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;
+  GeometryService(const World& world, Send send);
+  ~GeometryService() { stop(); }
+  GeometryService(const GeometryService&) = delete;
+  GeometryService& operator=(const GeometryService&) = delete;
+
+  /// Any thread; the answer comes later.
+  void take(CommandAsk ask);
+  /// Answers what waits and ends.
+  void stop();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t kMostJobs = 64;
+  static constexpr std::size_t kMostTransfers = 64;
+  static constexpr std::size_t kPageBytes = std::size_t{8} << 20;
+  static constexpr std::uint64_t kMostKeptBytes = std::uint64_t{1} << 30;
+  static constexpr std::chrono::seconds kPatience{30};
+
+  struct Transfer {
+    std::uint64_t number = 0;
+    std::string bytes;
+    Clock::time_point asked_at;
+  };
+
+  void answer(const CommandAsk& ask);
+  std::string shapes(const Arguments& arguments);
+  std::string surface(const Arguments& arguments);
+  std::string more(const Arguments& arguments);
+  std::string first_page(std::string bytes);
+  void make_room(std::size_t byte_count);
+
+  const World& world_;
+  Send send_;
+  SurfaceNumbers numbers_;
+  std::list<Transfer> transfers_;  // the one that was asked for longest ago comes first
+  std::uint64_t newest_transfer_ = 0;
+  WorkQueue<CommandAsk> jobs_;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace collided::engine::service

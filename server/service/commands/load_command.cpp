@@ -1,0 +1,185 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "server/service/commands/commands.hpp"
+#include "server/service/questions/validation.hpp"
+#include "server/world/query/plan.hpp"
+
+namespace collided::engine::service {
+
+using nlohmann::json;
+using wire_contract::ReplyStatus;
+
+namespace {
+
+constexpr std::int64_t kProgressPeriodNs = 100'000'000;
+
+/// Names of a scene that objects outside of it have already.
+void refuse_taken_names(const World& world, const Scene& scene) {
+  const auto check = [&](const std::string& name) {
+    const std::optional<ObjectId> owner = world.find(name);
+    if (!owner || world.info(*owner)->scene == scene.name) return;
+    throw BadCommand(fmt::format("the name {} is taken by another object. Nothing was loaded", printable(name)),
+                     "load under another --name");
+  };
+  for (const Part& part : scene.parts) check(part.name);
+  for (const SceneObject& object : scene.objects) check(object.name);
+}
+
+}  // namespace
+
+/// Throws BadCommand.
+Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) {
+  Load load;
+  arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
+                        "foreign", "covers"});
+  load.path = arguments.text("path");
+  load.options.name = arguments.text("name");
+  load.options.unit_m = arguments.number("unit_m", 1);
+  load.options.radius_m = arguments.number("radius_m", 0);
+  const std::string up = arguments.text("up");
+  load.options.strict = arguments.truth("strict", false);
+  load.replace = arguments.truth("replace", false);
+  if (load.path.empty()) throw BadCommand("load: without a path");
+  if (!load.options.name.empty() && !is_good_name(load.options.name))
+    throw BadCommand("load: the name is too long or not text");
+  if (!up.empty() && up != "y" && up != "z") {
+    throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z', or nothing: as the format says", printable(up)));
+  }
+  const double crack_m = arguments.number("crack_m", 0);
+  if (!(crack_m >= 0)) throw BadCommand(fmt::format("load: crack_m is {}; allowed: 0 and more", crack_m));
+  if (arguments.truth("mend", false)) load.options.mend_m = crack_m;
+  load.options.srdf = arguments.text("srdf");
+  load.options.is_foreign = arguments.truth("foreign", false);
+  load.covers = arguments.boxes("covers");
+  if (!(load.options.unit_m > 0))
+    throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
+  load.options.up = up.empty() ? '\0' : up[0];
+  load.ask = std::move(ask);
+  return load;
+}
+
+void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
+  const std::uint64_t client = ask.client;
+  const std::uint64_t request = ask.request;
+  try {
+    make_room("load", slow_jobs_);
+    const auto shared = std::make_shared<Load>(parse_load(std::move(ask), arguments));
+    slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
+  } catch (const BadCommand& bad) {
+    answering_->send_text(client, request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
+  }
+}
+
+/// As if the file had been named, and written down so, for whoever reads it after a crash.
+void Commands::load_upload(CommandAsk ask, const std::string& path) {
+  json words = json::parse(ask.text);
+  words.erase("upload");
+  words["path"] = path;
+  words["foreign"] = true;
+  ask.text = words.dump();
+  make_room("load", slow_jobs_);
+  const auto shared = std::make_shared<Load>(parse_load(ask, Arguments(ask.text)));
+  slow_jobs_.push([this, shared] { load_one(std::move(*shared)); });
+}
+
+void Commands::load_one(Load load) {
+  const CommandAsk& ask = load.ask;
+  const std::string path = load.path;
+  std::atomic<std::int64_t> told_ns{steady_ns()};
+  load.options.cancelled = [this] { return stopping_.load(); };
+  load.options.progress = [&](double fraction) {
+    std::int64_t last_ns = told_ns.load();
+    const std::int64_t now_ns = steady_ns();
+    // Reported from any of the threads that build; one of them wins.
+    if (now_ns - last_ns < kProgressPeriodNs || !told_ns.compare_exchange_strong(last_ns, now_ns)) return;
+    send(ask, ReplyStatus::progress, fmt::format("{{\"fraction\": {:.4f}}}", fraction));
+  };
+  const auto loaded = std::make_shared<LoadedScene>();
+  try {
+    *loaded = load_and_index(load.path, load.options);
+  } catch (const LoadError& failed) {
+    uploads_.forget(path);
+    send(ask, ReplyStatus::refused, refusal_text(failed.what()));
+    return;
+  } catch (const std::bad_alloc&) {
+    uploads_.forget(path);
+    send(ask, ReplyStatus::refused, refusal_text(load.path + ": not enough memory. Nothing was loaded."));
+    return;
+  } catch (const std::exception& failed) {
+    send(ask, ReplyStatus::refused, refusal_text(fmt::format("{}: {}. Nothing was loaded.", load.path, failed.what())));
+    return;
+  }
+  load.options = {};  // its functions point at what ends here
+  const auto shared = std::make_shared<Load>(std::move(load));
+  const bool taken =
+      inbox_.push_job([this, shared, loaded] {
+    bool is_added = false;
+    answer_once_kept(shared->ask, [&] {
+      json answer = add_scene(*shared, *loaded);
+      is_added = true;
+      return answer;
+    });
+    if (!is_added) uploads_.forget(shared->path);
+  });
+  if (!taken) {
+    uploads_.forget(path);
+    send(shared->ask, ReplyStatus::refused, refusal_text("too many commands wait already. Nothing was loaded", "ask again"));
+  }
+}
+
+json Commands::add_scene(const Load& load, LoadedScene& loaded) {
+  World& world = loop_.world();
+  const auto& scenes = world.newest()->scenes;
+  const bool there =
+      std::any_of(scenes.begin(), scenes.end(), [&](const auto& scene) { return scene->name == loaded.scene.name; });
+  if (there && !load.replace) {
+    throw BadCommand(fmt::format("scene {} is loaded already", printable(loaded.scene.name)),
+                     "--replace it, or load under another --name");
+  }
+  if (there) {
+    refuse_taken_names(world, loaded.scene);
+    loop_.step_now();
+    world.remove_scene(loaded.scene.name);
+    loop_.note_change();
+  }
+  const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
+  if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
+  if (!load.covers.empty()) world.state_covers(loaded.scene.name, load.covers);
+  if (durable_ != nullptr) {
+    durable_->scene_loaded(loaded.scene.name, load.ask);
+    if (!load.covers.empty()) durable_->covers_stated();
+  }
+  keep_upload(loaded.scene.name, load.path);
+  const std::uint64_t version = step();
+  json left_out = json::array();
+  for (const PlanRow& row : plan_of(*world.newest(), loop_.contacts_wanted())) {
+    if (!row.built) left_out.push_back(fmt::format("{}: {}", row.structure, row.why));
+  }
+  return {{"scene", loaded.scene.name},
+          {"triangles", loaded.triangles},
+          {"parts", loaded.scene.parts.size()},
+          {"objects", loaded.scene.objects.size()},
+          {"seconds", loaded.seconds},
+          {"placed", loaded.report.placed},
+          {"notes", loaded.report.notes},
+          {"mended", loaded.report.mended},
+          {"refused", loaded.report.refused},
+          {"warnings", loaded.report.warnings},
+          {"left_out", left_out},
+          {"covers", covers_json(load.covers)},
+          {"version", version}};
+}
+
+/// The file that a scene came from is needed after a crash; that of the scene it replaced is not.
+void Commands::keep_upload(const std::string& scene, const std::string& path) {
+  if (const auto before = upload_of_scene_.find(scene); before != upload_of_scene_.end()) {
+    uploads_.forget(before->second);
+    upload_of_scene_.erase(before);
+  }
+  if (uploads_.has_taken(path)) upload_of_scene_[scene] = path;
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,132 @@
+#include "server/service/commands/object_description.hpp"
+
+#include <algorithm>
+#include <variant>
+
+namespace collided::engine::service {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint32_t kNoPart = 0xffffffff;
+
+json numbers(const Vec3& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+json numbers(const Quat& rotation) {
+  return {rotation.w(), rotation.x(), rotation.y(), rotation.z()};
+}
+
+json describe(const Sphere& sphere) {
+  return {{"sphere", {{"center", numbers(sphere.center)}, {"radius_m", sphere.radius_m}}}};
+}
+
+json describe(const Box& box) {
+  return {{"box",
+           {{"center", numbers(box.center)}, {"half_m", numbers(box.half_m)}, {"rotation", numbers(Quat(box.axes))}}}};
+}
+
+json describe(const Capsule& capsule) {
+  return {{"capsule", {{"a", numbers(capsule.a)}, {"b", numbers(capsule.b)}, {"radius_m", capsule.radius_m}}}};
+}
+
+json describe(const Cylinder& cylinder) {
+  return {{"cylinder", {{"a", numbers(cylinder.a)}, {"b", numbers(cylinder.b)}, {"radius_m", cylinder.radius_m}}}};
+}
+
+json describe(const Cone& cone) {
+  return {{"cone", {{"apex", numbers(cone.apex)}, {"base", numbers(cone.base)}, {"radius_m", cone.radius_m}}}};
+}
+
+json describe(const Ellipsoid& ellipsoid) {
+  return {{"ellipsoid",
+           {{"center", numbers(ellipsoid.center)},
+            {"half_m", numbers(ellipsoid.half_m)},
+            {"rotation", numbers(Quat(ellipsoid.axes))}}}};
+}
+
+json describe(const Hull& hull) {
+  return {{"hull", {{"vertices", hull.mesh->vertices.size()}, {"faces", hull.mesh->triangles.size()}}}};
+}
+
+json describe(const HalfSpace& half_space) {
+  return {{"half_space", {{"point", numbers(half_space.point)}, {"normal", numbers(half_space.normal)}}}};
+}
+
+const StaticScene* scene_of(const Snapshot& snapshot, const ObjectInfo& info) {
+  const auto found = std::find_if(snapshot.scenes.begin(), snapshot.scenes.end(),
+                                  [&](const auto& scene) { return scene->name == info.scene; });
+  return found == snapshot.scenes.end() ? nullptr : found->get();
+}
+
+json part_bounds(const StaticScene& scene, const Part& part) {
+  if (part.triangle_count == 0) return nullptr;
+  Vec3 low = scene.mesh.triangle(part.first_triangle).a;
+  Vec3 high = low;
+  for (std::uint32_t i = 0; i < part.triangle_count; ++i) {
+    const Triangle triangle = scene.mesh.triangle(part.first_triangle + i);
+    for (const Vec3* corner : {&triangle.a, &triangle.b, &triangle.c}) {
+      low = low.cwiseMin(*corner);
+      high = high.cwiseMax(*corner);
+    }
+  }
+  return {numbers(low), numbers(high)};
+}
+
+std::uint64_t triangles_of(const ObjectInfo& info) {
+  return info.mesh ? info.mesh->mesh->triangles.size() : info.part_triangles;
+}
+
+}  // namespace
+
+std::string_view kind_of(const ObjectInfo& info) {
+  if (info.scene_part != kNoPart) return "part";
+  if (info.primitives.size() + (info.mesh ? 1 : 0) != 1) return "compound";
+  if (info.mesh) return "mesh";
+  constexpr std::string_view kNames[] = {"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull", "half_space"};
+  return kNames[info.primitives[0].index()];
+}
+
+nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name) {
+  const std::uint32_t slot = slot_of(info.id);
+  const bool placed = info.scene_part == kNoPart;
+  return {{"name", info.name},
+          {"id", info.id},
+          {"kind", kind_of(info)},
+          {"moving", info.moving},
+          {"scene", info.scene},
+          {"publisher", publisher_name},
+          {"position", placed ? numbers(snapshot.poses[slot].position) : json(nullptr)},
+          {"triangles", triangles_of(info)},
+          {"layers", info.filter.layers},
+          {"stale", snapshot.stale[slot] != 0}};
+}
+
+void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64_t now_ns, nlohmann::json& object) {
+  const std::uint32_t slot = slot_of(info.id);
+  object["mask"] = info.filter.mask;
+  object["group"] = info.filter.group;
+  json shape = json::array();
+  for (const Primitive& primitive : info.primitives) {
+    shape.push_back(std::visit([](const auto& one) { return describe(one); }, primitive));
+  }
+  if (triangles_of(info) > 0) {
+    json mesh{{"triangles", triangles_of(info)}};
+    if (info.mesh) mesh["vertices"] = info.mesh->mesh->vertices.size();
+    shape.push_back({{"mesh", mesh}});
+  }
+  object["shape"] = shape;
+  if (info.scene_part != kNoPart) {
+    const StaticScene* scene = scene_of(snapshot, info);
+    object["bounds"] = scene ? part_bounds(*scene, scene->parts[info.scene_part]) : json(nullptr);
+    return;
+  }
+  const Pose& pose = snapshot.poses[slot];
+  object["pose"] = numbers(pose.position);
+  for (const json& number : numbers(pose.rotation)) object["pose"].push_back(number);
+  object["bounds"] = {numbers(snapshot.bounds[slot].low), numbers(snapshot.bounds[slot].high)};
+  if (snapshot.posed_ns[slot] > 0) object["age_ns"] = std::max<std::int64_t>(0, now_ns - snapshot.posed_ns[slot]);
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "server/world/objects/snapshot.hpp"
+
+namespace collided::engine::service {
+
+/// "sphere", "box", "capsule", "mesh", "compound", or "part" for a run of a scene's triangles.
+std::string_view kind_of(const ObjectInfo& info);
+
+/// What `list` says of an object (idl/commands.hpp). publisher_name: empty for the server's own.
+nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name);
+
+/// What `get` adds to that: pose, bounds, shape, filter, age.
+void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64_t now_ns, nlohmann::json& object);
+
+}  // namespace collided::engine::service

@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "server/service/commands/commands.hpp"
+#include "server/service/questions/validation.hpp"
+
+namespace collided::engine::service {
+
+using nlohmann::json;
+
+namespace {
+
+json numbers(const Vec3& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+const char* name_of(wire_contract::ProbeState state) {
+  static constexpr const char* kNames[] = {"absent", "nothing", "gap", "touching", "collision", "deeper", "undecided"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+ProbeDefinition definition_of(const Arguments& arguments) {
+  ProbeDefinition probe{.name = arguments.text("name"),
+                        .object = arguments.text("object"),
+                        .origin = arguments.vector("origin").value_or(Vec3::Zero()),
+                        .direction = arguments.vector("direction").value_or(-Vec3::UnitZ()),
+                        .reach_m = arguments.number("reach_m", std::numeric_limits<double>::infinity()),
+                        .back_m = arguments.number("back_m", 0)};
+  for (const std::string* name : {&probe.name, &probe.object}) {
+    if (!is_good_name(*name)) throw BadCommand(fmt::format("probe: the name {} is empty, longer than 255 bytes or not text", printable(*name)));
+  }
+  return probe;
+}
+
+}  // namespace
+
+json Commands::probe(const CommandAsk& ask, const Arguments& arguments) {
+  arguments.allow_only({"name", "object", "origin", "direction", "reach_m", "back_m", "remove"});
+  Probes& probes = loop_.probes();
+  json changed = json::array();
+  if (arguments.truth("remove", false)) {
+    const std::vector<std::string> removed = probes.remove(arguments.text("name"));
+    if (durable_ != nullptr) durable_->probes_removed(removed);
+    changed = removed;
+  } else {
+    const ProbeDefinition definition = definition_of(arguments);
+    if (const std::optional<Refusal> refusal = probes.set(definition)) throw BadCommand(refusal->reason);
+    if (durable_ != nullptr) durable_->probe_set(definition.name, ask);
+    changed.push_back(definition.name);
+  }
+  loop_.note_probes();
+  return {{"probes", changed}, {"version", loop_.world().newest()->version}};
+}
+
+json Commands::probes(const CommandAsk&, const Arguments& arguments) {
+  arguments.allow_only({"name"});
+  const std::string glob = arguments.text("name");
+  const std::vector<ProbeReading>& readings = loop_.read_probes();
+  const auto object_name = [&](ObjectId id) {
+    const ObjectInfo* info = id == 0 ? nullptr : loop_.world().info(id);
+    return info ? info->name : std::string();
+  };
+  json rows = json::array();
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    const ProbeDefinition& probe = loop_.probes().definition(i);
+    if (!glob.empty() && !glob_matches(glob, probe.name)) continue;
+    const ProbeReading& reading = readings[i];
+    rows.push_back({{"probe", probe.name},
+                    {"object", probe.object},
+                    {"origin", numbers(probe.origin)},
+                    {"direction", numbers(probe.direction)},
+                    {"back_m", probe.back_m},
+                    {"state", name_of(reading.state)},
+                    {"clearance", reading.clearance_m},
+                    {"error", reading.error_m},
+                    {"met", object_name(reading.met)},
+                    {"triangle", reading.triangle},
+                    {"point", numbers(reading.point)},
+                    {"normal", numbers(reading.normal)}});
+    if (std::isfinite(probe.reach_m)) rows.back()["reach_m"] = probe.reach_m;
+  }
+  const SnapshotRing::Lease state = loop_.world().newest();
+  return {{"probes", rows}, {"version", state->version}, {"world_time_ns", state->world_time_ns}};
+}
+
+}  // namespace collided::engine::service

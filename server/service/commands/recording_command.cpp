@@ -1,0 +1,87 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+
+#include "server/service/commands/commands.hpp"
+
+namespace collided::engine::service {
+
+using nlohmann::json;
+using wire_contract::ReplyStatus;
+
+namespace {
+
+constexpr std::uint64_t kPageBytes = std::uint64_t{1} << 20;
+
+std::string page_of(const std::string& path, std::uint64_t offset) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  std::string page(kPageBytes, '\0');
+  const ssize_t count = file < 0 ? -1 : ::pread(file, page.data(), page.size(), static_cast<off_t>(offset));
+  if (file >= 0) ::close(file);
+  if (count < 0) throw BadCommand("recording: " + path + " cannot be read any more", "ask for a new one");
+  page.resize(static_cast<std::size_t>(count));
+  return page;
+}
+
+}  // namespace
+
+/// Writes the file on the thread for pairs; hands out pages where it is asked.
+void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
+  try {
+    arguments.allow_only({"last_s", "number", "offset"});
+    if (flight_ == nullptr) throw BadCommand("the server keeps no flight recorder", "start it with --flight-recorder 30s");
+    if (arguments.has("number")) {
+      const std::uint64_t number = arguments.whole("number", 0, ~std::uint64_t{0});
+      const std::uint64_t offset = arguments.whole("offset", 0, std::uint64_t{1} << 40);
+      send(ask, ReplyStatus::ok, page_of(recording_path(number), offset));
+      return;
+    }
+    const double last_s = arguments.number("last_s", 30);
+    if (!(last_s >= 0 && last_s <= 86'400)) throw BadCommand("recording: last_s is a time from 0 to a day");
+    make_room("recording", pair_jobs_);
+    const auto shared = std::make_shared<CommandAsk>(std::move(ask));
+    const auto last_ns = static_cast<std::int64_t>(last_s * 1e9);
+    pair_jobs_.push([this, shared, last_ns] { answer(*shared, [&] { return write_recording(last_ns); }); });
+  } catch (const BadCommand& bad) {
+    send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
+  }
+}
+
+std::string Commands::recording_path(std::uint64_t number) {
+  const std::lock_guard lock(recordings_mutex_);
+  for (const auto& [known, path] : recordings_) {
+    if (known == number) return path;
+  }
+  throw BadCommand(fmt::format("recording {} is not kept; the newest {} are", number, kMostRecordings), "ask for a new one");
+}
+
+json Commands::write_recording(std::int64_t last_ns) {
+  const std::uint64_t number = ++recordings_made_;
+  const FlightFile file = flight_->write(fmt::format("{}", number % (2 * kMostRecordings)), last_ns);
+  {
+    const std::lock_guard lock(recordings_mutex_);
+    recordings_.emplace_back(number, file.path);
+    if (recordings_.size() > kMostRecordings) {
+      std::error_code gone_already;
+      std::filesystem::remove(recordings_.front().second, gone_already);
+      recordings_.pop_front();
+    }
+  }
+  return {{"number", number},         {"bytes", file.bytes},     {"messages", file.messages}, {"dropped", file.dropped},
+          {"path", file.path},        {"from_ns", file.from_ns}, {"to_ns", file.to_ns}};
+}
+
+/// Fetched ones are of no use to anybody after that; those of signals stay.
+void Commands::forget_recordings() {
+  const std::lock_guard lock(recordings_mutex_);
+  for (const auto& [number, path] : recordings_) {
+    std::error_code gone_already;
+    std::filesystem::remove(path, gone_already);
+  }
+  recordings_.clear();
+}
+
+}  // namespace collided::engine::service

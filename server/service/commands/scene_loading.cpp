@@ -1,0 +1,61 @@
+#include "server/service/commands/scene_loading.hpp"
+
+#include <fmt/format.h>
+
+#include "server/service/runtime/clock.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+// Reading a mesh in text takes about as long as indexing it.
+constexpr double kReadingShare = 0.5;
+
+LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, std::int64_t started_ns) {
+  LoadedScene loaded{.scene = std::move(scene), .indexed = nullptr, .report = std::move(report)};
+  loaded.triangles = loaded.scene.mesh.triangles.size();
+  BvhOptions bvh;
+  if (options.progress) {
+    bvh.progress = [&](double fraction) { options.progress(kReadingShare + (1 - kReadingShare) * fraction); };
+  }
+  bvh.cancelled = options.cancelled;
+  bvh.form = BvhForm::best;
+  loaded.indexed = World::index_scene(loaded.scene, bvh);
+  if (options.cancelled && options.cancelled())
+    throw LoadError(loaded.scene.name + ": the load was called off. Nothing was loaded.");
+  std::vector<std::string>& warnings = loaded.report.warnings;
+  warnings.insert(warnings.end(), loaded.indexed->warnings.begin(), loaded.indexed->warnings.end());
+  loaded.seconds = static_cast<double>(steady_ns() - started_ns) * 1e-9;
+  return loaded;
+}
+
+}  // namespace
+
+LoadedScene load_and_index(const std::string& path, LoadOptions options) {
+  const std::int64_t started_ns = steady_ns();
+  LoadReport report;
+  LoadOptions reading = options;
+  if (options.progress) {
+    reading.progress = [&](double fraction) { options.progress(kReadingShare * fraction); };
+  }
+  Scene scene = load_scene(path, reading, report);
+  return index(std::move(scene), std::move(report), options, started_ns);
+}
+
+LoadedScene embedded_and_indexed() {
+  return index(embedded_scene(), {}, {}, steady_ns());
+}
+
+std::string describe(const LoadedScene& loaded) {
+  std::string text =
+      fmt::format("{}: {} triangles in {} parts, {} objects, {:.0f} ms", loaded.scene.name, loaded.triangles,
+                  loaded.scene.parts.size(), loaded.scene.objects.size(), loaded.seconds * 1e3);
+  for (const std::string& line : loaded.report.placed) text += "\n  placed   " + line;
+  for (const std::string& line : loaded.report.notes) text += "\n  note     " + line;
+  for (const std::string& line : loaded.report.mended) text += "\n  mended   " + line;
+  for (const std::string& line : loaded.report.refused) text += "\n  refused  " + line;
+  for (const std::string& line : loaded.report.warnings) text += "\n  warning  " + line;
+  return text;
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,82 @@
+#include "server/service/events/broadcast.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace collided::engine::service {
+
+using wire_contract::EventKind;
+
+Broadcast::Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice)
+    : world_(world), event_writer_(event_writer), notice_(std::move(notice)), dirty_shards_(wire_contract::kContactShards, 0) {}
+
+void Broadcast::mark_all() { dirty_shards_.assign(wire_contract::kContactShards, 1); }
+
+void Broadcast::publish() {
+  const SnapshotRing::Lease state = world_.newest();
+  const Stamp stamp{.version = state->version, .world_time_ns = state->world_time_ns};
+  publish_events(stamp);
+  publish_contacts(stamp);
+}
+
+/// Frames before shards: who joins between the two finds an event twice rather than never.
+void Broadcast::publish_events(const Stamp& stamp) {
+  const auto name_of = [&](ObjectId id) { return names_.name(id); };
+  const auto send = [&](EventColumns& frame, bool persisted) {
+    if (frame.size() == 0) return;
+    frame.named.fill(name_of);
+    if (persisted) {
+      event_writer_.write_persisted(frame, stamp);
+    } else {
+      event_writer_.write_events(frame, stamp);
+    }
+    frame.clear();
+  };
+  events_.clear();
+  persisted_.clear();
+  for (const Event& event : world_.events()) {
+    const bool persisted = event.kind == EventKind::persisted;
+    if (!persisted) {
+      const std::uint64_t hash = wire_contract::contact_hash(event.of.a, event.of.b, event.of.episode);
+      contact_hash_ += event.kind == EventKind::began ? hash : 0 - hash;
+      dirty_shards_[wire_contract::contact_shard(event.of.a, event.of.b)] = 1;
+      if (event.kind == EventKind::began) names_.note(event.of, world_);
+    }
+    EventColumns& frame = persisted ? persisted_ : events_;
+    frame.add(event, names_);
+    if (frame.size() == wire_contract::kMaxEventsPerFrame) send(frame, persisted);
+  }
+  send(events_, false);
+  send(persisted_, true);
+  for (const Event& event : world_.events()) {
+    if (event.kind == EventKind::ended) names_.forget(event.of);
+  }
+}
+
+void Broadcast::publish_contacts(const Stamp& stamp) {
+  if (std::find(dirty_shards_.begin(), dirty_shards_.end(), 1) == dirty_shards_.end()) return;
+  const std::vector<OpenContact>& open = world_.contacts();
+  shard_of_.clear();
+  for (const OpenContact& contact : open) shard_of_.push_back(wire_contract::contact_shard(contact.a, contact.b));
+  const auto name_of = [&](ObjectId id) { return names_.name(id); };
+  for (std::uint32_t shard = 0; shard < dirty_shards_.size(); ++shard) {
+    if (dirty_shards_[shard] == 0) continue;
+    dirty_shards_[shard] = 0;
+    contacts_.clear();
+    contacts_.shard = static_cast<std::uint8_t>(shard);
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (shard_of_[i] == shard) contacts_.add(open[i], names_);
+    }
+    contacts_.named.fill(name_of);
+    // DDS delivers no larger message. Names can be missed, contacts cannot.
+    constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
+    if (contacts_.bytes() > kRoom) contacts_.named.clear();
+    if (contacts_.bytes() > kRoom) {
+      notice_("more contacts hold than the contact topic carries; who joins now will not learn them all");
+      continue;
+    }
+    event_writer_.write_contacts(contacts_, stamp, world_.last_event_sequence());
+  }
+}
+
+}  // namespace collided::engine::service

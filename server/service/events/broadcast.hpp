@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "server/service/events/event_writer.hpp"
+#include "server/service/events/frames.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::engine::service {
+
+/// Tells subscribers what each step found: every event once in frames without a gap, then the shards of the contact
+/// state that changed. Knows neither DDS nor time.
+///
+/// threads  the one that writes the world
+class Broadcast {
+ public:
+  /// notice  takes a sentence for the log
+  Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice);
+
+  /// Every shard is written next time, so that who waits for all of them need not guess which are empty.
+  void mark_all();
+  /// What the newest step found; once a step.
+  void publish();
+
+  /// contact_hash() in topics.hpp over the contacts that hold.
+  std::uint64_t contact_hash() const { return contact_hash_; }
+
+ private:
+  void publish_events(const Stamp& stamp);
+  void publish_contacts(const Stamp& stamp);
+
+  World& world_;
+  EventWriter& event_writer_;
+  std::function<void(const std::string&)> notice_;
+  NameBook names_;
+  EventColumns events_;
+  EventColumns persisted_;
+  std::vector<std::uint8_t> dirty_shards_;
+  std::vector<std::uint8_t> shard_of_;  // the contacts that hold
+  ContactColumns contacts_;
+  std::uint64_t contact_hash_ = 0;
+};
+
+}  // namespace collided::engine::service

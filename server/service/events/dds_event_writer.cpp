@@ -1,0 +1,162 @@
+#include "server/service/events/dds_event_writer.hpp"
+
+#include <unistd.h>
+
+namespace collided::engine::service {
+namespace {
+
+dds::WriterOptions counting(std::atomic<std::uint32_t>& readers) {
+  return {.matched = [&readers](std::uint32_t count) { readers.store(count); }};
+}
+
+/// As many whole lines as fit, "..." where some do not.
+std::string fitting_lines(const std::string& lines, std::size_t room) {
+  if (lines.size() < room) return lines;
+  const std::size_t end = lines.rfind('\n', room - 5);
+  return (end == std::string::npos ? std::string() : lines.substr(0, end + 1)) + "...";
+}
+
+void borrow_publishers(wire::Status& to, const StatusColumns& from) {
+  dds::borrow(to.publishers, from.publishers);
+  dds::borrow(to.applied_sequences, from.applied_sequences);
+  dds::borrow(to.silent_ns, from.silent_ns);
+  dds::borrow(to.publisher_states, from.publisher_states);
+  dds::borrow(to.publisher_names, from.publisher_names);
+}
+
+/// A reader that is full or a write that fails must not stop the world; who misses it sees the gap in the sequence.
+template <class T>
+void write(dds::Writer<T>& writer, const T& sample) {
+  try {
+    static_cast<void>(writer.write(sample));
+  } catch (const dds::DdsError&) {
+  }
+}
+
+}  // namespace
+
+DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight)
+    : flight_(flight),
+      event_topic_(participant, identity.name_space),
+      persisted_topic_(participant, identity.name_space, wire_contract::kPersistedTopic),
+      contact_topic_(participant, identity.name_space),
+      probe_topic_(participant, identity.name_space),
+      status_topic_(participant, identity.name_space),
+      step_topic_(participant, identity.name_space, wire_contract::kStepTopic),
+      event_writer_(event_topic_, counting(event_readers_)),
+      persisted_writer_(persisted_topic_, counting(persisted_readers_)),
+      contact_writer_(contact_topic_, counting(contact_readers_)),
+      probe_writer_(probe_topic_, counting(probe_readers_)),
+      status_writer_(status_topic_),
+      step_writer_(step_topic_, counting(step_readers_)) {
+  frame_->server = shard_->server = probes_->server = status_->server = step_->server = identity.server;
+  frame_->epoch = shard_->epoch = probes_->epoch = status_->epoch = step_->epoch = identity.epoch;
+  status_->pid = static_cast<std::uint32_t>(getpid());
+  // Both are short: the options allow 64 letters.
+  static_cast<void>(dds::set_text(status_->namespace_name, identity.name_space));
+  static_cast<void>(dds::set_text(status_->server_version, identity.version));
+}
+
+template <class T>
+void DdsEventWriter::note(recording::Recorded topic, const T& sample) {
+  if (flight_) flight_->note(topic, sample);
+}
+
+void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp) {
+  frame_->first_sequence = events.first_sequence;
+  frame_->version = stamp.version;
+  frame_->world_time_ns = stamp.world_time_ns;
+  dds::borrow(frame_->kinds, events.kinds);
+  dds::borrow(frame_->reasons, events.reasons);
+  dds::borrow(frame_->shards, events.shards);
+  dds::borrow(frame_->a, events.a);
+  dds::borrow(frame_->b, events.b);
+  dds::borrow(frame_->a_triangles, events.a_triangles);
+  dds::borrow(frame_->b_triangles, events.b_triangles);
+  dds::borrow(frame_->episodes, events.episodes);
+  dds::borrow(frame_->numbers, events.numbers);
+  dds::borrow(frame_->named_ids, events.named.ids);
+  dds::borrow(frame_->names, events.named.names);
+  write(writer, *frame_);
+}
+
+void DdsEventWriter::write_events(const EventColumns& events, const Stamp& stamp) {
+  write_frame(event_writer_, events, stamp);
+  note(recording::Recorded::event, *frame_);
+}
+
+void DdsEventWriter::write_persisted(const EventColumns& events, const Stamp& stamp) {
+  write_frame(persisted_writer_, events, stamp);
+}
+
+void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
+  shard_->shard = contacts.shard;
+  shard_->version = stamp.version;
+  shard_->as_of_sequence = as_of_sequence;
+  dds::borrow(shard_->a, contacts.a);
+  dds::borrow(shard_->b, contacts.b);
+  dds::borrow(shard_->a_triangles, contacts.a_triangles);
+  dds::borrow(shard_->b_triangles, contacts.b_triangles);
+  dds::borrow(shard_->episodes, contacts.episodes);
+  dds::borrow(shard_->began_ns, contacts.began_ns);
+  dds::borrow(shard_->numbers, contacts.numbers);
+  dds::borrow(shard_->named_ids, contacts.named.ids);
+  dds::borrow(shard_->names, contacts.named.names);
+  note(recording::Recorded::contact, *shard_);
+  write(contact_writer_, *shard_);
+}
+
+void DdsEventWriter::write_probes(const ProbeColumns& probes, const Stamp& stamp) {
+  probes_->version = stamp.version;
+  probes_->world_time_ns = stamp.world_time_ns;
+  dds::borrow(probes_->states, probes.states);
+  dds::borrow(probes_->objects, probes.objects);
+  dds::borrow(probes_->met, probes.met);
+  dds::borrow(probes_->triangles, probes.triangles);
+  dds::borrow(probes_->numbers, probes.numbers);
+  dds::borrow(probes_->probe_names, probes.probe_names);
+  dds::borrow(probes_->named_ids, probes.named.ids);
+  dds::borrow(probes_->names, probes.named.names);
+  note(recording::Recorded::probe, *probes_);
+  write(probe_writer_, *probes_);
+}
+
+void DdsEventWriter::write_status(const StatusColumns& status) {
+  status_->version = status.stamp.version;
+  status_->world_time_ns = status.stamp.world_time_ns;
+  status_->last_event_sequence = status.last_event_sequence;
+  status_->contact_count = status.contact_count;
+  status_->contact_hash = status.contact_hash;
+  status_->contacts_truncated = status.contacts_truncated ? 1 : 0;
+  status_->state = static_cast<std::uint8_t>(status.state);
+  static_cast<void>(dds::set_text(status_->scenes, fitting_lines(status.scenes, sizeof status_->scenes)));
+  status_->static_triangles = status.static_triangles;
+  status_->object_count = status.object_count;
+  status_->moving_count = status.moving_count;
+  status_->poses_applied = status.poses_applied;
+  status_->poses_dropped = status.poses_dropped;
+  status_->questions_answered = status.questions_answered;
+  status_->questions_refused = status.questions_refused;
+  status_->undecided_answers = status.undecided_answers;
+  borrow_publishers(*status_, status);
+  note(recording::Recorded::status, *status_);
+  write(status_writer_, *status_);
+}
+
+void DdsEventWriter::write_step(const StatusColumns& status) {
+  step_->version = status.stamp.version;
+  step_->world_time_ns = status.stamp.world_time_ns;
+  borrow_publishers(*step_, status);
+  note(recording::Recorded::step, *step_);
+  if (step_readers_.load() > 0) write(step_writer_, *step_);
+}
+
+void DdsEventWriter::leave() {
+  constexpr std::int64_t kPatienceNs = 500'000'000;
+  event_writer_.wait_for_acknowledgements(kPatienceNs);
+  contact_writer_.wait_for_acknowledgements(kPatienceNs);
+  status_writer_.dispose(*status_);
+  status_writer_.wait_for_acknowledgements(kPatienceNs);
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "idl/dds.hpp"
+#include "server/service/events/event_writer.hpp"
+#include "server/service/recording/flight_recorder.hpp"
+
+namespace collided::engine::service {
+
+/// Who this server is, on everything it writes.
+struct Identity {
+  std::uint64_t server = 0;  // random, one per process
+  std::uint64_t epoch = 0;
+  std::string name_space;
+  std::string version;
+};
+
+/// The world's thread's writers of events, contacts, probes and status.
+class DdsEventWriter : public EventWriter {
+ public:
+  /// flight  hears of everything written; may be null
+  DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight);
+
+  bool contacts_wanted() const override { return event_readers_.load() > 0 || contact_readers_.load() > 0; }
+  bool persisted_wanted() const override { return persisted_readers_.load() > 0; }
+  bool probes_wanted() const override { return probe_readers_.load() > 0; }
+  void write_events(const EventColumns& events, const Stamp& stamp) override;
+  void write_persisted(const EventColumns& events, const Stamp& stamp) override;
+  void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) override;
+  void write_probes(const ProbeColumns& probes, const Stamp& stamp) override;
+  void write_status(const StatusColumns& status) override;
+  bool steps_wanted() const override { return flight_ != nullptr || step_readers_.load() > 0; }
+  void write_step(const StatusColumns& status) override;
+
+  /// The last thing: clients learn that the server has left and not only fallen silent.
+  void leave();
+
+ private:
+  void write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp);
+  template <class T>
+  void note(recording::Recorded topic, const T& sample);
+
+  FlightRecorder* const flight_;
+  dds::Topic<wire::EventFrame> event_topic_, persisted_topic_;
+  dds::Topic<wire::ContactShard> contact_topic_;
+  dds::Topic<wire::ProbeFrame> probe_topic_;
+  dds::Topic<wire::Status> status_topic_, step_topic_;
+  std::atomic<std::uint32_t> event_readers_{0}, contact_readers_{0}, persisted_readers_{0}, probe_readers_{0};
+  std::atomic<std::uint32_t> step_readers_{0};
+  dds::Writer<wire::EventFrame> event_writer_, persisted_writer_;
+  dds::Writer<wire::ContactShard> contact_writer_;
+  dds::Writer<wire::ProbeFrame> probe_writer_;
+  dds::Writer<wire::Status> status_writer_, step_writer_;
+  dds::Sample<wire::EventFrame> frame_;
+  dds::Sample<wire::ContactShard> shard_;
+  dds::Sample<wire::ProbeFrame> probes_;
+  dds::Sample<wire::Status> status_, step_;
+};
+
+}  // namespace collided::engine::service

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "idl/topics.hpp"
+#include "server/service/events/frames.hpp"
+
+namespace collided::engine::service {
+
+/// The state that a message is about.
+struct Stamp {
+  std::uint64_t version = 0;
+  std::int64_t world_time_ns = 0;
+};
+
+/// A Status of collided.idl but for what never changes.
+struct StatusColumns {
+  Stamp stamp;
+  wire_contract::ServerState state = wire_contract::ServerState::starting;
+  std::uint64_t last_event_sequence = 0;
+  std::uint32_t contact_count = 0;
+  std::uint64_t contact_hash = 0;
+  bool contacts_truncated = false;
+  std::string scenes;
+  std::uint64_t static_triangles = 0;
+  std::uint32_t object_count = 0;
+  std::uint32_t moving_count = 0;
+  std::uint64_t poses_applied = 0;
+  std::uint64_t poses_dropped = 0;
+  std::uint64_t questions_answered = 0;
+  std::uint64_t questions_refused = 0;
+  std::uint64_t undecided_answers = 0;
+  std::vector<std::uint64_t> publishers, applied_sequences;
+  std::vector<std::int64_t> silent_ns;
+  std::vector<std::uint8_t> publisher_states, publisher_names;
+};
+
+/// Where the world's thread writes; topics.cpp in the server, a list in tests. Called by that one thread.
+class EventWriter {
+ public:
+  virtual ~EventWriter() = default;
+  virtual bool contacts_wanted() const = 0;  // somebody reads events or contacts
+  virtual bool persisted_wanted() const = 0;
+  virtual bool probes_wanted() const = 0;
+  virtual void write_events(const EventColumns& events, const Stamp& stamp) = 0;
+  virtual void write_persisted(const EventColumns& events, const Stamp& stamp) = 0;
+  virtual void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) = 0;
+  virtual void write_probes(const ProbeColumns& probes, const Stamp& stamp) = 0;
+  virtual void write_status(const StatusColumns& status) = 0;
+  /// Somebody wants to know after every step how far each publisher's samples are in the state.
+  virtual bool steps_wanted() const { return false; }
+  virtual void write_step(const StatusColumns&) {}
+};
+
+}  // namespace collided::engine::service

@@ -1,0 +1,146 @@
+#include "server/service/events/frames.hpp"
+
+#include <algorithm>
+
+#include "idl/topics.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+void append(std::vector<double>& numbers, const Contact& contact) {
+  numbers.insert(numbers.end(), contact.point.begin(), contact.point.end());
+  numbers.insert(numbers.end(), contact.normal.begin(), contact.normal.end());
+  numbers.push_back(contact.depth_m);
+  numbers.push_back(contact.depth_error_m);
+}
+
+}  // namespace
+
+void NameBook::note(ObjectId id, const World& world) {
+  Entry& entry = entries_[id];
+  if (entry.contacts++ > 0) return;
+  if (const ObjectInfo* info = world.info(id)) {
+    entry.name = info->name;
+    entry.cut = info->cut;
+    entry.part_triangles = info->part_triangles;
+  }
+}
+
+void NameBook::forget(ObjectId id) {
+  const auto found = entries_.find(id);
+  if (found != entries_.end() && --found->second.contacts == 0) entries_.erase(found);
+}
+
+void NameBook::note(const OpenContact& contact, const World& world) {
+  note(contact.a, world);
+  note(contact.b, world);
+}
+
+void NameBook::forget(const OpenContact& contact) {
+  forget(contact.a);
+  forget(contact.b);
+}
+
+std::string_view NameBook::name(ObjectId id) const {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? std::string_view() : found->second.name;
+}
+
+std::uint32_t NameBook::triangle(ObjectId id, std::uint32_t triangle) const {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? triangle : found->second.cut.told(triangle, found->second.part_triangles);
+}
+
+void NameTable::clear() {
+  ids.clear();
+  names.clear();
+}
+
+void NameTable::keep_each_once() {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+void NameTable::append(std::string_view name) {
+  names.insert(names.end(), name.begin(), name.end());
+  names.push_back(0);
+}
+
+void EventColumns::clear() {
+  first_sequence = 0;
+  for (auto* column : {&kinds, &reasons, &shards}) column->clear();
+  for (auto* column : {&a, &b, &episodes}) column->clear();
+  for (auto* column : {&a_triangles, &b_triangles}) column->clear();
+  numbers.clear();
+  named.clear();
+}
+
+void EventColumns::add(const Event& event, const NameBook& book) {
+  if (kinds.empty()) first_sequence = event.sequence;
+  kinds.push_back(static_cast<std::uint8_t>(event.kind));
+  reasons.push_back(static_cast<std::uint8_t>(event.reason));
+  shards.push_back(wire_contract::contact_shard(event.of.a, event.of.b));
+  a.push_back(event.of.a);
+  b.push_back(event.of.b);
+  a_triangles.push_back(book.triangle(event.of.a, event.of.a_triangle));
+  b_triangles.push_back(book.triangle(event.of.b, event.of.b_triangle));
+  episodes.push_back(event.of.episode);
+  append(numbers, event.of.contact);
+  numbers.push_back(event.bracket_low_s);
+  numbers.push_back(event.bracket_high_s);
+  numbers.insert(numbers.end(), event.relative_velocity.begin(), event.relative_velocity.end());
+  numbers.push_back(event.velocity_error);
+  named.add_id(event.of.a);
+  named.add_id(event.of.b);
+}
+
+void ProbeColumns::clear() {
+  states.clear();
+  for (auto* column : {&objects, &met}) column->clear();
+  triangles.clear();
+  numbers.clear();
+  probe_names.clear();
+  named.clear();
+}
+
+void ProbeColumns::add(std::string_view probe_name, const ProbeReading& reading) {
+  states.push_back(static_cast<std::uint8_t>(reading.state));
+  objects.push_back(reading.object);
+  met.push_back(reading.met);
+  triangles.push_back(reading.triangle);
+  numbers.push_back(reading.clearance_m);
+  numbers.push_back(reading.error_m);
+  numbers.insert(numbers.end(), reading.point.begin(), reading.point.end());
+  numbers.insert(numbers.end(), reading.normal.begin(), reading.normal.end());
+  probe_names.insert(probe_names.end(), probe_name.begin(), probe_name.end());
+  probe_names.push_back(0);
+  if (reading.object != 0) named.add_id(reading.object);
+  if (reading.met != 0) named.add_id(reading.met);
+}
+
+void ContactColumns::clear() {
+  for (auto* column : {&a, &b, &episodes}) column->clear();
+  for (auto* column : {&a_triangles, &b_triangles}) column->clear();
+  began_ns.clear();
+  numbers.clear();
+  named.clear();
+}
+
+std::size_t ContactColumns::bytes() const {
+  constexpr std::size_t kBytesPerContact = 3 * 8 + 2 * 4 + 8 + 8 * wire_contract::kContactNumbers;
+  return size() * kBytesPerContact + named.ids.size() * sizeof(ObjectId) + named.names.size();
+}
+
+void ContactColumns::add(const OpenContact& contact, const NameBook& book) {
+  a.push_back(contact.a);
+  b.push_back(contact.b);
+  episodes.push_back(contact.episode);
+  a_triangles.push_back(book.triangle(contact.a, contact.a_triangle));
+  b_triangles.push_back(book.triangle(contact.b, contact.b_triangle));
+  began_ns.push_back(contact.began_ns);
+  append(numbers, contact.contact);
+  named.add_id(contact.a);
+  named.add_id(contact.b);
+}
+
+}  // namespace collided::engine::service

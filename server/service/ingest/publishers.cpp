@@ -1,0 +1,551 @@
+#include "server/service/ingest/publishers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/service/questions/validation.hpp"
+
+namespace collided::engine::service {
+
+using wire_contract::EndReason;
+using wire_contract::LostPolicy;
+
+// ---- who is there
+
+Publishers::Publisher* Publishers::find(std::uint64_t id) const {
+  const auto found = publishers_.find(id);
+  return found == publishers_.end() ? nullptr : found->second.get();
+}
+
+bool Publishers::make_room(std::int64_t now_ns) {
+  if (publishers_.size() < limits_.publishers) return true;
+  forget_lost(now_ns);
+  return publishers_.size() < limits_.publishers;
+}
+
+Publishers::Publisher* Publishers::add(std::uint64_t id) {
+  auto publisher = std::make_unique<Publisher>();
+  publisher->id = id;
+  return publishers_.emplace(id, std::move(publisher)).first->second.get();
+}
+
+/// The publisher of a sample; none where the sample is late or no room is left. A greater incarnation is a restart:
+/// what the earlier one had is gone.
+Applied Publishers::meet(std::uint64_t id, std::uint64_t incarnation, std::int64_t now_ns, Publisher*& met) {
+  met = nullptr;
+  Publisher* publisher = find(id);
+  if (!publisher) {
+    if (!make_room(now_ns)) {
+      ++counts_.publishers_refused;
+      notice(fmt::format("publisher {:016x} refused: {} are there, the limit", id, limits_.publishers));
+      return Applied::done;
+    }
+    publisher = add(id);
+    publisher->incarnation = incarnation;
+  }
+  if (incarnation < publisher->incarnation) return Applied::done;
+  if (incarnation > publisher->incarnation) {
+    if (any_touched(*publisher)) return Applied::step_first;
+    retire(*publisher);
+    publisher->incarnation = incarnation;
+  }
+  met = publisher;
+  return Applied::done;
+}
+
+void Publishers::heard(Publisher& publisher, WriterKind kind, std::int64_t now_ns) {
+  publisher.heard_ns = now_ns;
+  (kind == WriterKind::object ? publisher.object_writer : publisher.pose_writer) = true;
+  if (publisher.lost) back_alive(publisher);
+}
+
+bool Publishers::any_touched(const Publisher& publisher) const {
+  return std::any_of(publisher.objects.records().begin(), publisher.objects.records().end(), [&](const Record& record) {
+    return record.place == Place::in_world && record.touched_step == step_;
+  });
+}
+
+void Publishers::retire(Publisher& publisher) {
+  for (Record& record : publisher.objects.records()) leave(record, EndReason::publisher_lost);
+  record_count_ -= publisher.objects.records().size();
+  publisher.objects.clear();
+  parked_count_ -= publisher.parked.size();
+  publisher.parked.clear();
+  publisher.parts.clear();
+  publisher.said_all = false;
+  publisher.watermark = {};
+  publisher.clock = {};
+  publisher.definitions_seen = 0;
+}
+
+// ---- definitions
+
+Applied Publishers::define(DefinitionSample& sample, std::int64_t now_ns) {
+  Publisher* publisher = nullptr;
+  if (meet(sample.publisher, sample.incarnation, now_ns, publisher) == Applied::step_first) return Applied::step_first;
+  if (!publisher) {
+    ++counts_.definitions_late;
+    return Applied::done;
+  }
+  heard(*publisher, WriterKind::object, now_ns);
+  if (!sample.publisher_name.empty() && is_good_name(sample.publisher_name)) publisher->name = sample.publisher_name;
+  Record* record = publisher->objects.find(sample.object_number);
+  if (record && sample.sequence <= record->definition_sequence) {
+    ++counts_.definitions_late;
+    return Applied::done;
+  }
+  if (record && record->place == Place::in_world && record->touched_step == step_) return Applied::step_first;
+  if (!record) {
+    if (record_count_ >= limits_.object_numbers) {
+      ++counts_.definitions_refused;
+      notice(fmt::format("object {} of publisher {} refused: {} object numbers are in use, the limit",
+                         printable(sample.name), printable(publisher->name), limits_.object_numbers));
+    } else {
+      ++record_count_;
+      record = &publisher->objects.add(sample.object_number);
+      record->number = sample.object_number;
+    }
+  }
+  if (record) {
+    record->definition_sequence = sample.sequence;
+    apply_definition(*publisher, *record, sample);
+  }
+  publisher->definitions_seen = std::max(publisher->definitions_seen, sample.sequence);
+  publisher->watermark.apply_definition(sample.sequence, now_ns);
+  return Applied::done;
+}
+
+std::optional<std::string> Publishers::why_bad(const DefinitionSample& sample) const {
+  if (!is_good_name(sample.name)) return "its name is empty, too long or not text";
+  if (sample.lost_policy > static_cast<std::uint8_t>(LostPolicy::hold)) {
+    return fmt::format("lost policy {}; allowed 0 to 2", sample.lost_policy);
+  }
+  if (const auto* refusal = std::get_if<Refusal>(&sample.shape)) return refusal->reason;
+  if (std::get<Shape>(sample.shape).empty()) return "its shape is empty";
+  const std::variant<Pose, Refusal> pose = checked_pose(sample.pose);
+  if (const auto* refusal = std::get_if<Refusal>(&pose)) return refusal->reason;
+  return std::nullopt;
+}
+
+/// A bad definition leaves what is there: half-taken news would be worse than old ones.
+void Publishers::apply_definition(Publisher& publisher, Record& record, DefinitionSample& sample) {
+  if (sample.removed) {
+    leave(record, EndReason::removed);
+    record.place = Place::gone;
+    *record.described = {};
+    record.moving = false;
+    ++counts_.definitions_applied;
+    return;
+  }
+  if (const std::optional<std::string> reason = why_bad(sample)) {
+    ++counts_.definitions_refused;
+    notice(fmt::format("object {} of publisher {} refused: {}. Refused so far: {}.", printable(sample.name),
+                       printable(publisher.name), *reason, counts_.definitions_refused));
+    return;
+  }
+  const bool renamed = record.place == Place::in_world && record.described->definition.name != sample.name;
+  leave(record, renamed ? EndReason::removed : EndReason::geometry_changed);
+  record.pose = std::get<Pose>(checked_pose(sample.pose));
+  record.moving = sample.moving;
+  record.described->definition = {.name = sample.name,
+                                  .scene = {},
+                                  .shape = std::move(std::get<Shape>(sample.shape)),
+                                  .pose = record.pose,
+                                  .filter = sample.filter,
+                                  .moving = sample.moving,
+                                  .lost_policy = static_cast<LostPolicy>(sample.lost_policy),
+                                  .publisher = publisher.id};
+  record.has_velocity = false;
+  enter(publisher, record);
+}
+
+/// Brings a defined object into the world, or lets it wait for its name.
+void Publishers::enter(Publisher& publisher, Record& record) {
+  ObjectDefinition& definition = record.described->definition;
+  definition.pose = record.pose;
+  const std::string& name = definition.name;
+  if (const std::optional<ObjectId> owner = world_.find(name); owner && !give_way(*owner)) {
+    if (record.place != Place::waits_for_name) {
+      record.place = Place::waits_for_name;
+      waiting_.emplace_back(publisher.id, record.number);
+      ++counts_.name_conflicts;
+      notice(fmt::format(
+          "object {} of publisher {} waits: the name is taken, and the first keeps it. Conflicts so far: {}.",
+          printable(name), printable(publisher.name), counts_.name_conflicts));
+    }
+    return;
+  }
+  const std::variant<ObjectId, Refusal> defined = world_.define(definition);
+  if (const auto* refusal = std::get_if<Refusal>(&defined)) {
+    record.place = Place::gone;
+    ++counts_.definitions_refused;
+    notice(fmt::format("object {} of publisher {} refused: {}. Refused so far: {}.", printable(name),
+                       printable(publisher.name), refusal->reason, counts_.definitions_refused));
+    return;
+  }
+  record.place = Place::in_world;
+  record.id = std::get<ObjectId>(defined);
+  record.touched_step = step_;
+  ++changes_;
+  ++counts_.definitions_applied;
+}
+
+/// The object of a lost publisher makes room for a living one's of the same name: mostly the same program, restarted.
+bool Publishers::give_way(ObjectId owner) {
+  const ObjectInfo* info = world_.info(owner);
+  Publisher* publisher = info && info->publisher != 0 ? find(info->publisher) : nullptr;
+  if (!publisher || !publisher->lost) return false;
+  for (Record& record : publisher->objects.records()) {
+    if (record.place != Place::in_world || record.id != owner) continue;
+    leave(record, EndReason::publisher_lost);
+    record.place = Place::taken_away;
+    return true;
+  }
+  return false;
+}
+
+void Publishers::leave(Record& record, EndReason reason) {
+  if (record.place != Place::in_world) return;
+  world_.remove(record.id, reason);
+  record.place = Place::gone;
+  record.id = 0;
+  ++changes_;
+}
+
+void Publishers::retry_names() {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> waiting;
+  waiting.swap(waiting_);
+  for (const auto& [id, number] : waiting) {
+    Publisher* publisher = find(id);
+    Record* record = publisher ? publisher->objects.find(number) : nullptr;
+    if (!record || record->place != Place::waits_for_name) continue;
+    if (!publisher->lost) enter(*publisher, *record);
+    if (record->place == Place::waits_for_name) waiting_.emplace_back(id, number);
+  }
+}
+
+// ---- poses
+
+std::optional<std::string> Publishers::why_malformed(const PoseSample& sample) const {
+  const std::size_t count = sample.object_numbers.size();
+  if (count > wire_contract::kMaxPosesPerBatch) {
+    return fmt::format("{} objects, allowed {}", count, wire_contract::kMaxPosesPerBatch);
+  }
+  if (sample.poses.size() != count * wire_contract::kPoseNumbers) {
+    return fmt::format("{} objects with {} numbers of poses, {} are needed", count, sample.poses.size(),
+                       count * wire_contract::kPoseNumbers);
+  }
+  if (!sample.velocities.empty() && sample.velocities.size() != count * wire_contract::kVelocityNumbers) {
+    return fmt::format("{} objects with {} numbers of velocities, {} or none are needed", count,
+                       sample.velocities.size(), count * wire_contract::kVelocityNumbers);
+  }
+  return std::nullopt;
+}
+
+Applied Publishers::move(PoseSample& sample, std::int64_t now_ns) {
+  Publisher* publisher = nullptr;
+  if (meet(sample.publisher, sample.incarnation, now_ns, publisher) == Applied::step_first) return Applied::step_first;
+  if (!publisher) {
+    counts_.poses_late += sample.object_numbers.size();
+    return Applied::done;
+  }
+  heard(*publisher, WriterKind::pose, now_ns);
+  if (const std::optional<std::string> reason = why_malformed(sample)) {
+    ++counts_.batches_malformed;
+    publisher->watermark.apply_pose(sample.sequence, now_ns);
+    notice(fmt::format("batch of poses of publisher {} refused: {}. Refused so far: {}.", printable(publisher->name),
+                       *reason, counts_.batches_malformed));
+    return Applied::done;
+  }
+  if (sample.definitions_through > publisher->definitions_seen) {
+    park(*publisher, sample);
+    return Applied::done;
+  }
+  return take_batch(*publisher, sample, now_ns);
+}
+
+void Publishers::park(Publisher& publisher, PoseSample& sample) {
+  if (publisher.parked.size() >= limits_.parked_batches) {
+    publisher.parked.pop_front();
+    --parked_count_;
+    ++counts_.batches_dropped;
+  }
+  publisher.parked.push_back(std::move(sample));
+  ++parked_count_;
+  ++counts_.batches_parked;
+}
+
+Applied Publishers::release_parked(std::int64_t now_ns) {
+  if (parked_count_ == 0) return Applied::done;
+  for (auto& [id, publisher] : publishers_) {
+    while (!publisher->parked.empty() && publisher->parked.front().definitions_through <= publisher->definitions_seen) {
+      if (take_batch(*publisher, publisher->parked.front(), now_ns) == Applied::step_first) return Applied::step_first;
+      publisher->parked.pop_front();
+      --parked_count_;
+    }
+  }
+  return Applied::done;
+}
+
+/// The batch's records; false: one of them has moved already in this step.
+bool Publishers::find_all(Publisher& publisher, const PoseSample& sample) {
+  const std::vector<std::uint32_t>& numbers = sample.object_numbers;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    records_[i] = publisher.objects.find(numbers[i]);
+    if (records_[i]) __builtin_prefetch(records_[i], 1);
+  }
+  return std::none_of(records_.begin(), records_.begin() + static_cast<std::ptrdiff_t>(numbers.size()),
+                      [&](const Record* record) {
+                        return record && record->place == Place::in_world && record->touched_step == step_;
+                      });
+}
+
+/// Batches of one instant wait for the last of them.
+Applied Publishers::take_batch(Publisher& publisher, PoseSample& sample, std::int64_t now_ns) {
+  const bool more_follows = (sample.flags & wire_contract::kMoreFollows) != 0;
+  if (!more_follows || publisher.parts.size() >= limits_.parked_batches) return apply_instant(publisher, sample, now_ns);
+  publisher.parts.push_back(std::move(sample));
+  return Applied::done;
+}
+
+/// All of an instant lands in one step: a robot's links are not seen half-moved.
+Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, std::int64_t now_ns) {
+  for (const PoseSample& part : publisher.parts) {
+    if (!find_all(publisher, part)) return Applied::step_first;
+  }
+  if (!find_all(publisher, last)) return Applied::step_first;
+  // Who only says that it lives says nothing of a time; but who never says one says in this way that all has rested until now.
+  const bool is_sign_of_life = last.source_time_ns == 0 && last.object_numbers.empty() && publisher.parts.empty() &&
+                               !publisher.clock.is_without_stamps();
+  WorldStamp stamp;
+  if (!is_sign_of_life) stamp = publisher.clock.stamp(last.source_time_ns, last.received_ns);
+  if (!publisher.parts.empty()) {
+    for (const PoseSample& part : publisher.parts) {
+      find_all(publisher, part);
+      apply_batch(publisher, part, stamp, now_ns);
+    }
+    publisher.parts.clear();
+    find_all(publisher, last);
+  }
+  apply_batch(publisher, last, stamp, now_ns);
+  if (stamp.time_ns > 0 && world_.advance(publisher.id, stamp.time_ns)) ++changes_;
+  counts_.stamps_late += stamp.kind == StampKind::late ? 1 : 0;
+  counts_.stamps_jumped += stamp.kind == StampKind::jumped ? 1 : 0;
+  counts_.stamps_missing += stamp.kind == StampKind::none ? 1 : 0;
+  return Applied::done;
+}
+
+/// Of the batch whose records were found last.
+void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, const WorldStamp& stamp,
+                             std::int64_t now_ns) {
+  if ((sample.flags & wire_contract::kAllSaid) != 0) publisher.said_all = true;
+  ++batch_;
+  accepted_count_ = 0;
+  for (std::size_t i = 0; i < sample.object_numbers.size(); ++i) {
+    Record* record = records_[i];
+    if (!accept(publisher, sample, i, record)) continue;
+    if (record->place != Place::in_world) {
+      ++counts_.poses_unknown;
+      continue;
+    }
+    accepted_[accepted_count_] = record;
+    ids_[accepted_count_] = record->id;
+    poses_[accepted_count_] = record->pose;
+    ++accepted_count_;
+  }
+  const bool teleported = (sample.flags & wire_contract::kTeleported) != 0 || stamp.kind == StampKind::jumped;
+  const bool streamed = (sample.flags & wire_contract::kStreamed) != 0;
+  const std::uint64_t before = counts_.poses_applied;
+  world_.move(std::span(ids_).first(accepted_count_), std::span(poses_).first(accepted_count_), stamp.time_ns,
+              teleported, moved_, streamed);
+  for (std::size_t i = 0; i < accepted_count_; ++i) {
+    if (moved_[i]) accepted_[i]->touched_step = step_;
+    ++(moved_[i] ? counts_.poses_applied : counts_.poses_unknown);
+  }
+  if (sample.sequence > 0) publisher.watermark.apply_pose(sample.sequence, now_ns);
+  ++counts_.batches_applied;
+  if (counts_.poses_applied != before) ++changes_;
+}
+
+void Publishers::refuse(const Publisher& publisher, const Record* record, const std::string& reason) {
+  ++counts_.poses_refused;
+  notice(fmt::format("pose of object {} of publisher {} refused: {}. Refused so far: {}.",
+                     record ? printable(record->described->definition.name) : "?", printable(publisher.name), reason,
+                     counts_.poses_refused));
+}
+
+/// Whether the pose is one, and newer than what is known; the record has it then.
+bool Publishers::accept(const Publisher& publisher, const PoseSample& sample, std::size_t index, Record* record) {
+  if (!record || record->place == Place::gone) {
+    ++counts_.poses_unknown;
+    return false;
+  }
+  // Older than the definition: it was meant for what had the number before.
+  if (sample.sequence <= record->pose_sequence || sample.sequence < record->definition_sequence) {
+    if (record->batch == batch_) {
+      refuse(publisher, record, "the object stands twice in one batch");
+    } else {
+      ++counts_.poses_late;
+    }
+    return false;
+  }
+  const double* numbers = &sample.poses[index * wire_contract::kPoseNumbers];
+  Pose pose;
+  if (!read_pose(numbers, pose)) {
+    refuse(publisher, record, std::get<Refusal>(checked_pose({numbers, wire_contract::kPoseNumbers})).reason);
+    return false;
+  }
+  if (!record->moving) {
+    refuse(publisher, record, "it was defined as not moving");
+    return false;
+  }
+  record->batch = batch_;
+  record->pose_sequence = sample.sequence;
+  record->pose = pose;
+  record->has_velocity = !sample.velocities.empty();
+  if (record->has_velocity) {
+    auto& velocity = record->described->velocity;
+    std::copy_n(&sample.velocities[index * velocity.size()], velocity.size(), velocity.begin());
+  }
+  return true;
+}
+
+// ---- life and death
+
+void Publishers::writer_alive(std::uint64_t id, WriterKind kind, std::int64_t) {
+  Publisher* publisher = find(id);
+  if (!publisher) return;
+  (kind == WriterKind::object ? publisher->object_writer : publisher->pose_writer) = true;
+  if (publisher->lost) back_alive(*publisher);
+}
+
+Applied Publishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_t now_ns) {
+  Publisher* publisher = find(id);
+  if (!publisher || publisher->lost) return Applied::done;
+  (kind == WriterKind::object ? publisher->object_writer : publisher->pose_writer) = false;
+  if (publisher->object_writer || publisher->pose_writer) return Applied::done;
+  if (any_touched(*publisher)) return Applied::step_first;
+  publisher->lost = true;
+  publisher->lost_ns = now_ns;
+  publisher->parts.clear();
+  world_.lose(publisher->id);
+  ++changes_;  // others need wait for it no longer
+  bool left_nothing = true;
+  for (Record& record : publisher->objects.records()) {
+    left_nothing = left_nothing && record.place == Place::gone;
+    if (record.place != Place::in_world) continue;
+    if (record.described->definition.lost_policy == LostPolicy::freeze) world_.set_stale(record.id, true);
+    if (record.described->definition.lost_policy == LostPolicy::freeze) ++changes_;
+    if (record.described->definition.lost_policy != LostPolicy::remove) continue;
+    leave(record, EndReason::publisher_lost);
+    record.place = Place::taken_away;
+  }
+  // One that took everything back before it left is no loss; it is remembered for who still asks after its last write.
+  publisher->took_leave = left_nothing;
+  if (!left_nothing) notice(fmt::format("publisher {} is lost", printable(publisher->name)));
+  return Applied::done;
+}
+
+void Publishers::back_alive(Publisher& publisher) {
+  publisher.lost = false;
+  if (!publisher.took_leave) notice(fmt::format("publisher {} is back", printable(publisher.name)));
+  for (Record& record : publisher.objects.records()) {
+    if (record.place == Place::taken_away) enter(publisher, record);
+    if (record.place != Place::in_world || record.described->definition.lost_policy != LostPolicy::freeze) continue;
+    world_.set_stale(record.id, false);
+    ++changes_;
+  }
+}
+
+void Publishers::forget_lost(std::int64_t now_ns) {
+  std::erase_if(publishers_, [&](const auto& entry) {
+    Publisher& publisher = *entry.second;
+    if (!publisher.lost || now_ns - publisher.lost_ns < limits_.forgotten_after_ns) return false;
+    for (const Record& record : publisher.objects.records()) {
+      if (record.place == Place::in_world && world_.info(record.id)) return false;
+    }
+    retire(publisher);
+    return true;
+  });
+}
+
+void Publishers::settle(std::int64_t now_ns) {
+  if (!waiting_.empty()) retry_names();
+  for (auto& [id, publisher] : publishers_) publisher->watermark.settle(now_ns);
+  forget_lost(now_ns);
+}
+
+// ---- what is known
+
+std::uint64_t Publishers::take_changes() {
+  return std::exchange(changes_, 0);
+}
+
+void Publishers::notice(std::string sentence) {
+  constexpr std::size_t kMost = 8;
+  if (notices_.size() < kMost) {
+    notices_.push_back(std::move(sentence));
+  } else {
+    ++unsaid_;
+  }
+}
+
+std::vector<std::string> Publishers::take_notices() {
+  if (unsaid_ > 0) notices_.push_back(fmt::format("and {} more of the kind", std::exchange(unsaid_, 0)));
+  return std::exchange(notices_, {});
+}
+
+PublisherView Publishers::view(const Publisher& publisher, std::int64_t now_ns) const {
+  using wire_contract::PublisherState;
+  const std::int64_t silent_ns = now_ns - publisher.heard_ns;
+  const PublisherState here = silent_ns > limits_.silent_after_ns ? PublisherState::silent : PublisherState::alive;
+  return {.publisher = publisher.id,
+          .name = publisher.name,
+          .silent_ns = silent_ns,
+          .state = publisher.lost ? PublisherState::lost : here,
+          .behind_ns = publisher.clock.behind_ns()};
+}
+
+bool Publishers::is_live(std::uint64_t publisher) const {
+  const Publisher* found = find(publisher);
+  return found && !found->lost;
+}
+
+bool Publishers::is_complete(std::uint64_t publisher) const {
+  const Publisher* found = find(publisher);
+  return found && !found->lost && found->said_all;
+}
+
+std::uint64_t Publishers::applied_through(std::uint64_t publisher) const {
+  const Publisher* found = find(publisher);
+  return found ? found->watermark.through() : 0;
+}
+
+void Publishers::list_applied(std::vector<std::pair<std::uint64_t, std::uint64_t>>& applied) const {
+  applied.clear();
+  for (const auto& [id, publisher] : publishers_) applied.emplace_back(id, publisher->watermark.through());
+}
+
+std::optional<std::array<double, 6>> Publishers::velocity(ObjectId id) const {
+  const ObjectInfo* info = world_.info(id);
+  const Publisher* publisher = info ? find(info->publisher) : nullptr;
+  if (!publisher) return std::nullopt;
+  for (const Record& record : publisher->objects.records()) {
+    if (record.place == Place::in_world && record.id == id && record.has_velocity) return record.described->velocity;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::uint64_t> Publishers::waiting_for(std::string_view name) const {
+  std::vector<std::uint64_t> waiting;
+  for (const auto& [id, number] : waiting_) {
+    Publisher* publisher = find(id);
+    const Record* record = publisher ? publisher->objects.find(number) : nullptr;
+    if (record && record->place == Place::waits_for_name && record->described->definition.name == name) waiting.push_back(id);
+  }
+  return waiting;
+}
+
+}  // namespace collided::engine::service

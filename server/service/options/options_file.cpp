@@ -1,0 +1,114 @@
+#include "server/service/options/options_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <toml++/toml.h>
+
+#include "server/service/commands/nearest_word.hpp"
+#include "server/service/options/options.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+/// "server.threads" -> {"server", "threads"}
+std::pair<std::string, std::string> split_key(const std::string& key) {
+  const std::size_t dot = key.find('.');
+  return {key.substr(0, dot), key.substr(dot + 1)};
+}
+
+[[noreturn]] void refuse(const std::string& path, const toml::source_position& where, const std::string& what) {
+  throw OptionsError(fmt::format("{} line {}, column {}: {}", path, where.line, where.column, what));
+}
+
+/// Words of the settings' tables, or of one table's keys.
+std::vector<std::string> known_tables() {
+  std::vector<std::string> tables;
+  for (const Setting& setting : settings()) {
+    std::string table = split_key(setting.key).first;
+    if (tables.empty() || tables.back() != table) tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+std::vector<std::string> known_keys(const std::string& table) {
+  std::vector<std::string> keys;
+  for (const Setting& setting : settings()) {
+    auto [its_table, key] = split_key(setting.key);
+    if (its_table == table) keys.push_back(std::move(key));
+  }
+  return keys;
+}
+
+std::optional<std::string> text_of(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* whole = node.as_integer()) return std::to_string(whole->get());
+  if (const auto* truth = node.as_boolean()) return truth->get() ? "true" : "false";
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  return std::nullopt;
+}
+
+FileValue read_value(const std::string& path, const Setting& setting, const toml::node& node) {
+  FileValue value;
+  value.key = setting.key;
+  value.place = fmt::format("{}:{}", path, node.source().begin.line);
+  if (const toml::array* list = node.as_array()) {
+    if (!setting.many)
+      refuse(path, node.source().begin, fmt::format("'{}' is a list; one value is allowed", setting.key));
+    for (const toml::node& item : *list) {
+      const std::optional<std::string> text = text_of(item);
+      if (!text) refuse(path, item.source().begin, fmt::format("'{}' holds something else than text", setting.key));
+      value.values.push_back(*text);
+    }
+    return value;
+  }
+  const std::optional<std::string> text = text_of(node);
+  if (!text) refuse(path, node.source().begin, fmt::format("'{}' is neither text nor a number", setting.key));
+  value.values.push_back(*text);
+  return value;
+}
+
+void read_table(const std::string& path, const std::string& name, const toml::table& table,
+                std::vector<FileValue>& values) {
+  const std::vector<std::string> keys = known_keys(name);
+  for (const auto& [key, node] : table) {
+    const std::string full = name + "." + std::string(key.str());
+    const auto setting = std::find_if(settings().begin(), settings().end(),
+                                      [&](const Setting& candidate) { return candidate.key == full; });
+    if (setting == settings().end()) {
+      refuse(path, key.source().begin,
+             fmt::format("unknown key '{}' in [{}]{}", key.str(), name, did_you_mean(key.str(), keys)));
+    }
+    values.push_back(read_value(path, *setting, node));
+  }
+}
+
+}  // namespace
+
+std::vector<FileValue> read_options_file(const std::string& path) {
+  toml::table file;
+  try {
+    file = toml::parse_file(path);
+  } catch (const toml::parse_error& error) {
+    const toml::source_position where = error.source().begin;
+    if (where.line == 0) throw OptionsError(fmt::format("{}: {}", path, error.description()));
+    refuse(path, where, std::string(error.description()));
+  }
+  const std::vector<std::string> tables = known_tables();
+  std::vector<FileValue> values;
+  for (const auto& [key, node] : file) {
+    const std::string name(key.str());
+    const toml::table* table = node.as_table();
+    if (!table) {
+      refuse(path, key.source().begin, fmt::format("key '{}' stands outside of a table such as [server]", name));
+    }
+    if (std::find(tables.begin(), tables.end(), name) == tables.end()) {
+      refuse(path, key.source().begin, fmt::format("unknown table [{}]{}", name, did_you_mean(name, tables)));
+    }
+    read_table(path, name, *table, values);
+  }
+  return values;
+}
+
+}  // namespace collided::engine::service

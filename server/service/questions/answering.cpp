@@ -1,0 +1,481 @@
+#include "server/service/questions/answering.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <new>
+#include <nlohmann/json.hpp>
+
+#include "idl/question_class.hpp"
+#include "server/geometry/endless.hpp"
+#include "server/geometry/float_environment.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
+#include "server/service/questions/reply_columns.hpp"
+#include "server/service/questions/time_slice.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/query/query.hpp"
+
+namespace collided::engine::service {
+
+using wire_contract::Answer;
+using wire_contract::QueryKind;
+using wire_contract::ReplyStatus;
+
+namespace {
+constexpr std::size_t kMostQueued = 4'096;
+}
+
+std::string refusal_text(const std::string& error, const std::string& hint) {
+  nlohmann::json text{{"error", error}};
+  if (!hint.empty()) text["hint"] = hint;
+  return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// One thread's memory and what it does with it.
+class Answering::Worker {
+ public:
+  explicit Worker(Answering& owner) : owner_(owner) {
+    reply_->server = owner.options_.server;
+    reply_->epoch = owner.options_.epoch;
+    text_.reserve(out_of_memory_.size());  // so that it can be said
+  }
+  void run();
+  void answer(Client& client, const Ask& ask);
+
+ private:
+  void work(AskPointer ask);
+  void work(TextReply text);
+  void work(Resume resume);
+  void work(Sweep sweep);
+  void answer_or_throw(Client& client, const Ask& ask);
+  void answer_sweeps(Client& client, const Ask& ask);
+  void answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover);
+  void answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest);
+  void doubt(const Questions& questions);
+  void count_levels(QueryKind kind);
+  void count_answered(std::uint8_t kind, std::uint64_t undecided);
+  void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
+  void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text);
+  void command(const wire::Query& query);
+  void send(Client& client);
+
+  Answering& owner_;
+  dds::Sample<wire::Reply> reply_;
+  ReplyColumns columns_;
+  std::vector<std::uint8_t> text_;
+  const std::string out_of_memory_ = refusal_text("not enough memory for the answer", "ask for less at a time");
+  Answers answers_;
+  QueryScratch scratch_;
+  std::vector<std::uint64_t> named_in_;
+  std::uint64_t reply_number_ = 0;
+};
+
+void Answering::Worker::run() {
+  pthread_setname_np(pthread_self(), "answer");
+  // Single questions are answered by who reads them; what comes here takes long or can wait.
+  set_time_slice(kLongSlice);
+  while (std::optional<Work> item = owner_.queue_.pop()) {
+    try {
+      std::visit([this](auto&& one) { work(std::move(one)); }, std::move(*item));
+    } catch (const std::bad_alloc&) {
+      ++owner_.counts_.unanswerable;
+    }
+    if (owner_.left_in_reader_.load(std::memory_order_relaxed) != 0) owner_.take_more();
+  }
+}
+
+void Answering::Worker::work(AskPointer ask) {
+  const std::shared_ptr<Client> client = owner_.clients_.meet(ask->query->client, ask->query.info().publication_handle);
+  if (!client) {
+    ++owner_.counts_.unanswerable;
+    owner_.pool_.put(std::move(ask));
+    return;
+  }
+  if (owner_.clients_.hold(*client, ask)) return;
+  answer(*client, *ask);
+  owner_.pool_.put(std::move(ask));
+}
+
+void Answering::Worker::answer(Client& client, const Ask& ask) {
+  try {
+    answer_or_throw(client, ask);
+  } catch (const std::bad_alloc&) {
+    // What this thread holds is of this question alone.
+    ++owner_.counts_.refused;
+    write_text(client, ask.query->request, ReplyStatus::refused, out_of_memory_);
+  }
+}
+
+void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
+  const wire::Query& query = *ask.query;
+  std::optional<std::string> refusal = ask.refusal.empty() ? why_refused(query) : std::optional(ask.refusal);
+  if (refusal) {
+    ++owner_.counts_.refused;
+    write_text(client, query.request, ReplyStatus::refused, refusal_text(*refusal));
+  } else if (query.kind == static_cast<std::uint8_t>(QueryKind::command)) {
+    command(query);
+  } else if (query.kind == static_cast<std::uint8_t>(QueryKind::hello)) {
+    write_text(client, query.request, ReplyStatus::ok, {});
+  } else if (query.kind == static_cast<std::uint8_t>(QueryKind::sweep)) {
+    answer_sweeps(client, ask);
+  } else {
+    answer_questions(client, ask, nullptr);
+  }
+}
+
+/// The shape comes with the questions, from outside.
+void Answering::Worker::answer_sweeps(Client& client, const Ask& ask) {
+  const wire::Query& query = *ask.query;
+  const DecodedShape decoded = decode_shape(std::as_bytes(dds::view(query.blob)));
+  std::string refusal = decoded.refusal;
+  if (decoded.shape && is_endless(*decoded.shape)) {
+    refusal = "a half-space has no end and cannot be moved; every other shape can. Nothing was asked";
+  }
+  if (!refusal.empty()) {
+    ++owner_.counts_.refused;
+    write_text(client, query.request, ReplyStatus::refused, refusal_text("sweep: " + refusal));
+    return;
+  }
+  const ObjectInfo mover = without_world(*decoded.shape);
+  answer_questions(client, ask, &mover);
+}
+
+void Answering::Worker::command(const wire::Query& query) {
+  const auto blob = std::as_bytes(dds::view(query.blob));
+  owner_.command_({query.client, query.request, query.text, {blob.begin(), blob.end()}});
+}
+
+void Answering::Worker::work(TextReply text) {
+  const std::shared_ptr<Client> client = owner_.clients_.find(text.client);
+  if (client) {
+    write_text(*client, text.request, text.status, text.text);
+  } else {
+    ++owner_.counts_.unanswerable;
+  }
+}
+
+void Answering::Worker::work(Resume resume) {
+  for (AskPointer& ask : owner_.clients_.resume(resume.place)) work(std::move(ask));
+}
+
+void Answering::Worker::work(Sweep sweep) {
+  for (AskPointer& ask : owner_.clients_.sweep(sweep.askers, steady_ns())) {
+    ++owner_.counts_.unanswerable;
+    owner_.pool_.put(std::move(ask));
+  }
+}
+
+void Answering::Worker::answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover) {
+  const wire::Query& query = *ask.query;
+  const std::int64_t allowed_ns = query.deadline_ns > 0 ? query.deadline_ns : owner_.options_.deadline_ns;
+  const Questions questions{
+      .kind = static_cast<QueryKind>(query.kind),
+      .mode = wire_contract::ray_mode(query.mode),
+      .mask = query.mask,
+      .max_hits = query.max_hits,
+      .only = query.only,
+      .skip = query.skip,
+      .deadline_ns = allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0,
+      .error_m = query.error_asked_m > 0 ? query.error_asked_m : owner_.options_.error_m,
+      .numbers = dds::view(query.numbers),
+      .mover = mover};
+  const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
+  if (restore_float_environment()) ++owner_.counts_.float_repairs;
+  if (query.text[0] != 0) return answer_of_instant(client, ask, questions, *lease);
+  engine::answer(*lease, questions, answers_, scratch_);
+  // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
+  if (owner_.options_.recovering()) doubt(questions);
+  write_answers(client, ask, *lease);
+  // The audit's twin knows no ways.
+  const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
+  if (mover == nullptr && !is_overloaded) owner_.audit_.consider(lease, questions, answers_);
+}
+
+void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest) {
+  const auto past = owner_.past_states_.at(*wire_contract::asked_instant(ask.query->text), newest);
+  if (const auto* refusal = std::get_if<std::string>(&past)) {
+    ++owner_.counts_.refused;
+    return write_text(client, ask.query->request, ReplyStatus::refused, refusal_text(*refusal));
+  }
+  const Snapshot& state = *std::get<std::shared_ptr<const Snapshot>>(past);
+  engine::answer(state, questions, answers_, scratch_);
+  if (owner_.options_.recovering()) doubt(questions);
+  write_answers(client, ask, state);
+}
+
+void Answering::Worker::count_levels(QueryKind kind) {
+  std::array<std::uint64_t, 3> counts{};
+  for (const std::uint8_t level : answers_.levels) ++counts[level];
+  auto& total = owner_.counts_.levels[static_cast<std::size_t>(kind)];
+  for (std::size_t level = 0; level < counts.size(); ++level) {
+    if (counts[level] > 0) total[level].fetch_add(counts[level], std::memory_order_relaxed);
+  }
+}
+
+void Answering::Worker::doubt(const Questions& questions) {
+  const bool any_will_do = questions.kind == QueryKind::ray && questions.mode == wire_contract::RayMode::any;
+  for (std::size_t i = 0; i < answers_.answers.size(); ++i) {
+    const bool hit = answers_.answers[i] == Answer::hit;
+    if (answers_.answers[i] != Answer::miss && (!hit || any_will_do)) continue;
+    answers_.answers[i] = Answer::undecided;
+    answers_.reasons[i] = wire_contract::UndecidedReason::recovering;
+  }
+}
+
+void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snapshot& snapshot) {
+  const wire::Query& query = *ask.query;
+  ReplyFiller filler(snapshot, answers_, named_in_, reply_number_);
+  dds::borrow(reply_->text, std::span<const std::uint8_t>());
+  reply_->client = query.client;
+  reply_->request = query.request;
+  reply_->chunk_index = query.chunk_index;
+  reply_->chunk_count = query.chunk_count;
+  reply_->status = static_cast<std::uint8_t>(ReplyStatus::ok);
+  reply_->version = snapshot.version;
+  reply_->world_time_ns = snapshot.world_time_ns;
+  const std::int64_t posed_ns = answers_.oldest_pose_ns;
+  reply_->oldest_pose_age_ns = posed_ns > 0 ? std::max<std::int64_t>(0, owner_.clock_.now_ns() - posed_ns) : -1;
+  client.note_told(snapshot.version);
+  while (filler.fill(columns_)) {
+    columns_.lend(*reply_);
+    reply_->first_question = query.first_question + static_cast<std::uint32_t>(filler.first());
+    reply_->compute_ns = steady_ns() - ask.taken_ns;
+    // Before it leaves: whoever has the answer and asks for the counts finds it in them.
+    if (filler.is_done()) count_answered(query.kind, filler.undecided());
+    send(client);
+  }
+}
+
+void Answering::Worker::count_answered(std::uint8_t kind, std::uint64_t undecided) {
+  owner_.counts_.durations[kind].add(reply_->compute_ns);
+  owner_.counts_.answered += answers_.answers.size();
+  owner_.counts_.undecided += undecided;
+  count_levels(static_cast<QueryKind>(kind));
+}
+
+void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text) {
+  columns_.clear();
+  columns_.lend(*reply_);
+  const SnapshotRing::Lease lease = owner_.world_.newest();
+  constexpr std::size_t kMost = wire_contract::kMaxTextBytesPerChunk;
+  const std::size_t chunks = std::max<std::size_t>(1, (text.size() + kMost - 1) / kMost);
+  reply_->client = client.id();
+  reply_->request = request;
+  reply_->chunk_count = static_cast<std::uint32_t>(chunks);
+  reply_->first_question = 0;
+  reply_->status = static_cast<std::uint8_t>(status);
+  reply_->version = lease->version;
+  reply_->world_time_ns = lease->world_time_ns;
+  reply_->oldest_pose_age_ns = -1;
+  reply_->compute_ns = 0;
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+    const std::string_view part = text.substr(std::min(text.size(), chunk * kMost), kMost);
+    text_.assign(part.begin(), part.end());
+    dds::borrow(reply_->text, text_);
+    reply_->chunk_index = static_cast<std::uint32_t>(chunk);
+    send(client);
+  }
+}
+
+void Answering::Worker::send(Client& client) {
+  if (owner_.options_.flight) owner_.options_.flight->note(recording::Recorded::reply, *reply_);
+  try {
+    if (!client.write(*reply_)) ++owner_.counts_.unanswerable;
+  } catch (const dds::DdsError&) {
+    ++owner_.counts_.unanswerable;
+  }
+}
+
+// ---- the way in
+
+Answering::Answering(const World& world, const WorldClock& clock, WriteBarriers& write_barriers, SnapshotLeases& leases,
+                     QuestionCounts& counts, BackgroundAudit& audit, const dds::Topic<wire::Reply>& replies,
+                     const AnsweringOptions& options, Command command)
+    : world_(world),
+      clock_(clock),
+      write_barriers_(write_barriers),
+      leases_(leases),
+      counts_(counts),
+      audit_(audit),
+      past_states_(world),
+      options_(options),
+      command_(std::move(command)),
+      queue_(kMostQueued),
+      clients_(replies, [this](std::uint32_t place) { queue_.push_own(Resume{place}); }) {
+  listening_worker_ = std::make_unique<Worker>(*this);
+  for (unsigned i = 0; i < std::max(1U, options.threads); ++i) {
+    threads_.emplace_back([this] { Worker(*this).run(); });
+  }
+}
+
+Answering::~Answering() {
+  stop();
+}
+
+void Answering::listen(const dds::Taker<wire::Query>& taker) {
+  AskPointer single;
+  take(taker, &single);
+  if (!single) return;
+  const wire::Query& query = *single->query;
+  const std::int64_t started_ns = single->taken_ns;
+  Client* client = nullptr;
+  if (short_questions_.is_short(query, started_ns) && !leaves_out(query)) {
+    client = clients_.find_ready(query.client, single->query.info().publication_handle);
+  }
+  if (!client) {
+    enqueue(std::move(single));
+    return;
+  }
+  listening_worker_->answer(*client, *single);
+  single->reset();
+  spare_ = std::move(single);
+  short_questions_.took(started_ns, steady_ns());
+}
+
+/// Takes everything there is room for. The first single question is left to the caller if it wants one.
+void Answering::take(const dds::Taker<wire::Query>& taker, AskPointer* single) {
+  if (takers_.fetch_add(1) > 0) return;
+  std::uint32_t seen = 1;
+  do {
+    drain(taker, single);
+  } while (!takers_.compare_exchange_strong(seen, 0));
+}
+
+void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) {
+  while (!stopping_.load() && queue_.has_room()) {
+    std::array<dds::Sample<wire::Query>*, std::tuple_size_v<decltype(next_)>> room{};
+    for (std::size_t i = 0; i < room.size(); ++i) {
+      if (!next_[i]) next_[i] = single && spare_ ? std::move(spare_) : pool_.get();
+      room[i] = &next_[i]->query;
+    }
+    const std::size_t count = taker.take(room);
+    const std::int64_t now_ns = steady_ns();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!next_[i]->query.info().valid_data) continue;
+      next_[i]->taken_ns = now_ns;
+      if (options_.flight) {
+        options_.flight->note(recording::Recorded::query, *next_[i]->query, next_[i]->query.info().source_timestamp);
+      }
+      route(std::move(next_[i]), single);
+    }
+    if (count < room.size()) return;
+  }
+  // The rest stays with DDS, which makes the askers wait: admission. A worker comes back for it.
+  if (!stopping_.load()) left_in_reader_.store(taker.reader());
+}
+
+void Answering::route(AskPointer ask, AskPointer* single) {
+  const WriteBarriers::Outcome outcome = write_barriers_.pass(ask);
+  if (outcome == WriteBarriers::Outcome::parked) return;
+  if (outcome == WriteBarriers::Outcome::full) {
+    refuse_later(std::move(ask), fmt::format("{} questions wait for a publisher's samples, the limit", WriteBarriers::kMost));
+  } else if (single && !*single && is_single(*ask->query)) {
+    *single = std::move(ask);
+  } else {
+    admit(std::move(ask));
+  }
+}
+
+void Answering::take_more() {
+  const dds_entity_t reader = left_in_reader_.exchange(0);
+  if (reader != 0) take(dds::Taker<wire::Query>(reader), nullptr);
+}
+
+void Answering::admit(AskPointer ask) {
+  const wire::Query& query = *ask->query;
+  if (query.chunk_count > 1 && query.chunk_index < query.chunk_count) {
+    std::optional<SnapshotRing::Lease> lease = leases_.take(query.client, query.request, query.chunk_index,
+                                                            query.chunk_count, least_version(query), steady_ns());
+    if (!lease) {
+      refuse_later(std::move(ask),
+                   "the state that this request is answered on is no longer kept: its chunks must "
+                   "come within 2 s of each other, the first one first");
+      return;
+    }
+    ask->pinned = std::move(*lease);
+  }
+  enqueue(std::move(ask));
+}
+
+/// Into the queue, or refused where its client has too much there already. Commands, greetings and questions of the high
+/// class are taken as long as anything is.
+void Answering::enqueue(AskPointer ask) {
+  const wire::Query& query = *ask->query;
+  const wire_contract::QuestionClass of_class = wire_contract::question_class(query.mode);
+  const bool is_question = wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0;
+  if (leaves_out(query)) {
+    refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
+    return;
+  }
+  const Share share{.client = query.client,
+                    .cost = cost_of(query),
+                    .is_kept = !is_question || of_class == wire_contract::QuestionClass::high};
+  Work work(std::move(ask));
+  if (queue_.push(share, work)) return;
+  refuse_later(std::move(std::get<AskPointer>(work)),
+               fmt::format("too much of this client waits already, of {} requests in all; ask less at a time", queue_.waiting()));
+}
+
+/// A question of the low class while only others are answered.
+bool Answering::leaves_out(const wire::Query& query) const {
+  return options_.overload != nullptr && options_.overload->refuses_low_questions() &&
+         wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0 &&
+         wire_contract::question_class(query.mode) == wire_contract::QuestionClass::low;
+}
+
+bool Answering::was_pressed() {
+  const std::uint64_t refused = queue_.refused();
+  const bool turned_away = refused != std::exchange(refused_before_, refused);
+  return turned_away || queue_.waiting() > kMostQueued / 2;
+}
+
+/// What a client has been told of must not be unsaid by a later answer; behind a fence only the newest state will do.
+std::uint64_t Answering::least_version(const wire::Query& query) const {
+  if (query.fence_publisher != 0) return std::numeric_limits<std::uint64_t>::max();
+  const std::shared_ptr<Client> client = clients_.find(query.client);
+  return client ? client->told_version() : 0;
+}
+
+void Answering::refuse_later(AskPointer ask, std::string reason) {
+  // Who asks faster than refusals can be written gets none.
+  if (!queue_.has_room_for_own()) {
+    ++counts_.unanswerable;
+    pool_.put(std::move(ask));
+    return;
+  }
+  ask->refusal = std::move(reason);
+  queue_.push_own(std::move(ask));
+}
+
+void Answering::send_text(std::uint64_t client, std::uint64_t request, ReplyStatus status, std::string text) {
+  if (status == ReplyStatus::refused) ++counts_.refused;
+  queue_.push_own(TextReply{client, request, status, std::move(text)});
+}
+
+void Answering::tick(std::vector<std::uint64_t> askers) {
+  const std::int64_t now_ns = steady_ns();
+  leases_.expire(now_ns);
+  for (AskPointer& ask : write_barriers_.take_overdue(now_ns)) {
+    const wire::Query& query = *ask->query;
+    const std::uint64_t applied = write_barriers_.applied(query.fence_publisher);
+    refuse_later(std::move(ask),
+                 applied == 0
+                     ? fmt::format("publisher {:016x} is not known here, so its sample {} could not be waited for",
+                                   query.fence_publisher, query.fence_sequence)
+                     : fmt::format("sample {} of publisher {:016x} did not come in time; applied: {}",
+                                   query.fence_sequence, query.fence_publisher, applied));
+  }
+  queue_.push_own(Sweep{std::move(askers)});
+}
+
+void Answering::stop() {
+  if (stopping_.exchange(true)) return;
+  for (AskPointer& ask : write_barriers_.take_all()) refuse_later(std::move(ask), "the server is stopping");
+  queue_.close();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,125 @@
+#include "server/service/questions/clients.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "server/service/runtime/clock.hpp"
+
+namespace collided::engine::service {
+
+bool Client::write(const wire::Reply& reply) {
+  // Set once before anybody writes, and never taken away.
+  return ready() && place_.writer_->write(reply);
+}
+
+void Client::note_told(std::uint64_t version) {
+  std::uint64_t told = told_version_.load(std::memory_order_relaxed);
+  while (told < version && !told_version_.compare_exchange_weak(told, version, std::memory_order_relaxed)) {
+  }
+}
+
+std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
+  const std::uint32_t place = wire_contract::reply_place(id);
+  std::shared_ptr<Client> client;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = clients_.find(id);
+    if (found != clients_.end()) {
+      client = found->second;
+    } else if (clients_.size() < kMost) {
+      client = std::make_shared<Client>(id, places_[place], steady_ns());
+      clients_.emplace(id, client);
+    }
+  }
+  if (!client) return nullptr;
+  client->asker_.store(asker);
+  if (!places_[place].opening_.exchange(true)) {
+    try {
+      open(place);
+    } catch (...) {
+      places_[place].opening_.store(false);  // whoever asks next tries again
+      throw;
+    }
+  }
+  return client;
+}
+
+void Clients::open(std::uint32_t number) {
+  ReplyPlace& place = places_[number];
+  place.deaf_since_ns_.store(steady_ns());
+  const auto matched = [this, number, &place](std::uint32_t readers) {
+    place.listening_.store(readers > 0);
+    place.deaf_since_ns_.store(steady_ns());
+    if (readers > 0) listening_(number);
+  };
+  place.writer_.emplace(topic_, dds::WriterOptions{.partition = wire_contract::reply_partition(number), .matched = matched});
+  place.open_.store(true, std::memory_order_release);
+  // The match may have come before the writer was in its place; asks held meanwhile would wait for ever.
+  if (place.listening_.load()) listening_(number);
+}
+
+std::shared_ptr<Client> Clients::find(std::uint64_t id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = clients_.find(id);
+  return found == clients_.end() ? nullptr : found->second;
+}
+
+Client* Clients::find_ready(std::uint64_t id, std::uint64_t asker) {
+  const std::uint64_t departures = departures_.load(std::memory_order_acquire);
+  if (departures != std::exchange(recent_departures_, departures)) recent_.fill(nullptr);
+  std::shared_ptr<Client>& place = recent_[id % kRecent];
+  if (!place || place->id() != id) place = find(id);
+  if (!place || !place->ready()) return nullptr;
+  place->asker_.store(asker);
+  return place.get();
+}
+
+bool Clients::hold(Client& client, AskPointer& ask) {
+  if (client.ready()) return false;
+  const std::lock_guard lock(client.mutex_);
+  if (client.ready()) return false;
+  if (client.waiting_.size() >= kMostWaiting) client.waiting_.erase(client.waiting_.begin());
+  client.waiting_.push_back(std::move(ask));
+  return true;
+}
+
+std::vector<AskPointer> Clients::resume(std::uint32_t place) {
+  std::vector<AskPointer> resumed;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, client] : clients_) {
+    if (wire_contract::reply_place(id) != place) continue;
+    const std::lock_guard client_lock(client->mutex_);
+    if (!client->ready()) continue;
+    std::move(client->waiting_.begin(), client->waiting_.end(), std::back_inserter(resumed));
+    client->waiting_.clear();
+  }
+  return resumed;
+}
+
+std::vector<AskPointer> Clients::sweep(std::span<const std::uint64_t> askers, std::int64_t now_ns) {
+  std::vector<AskPointer> overdue;
+  const std::lock_guard lock(mutex_);
+  std::erase_if(clients_, [&](const auto& entry) {
+    Client& client = *entry.second;
+    const std::lock_guard client_lock(client.mutex_);
+    const auto late = std::stable_partition(client.waiting_.begin(), client.waiting_.end(), [&](const AskPointer& ask) {
+      return now_ns - ask->taken_ns <= kMatchPatienceNs;
+    });
+    std::move(late, client.waiting_.end(), std::back_inserter(overdue));
+    client.waiting_.erase(late, client.waiting_.end());
+    const bool lives = std::find(askers.begin(), askers.end(), client.asker_.load()) != askers.end();
+    const std::int64_t deaf_since_ns = std::max(client.place_.deaf_since_ns_.load(), client.met_ns_);
+    const bool deaf = !client.place_.listening_.load() && now_ns - deaf_since_ns > kDeafPatienceNs;
+    if ((lives && !deaf) || !client.waiting_.empty()) return false;
+    departures_.fetch_add(1, std::memory_order_release);
+    return true;
+  });
+  return overdue;
+}
+
+std::size_t Clients::size() const {
+  const std::lock_guard lock(mutex_);
+  return clients_.size();
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,124 @@
+#include "server/service/questions/reply_columns.hpp"
+
+#include <algorithm>
+
+namespace collided::engine::service {
+namespace {
+
+using wire_contract::Answer;
+using wire_contract::UndecidedReason;
+
+constexpr std::size_t kBytesPerAnswer = 3 + 3 * 4;
+constexpr std::size_t kBytesPerHit = 8 + 4 + 1 + 8 * wire_contract::kHitNumbers;
+// What a reply has besides: its fixed fields, the lengths of its sequences and what DDS puts around it.
+constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
+
+}  // namespace
+
+void ReplyColumns::clear() {
+  for (auto* column : {&answers, &reasons, &levels, &hit_flags}) column->clear();
+  for (auto* column : {&hit_counts, &nodes, &exact_tests, &triangles}) column->clear();
+  objects.clear();
+  numbers.clear();
+  named.clear();
+}
+
+void ReplyColumns::lend(wire::Reply& reply) const {
+  dds::borrow(reply.answers, answers);
+  dds::borrow(reply.reasons, reasons);
+  dds::borrow(reply.levels, levels);
+  dds::borrow(reply.hit_counts, hit_counts);
+  dds::borrow(reply.nodes, nodes);
+  dds::borrow(reply.exact_tests, exact_tests);
+  dds::borrow(reply.objects, objects);
+  dds::borrow(reply.triangles, triangles);
+  dds::borrow(reply.hit_flags, hit_flags);
+  dds::borrow(reply.numbers, numbers);
+  dds::borrow(reply.named_ids, named.ids);
+  dds::borrow(reply.names, named.names);
+}
+
+void ReplyFiller::start(ReplyColumns& columns) {
+  columns.clear();
+  first_ = question_;
+  bytes_ = 0;
+  ++reply_number_;
+  if (named_in_.size() < snapshot_.objects->size()) named_in_.resize(snapshot_.objects->size(), 0);
+}
+
+bool ReplyFiller::fill(ReplyColumns& columns) {
+  if (question_ >= answers_.answers.size()) return false;
+  start(columns);
+  while (question_ < answers_.answers.size() && add_question(columns)) ++question_;
+  return true;
+}
+
+const ObjectInfo* ReplyFiller::info_of(ObjectId id) const {
+  const std::uint32_t slot = slot_of(id);
+  return slot < snapshot_.objects->size() ? (*snapshot_.objects)[slot].get() : nullptr;
+}
+
+std::string_view ReplyFiller::name_of(ObjectId id) const {
+  const ObjectInfo* info = info_of(id);
+  return info ? std::string_view(info->name) : std::string_view();
+}
+
+/// What the hit adds to this reply, its object's name included where that is not there yet.
+std::size_t ReplyFiller::bytes_of(const AnswerHit& hit) {
+  const std::uint32_t slot = slot_of(hit.object);
+  const bool named = slot < named_in_.size() && named_in_[slot] == reply_number_;
+  return kBytesPerHit + (named ? 0 : sizeof(ObjectId) + name_of(hit.object).size() + 1);
+}
+
+void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
+  const std::uint32_t slot = slot_of(hit.object);
+  const bool is_object = (hit.flags & wire_contract::kUncovered) == 0;
+  if (is_object && slot < named_in_.size() && named_in_[slot] != reply_number_) {
+    named_in_[slot] = reply_number_;
+    columns.named.add_id(hit.object);
+    columns.named.append(name_of(hit.object));
+  }
+  columns.objects.push_back(hit.object);
+  const ObjectInfo* info = is_object ? info_of(hit.object) : nullptr;
+  columns.triangles.push_back(info ? info->told_triangle(hit.triangle) : hit.triangle);
+  columns.hit_flags.push_back(hit.flags);
+  const std::size_t end = columns.numbers.size();
+  columns.numbers.resize(end + wire_contract::kHitNumbers);
+  double* number = &columns.numbers[end];
+  for (const double value : {hit.distance_m, hit.error_m, hit.exit_m}) *number++ = value;
+  for (const Vec3* vector : {&hit.point, &hit.normal, &hit.weights}) number = std::copy_n(vector->data(), 3, number);
+  *number = hit.point_error_m;
+}
+
+/// False: no room left for this question beside the ones before it.
+bool ReplyFiller::add_question(ReplyColumns& columns) {
+  const std::size_t hit_count = answers_.hit_counts[question_];
+  // A bound: names that repeat are counted each time.
+  std::size_t bytes = kBytesPerAnswer;
+  for (std::size_t i = 0; i < hit_count; ++i) bytes += bytes_of(answers_.hits[hit_ + i]);
+  const bool alone = columns.answers.empty();
+  const bool fits = bytes_ + bytes <= kRoom && columns.objects.size() + hit_count <= wire_contract::kMaxHitsPerChunk;
+  if (!fits && !alone) return false;
+  bytes_ += kBytesPerAnswer;
+  std::size_t kept = 0;
+  for (; kept < hit_count && kept < wire_contract::kMaxHitsPerChunk; ++kept) {
+    const AnswerHit& hit = answers_.hits[hit_ + kept];
+    const std::size_t more = bytes_of(hit);
+    if (bytes_ + more > kRoom) break;
+    bytes_ += more;
+    add_hit(hit, columns);
+  }
+  const bool cut = kept < hit_count;
+  const Answer answer = cut ? Answer::undecided : answers_.answers[question_];
+  columns.answers.push_back(static_cast<std::uint8_t>(answer));
+  columns.reasons.push_back(static_cast<std::uint8_t>(cut ? UndecidedReason::truncated : answers_.reasons[question_]));
+  columns.levels.push_back(answers_.levels[question_]);
+  columns.hit_counts.push_back(static_cast<std::uint32_t>(kept));
+  columns.nodes.push_back(answers_.nodes[question_]);
+  columns.exact_tests.push_back(answers_.exact_tests[question_]);
+  if (answer == Answer::undecided) ++undecided_;
+  hit_ += hit_count;
+  return true;
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "idl/dds.hpp"
+#include "server/service/events/frames.hpp"
+#include "server/world/query/query.hpp"
+
+namespace collided::engine::service {
+
+/// The parallel sequences of a Reply; memory is reused from reply to reply.
+struct ReplyColumns {
+  std::vector<std::uint8_t> answers, reasons, levels;
+  std::vector<std::uint32_t> hit_counts, nodes, exact_tests;
+  std::vector<std::uint64_t> objects;
+  std::vector<std::uint32_t> triangles;
+  std::vector<std::uint8_t> hit_flags;
+  std::vector<double> numbers;
+  NameTable named;
+
+  void clear();
+  /// Points the message's sequences here.
+  void lend(wire::Reply& reply) const;
+};
+
+/// Fills replies from a chunk's answers, as many as its hits need: a reply stays within kMaxHitsPerChunk and
+/// kMaxMessageBytes. Hits that even a reply of their own has no room for are left out, and that answer becomes
+/// undecided (truncated).
+///
+///   ReplyFiller filler(snapshot, answers);
+///   while (filler.fill(columns)) write(columns, filler.first());
+class ReplyFiller {
+ public:
+  /// named_in  memory: by slot, the reply that named the object last
+  ReplyFiller(const Snapshot& snapshot, const Answers& answers, std::vector<std::uint64_t>& named_in,
+              std::uint64_t& reply_number)
+      : snapshot_(snapshot), answers_(answers), named_in_(named_in), reply_number_(reply_number) {}
+
+  /// The next reply's part; false when all are done.
+  bool fill(ReplyColumns& columns);
+  /// The reply filled last is the last one.
+  bool is_done() const { return question_ >= answers_.answers.size(); }
+  /// The first question of the reply filled last, within the chunk.
+  std::size_t first() const { return first_; }
+  /// Undecided answers so far.
+  std::uint64_t undecided() const { return undecided_; }
+
+ private:
+  void start(ReplyColumns& columns);
+  bool add_question(ReplyColumns& columns);
+  std::size_t bytes_of(const AnswerHit& hit);
+  void add_hit(const AnswerHit& hit, ReplyColumns& columns);
+  const ObjectInfo* info_of(ObjectId id) const;
+  std::string_view name_of(ObjectId id) const;
+
+  const Snapshot& snapshot_;
+  const Answers& answers_;
+  std::vector<std::uint64_t>& named_in_;
+  std::uint64_t& reply_number_;
+  std::size_t first_ = 0;
+  std::size_t question_ = 0;
+  std::size_t hit_ = 0;
+  std::size_t bytes_ = 0;
+  std::uint64_t undecided_ = 0;
+};
+
+}  // namespace collided::engine::service

@@ -1,0 +1,161 @@
+#include "server/service/recording/flight_commands.hpp"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "idl/commands.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+using nlohmann::json;
+using recording::Recorded;
+namespace names = wire_contract::command;
+
+constexpr std::array kChanges{names::kAdd, names::kMove, names::kRemove, names::kProbe, names::kLoad, names::kClear};
+
+template <class T>
+std::vector<std::byte> bytes_of(const T& sample) {
+  std::vector<std::byte> bytes(wire::cdr_size(sample));
+  wire::write_cdr(sample, bytes);
+  return bytes;
+}
+
+std::string text_of(const json& object, const char* key) {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+bool truth_of(const json& object, const char* key, bool otherwise) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_boolean() ? found->get<bool>() : otherwise;
+}
+
+std::vector<std::byte> removal_of(const std::string& name) {
+  dds::Sample<wire::Query> query;
+  query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
+  query->chunk_count = 1;
+  static_cast<void>(dds::set_text(query->text, json{{"command", names::kRemove}, {"name", name}}.dump(-1, ' ', false, json::error_handler_t::replace)));
+  return bytes_of(*query);
+}
+
+}  // namespace
+
+void FlightCommands::asked(const wire::Query& query) {
+  if (query.kind != static_cast<std::uint8_t>(wire_contract::QueryKind::command)) return;
+  const std::string what = text_of(json::parse(query.text, nullptr, false), "command");
+  if (std::find(kChanges.begin(), kChanges.end(), what) == kChanges.end()) return;
+  if (query.client == 0) return done(bytes_of(query), json::object(), [](const std::string*, bool) { return false; });
+  unanswered_.push_back({query.client, query.request, bytes_of(query)});
+  if (unanswered_.size() <= kMostUnanswered) return;
+  unanswered_.pop_front();
+  ++left_out_;
+}
+
+void FlightCommands::answered(const wire::Reply& reply, const TakePublished& take) {
+  if (unanswered_.empty() || reply.status == static_cast<std::uint8_t>(wire_contract::ReplyStatus::progress)) return;
+  const auto found = std::find_if(unanswered_.begin(), unanswered_.end(), [&](const Unanswered& command) {
+    return command.client == reply.client && command.request == reply.request;
+  });
+  if (found == unanswered_.end()) return;
+  const std::vector<std::byte> query = std::move(found->bytes);
+  unanswered_.erase(found);
+  if (reply.status != static_cast<std::uint8_t>(wire_contract::ReplyStatus::ok)) return;
+  const auto text = dds::view(reply.text);
+  done(query, json::parse(text.begin(), text.end(), nullptr, false), take);
+}
+
+void FlightCommands::done(const std::vector<std::byte>& query, const json& answer, const TakePublished& take) {
+  dds::Sample<wire::Query> sample;
+  if (!wire::read_cdr(query, sample)) return;
+  const json arguments = json::parse(sample->text, nullptr, false);
+  Kept command{.what = text_of(arguments, "command"), .name = text_of(arguments, "name"), .moving = truth_of(arguments, "moving", true), .bytes = query};
+  if (command.what == names::kRemove) {
+    const auto gone = answer.is_object() ? answer.find("removed") : answer.end();
+    // An answer too long for one sample: the glob itself is kept, once.
+    if (gone != answer.end() && gone->is_array()) return removed(*gone, take);
+    drop(command.what, command.name);
+  }
+  if (command.what == names::kClear) return cleared(std::move(command), arguments, take);
+  if (command.what == names::kProbe) return probed(std::move(command), arguments, answer);
+  if (command.what == names::kMove) drop(command.what, command.name);
+  if (command.what == names::kLoad) {
+    const std::string scene = text_of(answer, "scene");
+    if (!scene.empty()) command.name = scene;
+    drop(command.what, command.name);
+  }
+  keep(std::move(command));
+}
+
+/// What a command or a publisher had brought in is forgotten; what came with a scene stays away.
+void FlightCommands::removed(const json& gone, const TakePublished& take) {
+  for (const json& entry : gone) {
+    if (!entry.is_string()) continue;
+    const std::string name = entry.get<std::string>();
+    drop(names::kMove, name);
+    if (drop(names::kAdd, name) > 0 || take(&name, false)) continue;
+    drop(names::kRemove, name);
+    keep({.what = names::kRemove, .name = name, .moving = false, .bytes = removal_of(name)});
+  }
+}
+
+void FlightCommands::cleared(Kept clear, const json& arguments, const TakePublished& take) {
+  const std::string scene = text_of(arguments, "scene");
+  const bool moving = truth_of(arguments, "moving", false);
+  const bool is_of_scene = !scene.empty();
+  if (is_of_scene && !moving && drop(names::kLoad, scene) > 0) return;
+  if (is_of_scene) drop(names::kLoad, scene);
+  if (!is_of_scene || moving) {
+    static_cast<void>(take(nullptr, moving));
+    std::erase_if(kept_, [&](const Kept& command) {
+      const bool is_loaded = !moving && command.what == names::kLoad;
+      const bool is_added = command.what == names::kAdd && (command.moving || !moving);
+      // Of an object that stays there may be one; it would be refused for one that is gone, which does no harm.
+      const bool is_about_gone = !moving && (command.what == names::kMove || command.what == names::kRemove);
+      const bool drop = is_loaded || is_added || is_about_gone;
+      bytes_ -= drop ? command.bytes.size() : 0;
+      return drop;
+    });
+  }
+  // Scenes that the server started with, and what came with scenes.
+  clear.name = scene + (moving ? "/moving" : "");
+  drop(clear.what, clear.name);
+  keep(std::move(clear));
+}
+
+void FlightCommands::probed(Kept probe, const json& arguments, const json& answer) {
+  if (!truth_of(arguments, "remove", false)) {
+    drop(probe.what, probe.name);
+    return keep(std::move(probe));
+  }
+  const auto gone = answer.is_object() ? answer.find("probes") : answer.end();
+  if (gone == answer.end() || !gone->is_array()) return;
+  for (const json& name : *gone) {
+    if (name.is_string()) drop(names::kProbe, name.get<std::string>());
+  }
+}
+
+void FlightCommands::keep(Kept command) {
+  if (bytes_ + command.bytes.size() > kMostBytes) {
+    ++left_out_;
+    return;
+  }
+  bytes_ += command.bytes.size();
+  kept_.push_back(std::move(command));
+}
+
+std::size_t FlightCommands::drop(std::string_view what, std::string_view name) {
+  return std::erase_if(kept_, [&](const Kept& command) {
+    const bool drop = command.what == what && command.name == name;
+    bytes_ -= drop ? command.bytes.size() : 0;
+    return drop;
+  });
+}
+
+void FlightCommands::write(const std::function<void(Recorded, std::span<const std::byte>)>& put) const {
+  for (const Kept& command : kept_) put(Recorded::query, command.bytes);
+  for (const Unanswered& command : unanswered_) put(Recorded::query, command.bytes);
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "idl/cdr.hpp"
+#include "idl/recording/recorded_topics.hpp"
+#include "server/service/recording/flight_commands.hpp"
+
+namespace collided::engine::service {
+
+/// What a window of records begins with: the newest definition and pose of every object that was sent before it, the
+/// commands that brought in the others, and the contacts that held. Folded from the records that leave the window.
+///
+/// limits   kMostBytes of definitions, kMostContactBytes of contacts; what does not fit is left out and counted
+/// threads  one
+class FlightOpening {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
+  static constexpr std::size_t kMostContactBytes = std::size_t{16} << 20;
+  static constexpr std::size_t kMostObjects = 200'000;
+
+  /// records  whole MCAP messages
+  void fold(std::span<const std::byte> records);
+  void fold(const wire::Definition& definition);
+  void fold(const wire::PoseBatch& batch);
+  void fold(const wire::Query& query) { commands_.asked(query); }
+  void fold(const wire::Reply& reply);
+  void fold(const wire::Status& status);
+  void fold(const wire::ContactShard& shard);
+
+  /// put(channel, CDR bytes): what makes the same state again. Definitions, then a batch of poses of each publisher with
+  /// the number of its newest sample, then the commands, then the contacts.
+  void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
+  /// Samples that had no room; the state that is made again lacks them.
+  std::uint64_t left_out() const { return left_out_ + commands_.left_out(); }
+
+ private:
+  struct Defined {
+    std::uint64_t sequence = 0;
+    std::uint8_t lost_policy = 0;
+    bool moving = false;
+    std::string name;
+    std::vector<std::byte> bytes;
+  };
+  struct Posed {
+    std::uint64_t sequence = 0;
+    std::array<double, 7> pose{};
+  };
+  struct Publisher {
+    std::uint64_t incarnation = 0;
+    std::uint64_t last_sequence = 0;
+    std::uint64_t definitions_through = 0;
+    std::int64_t source_time_ns = 0;
+    bool was_listed = false;  // by a status
+    bool lost = false;
+    std::map<std::uint32_t, Defined> objects;
+    std::unordered_map<std::uint32_t, Posed> poses;
+  };
+  Publisher* meet(std::uint64_t id, std::uint64_t incarnation);
+  void forget(Publisher& publisher);
+  void drop(Publisher& publisher, std::uint32_t number, const Defined& defined);
+  static bool is_there(const Publisher& publisher, const Defined& defined);
+  bool take_published(const std::string* name, bool moving_only);
+
+  std::map<std::uint64_t, Publisher> publishers_;
+  FlightCommands commands_;
+  std::map<std::uint8_t, std::vector<std::byte>> contacts_;  // the newest of each shard that holds any
+  std::size_t contact_bytes_ = 0;
+  std::size_t bytes_ = 0;
+  std::size_t objects_ = 0;
+  std::size_t poses_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace collided::engine::service

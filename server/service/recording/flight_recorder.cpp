@@ -1,0 +1,184 @@
+#include "server/service/recording/flight_recorder.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <stdexcept>
+
+#include "idl/mcap/output.hpp"
+#include "idl/mcap/writer.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+constexpr std::size_t kRingBytes = std::size_t{8} << 20;
+/// The ring holds what comes in this time at 800 MB/s.
+constexpr std::chrono::milliseconds kPeriod{10};
+constexpr int kFatalSignals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+
+std::atomic<FlightRecorder*> at_fatal_signals{nullptr};
+
+struct RecordView {
+  mcap::MessageHead head;
+  std::span<const std::byte> whole, data;
+};
+
+/// The first of some records.
+RecordView first_of(std::span<const std::byte> records) {
+  std::uint64_t length = 0;
+  RecordView record;
+  const std::byte* at = records.data() + 1;
+  const auto get = [&](auto& value) {
+    std::memcpy(&value, at, sizeof value);
+    at += sizeof value;
+  };
+  get(length), get(record.head.channel), get(record.head.number), get(record.head.log_time), get(record.head.publish_time);
+  record.whole = records.first(mcap::kRecordPrefixBytes + length);
+  record.data = record.whole.subspan(mcap::kMessagePrefixBytes);
+  return record;
+}
+
+/// write(2) until all is out; safe in a signal handler.
+void write_all(int file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file, bytes.data(), bytes.size());
+    if (count <= 0) return;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace
+
+FlightRecorder::FlightRecorder(const std::string& name_space, std::int64_t window_ns, std::string stem)
+    : name_space_(name_space),
+      window_ns_(static_cast<std::uint64_t>(window_ns)),
+      stem_(std::move(stem)),
+      crash_path_(stem_ + "_crash.mcap"),
+      ring_(kRingBytes),
+      window_(window_ns_, [this](std::span<const std::byte> records) { opening_.fold(records); }) {
+  mcap::put_opening(prologue_, recording::library_name(), recording::channels_of(name_space_));
+  thread_ = std::thread([this] { run(); });
+}
+
+FlightRecorder::~FlightRecorder() {
+  FlightRecorder* self = this;
+  if (at_fatal_signals.compare_exchange_strong(self, nullptr)) {
+    for (const int signal : kFatalSignals) std::signal(signal, SIG_DFL);
+  }
+  stopping_.store(true);
+  thread_.join();
+}
+
+void FlightRecorder::run() {
+  while (!stopping_.load()) {
+    {
+      const std::lock_guard lock(mutex_);
+      take_over();
+    }
+    std::this_thread::sleep_for(kPeriod);
+  }
+}
+
+/// What has come in the meantime becomes part of the window.
+void FlightRecorder::take_over() {
+  if (frozen_.load()) return;
+  ring_.drain([&](std::span<const std::byte> record) { window_.add(record, first_of(record).head.log_time); });
+  window_.expire(now_ns());
+}
+
+FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) {
+  if (stem_.empty()) throw std::runtime_error("no folder can be written to; --state-dir names one");
+  FlightFile file{.path = stem_ + "_" + word + ".mcap", .bytes = 0, .messages = 0, .dropped = 0, .from_ns = 0, .to_ns = now_ns()};
+  file.from_ns = file.to_ns - std::min(static_cast<std::uint64_t>(std::max<std::int64_t>(0, last_ns)), window_ns_);
+  mcap::FileOutput output(file.path);
+  mcap::Writer writer(output, recording::library_name(), recording::channels_of(name_space_));
+  {
+    // What comes meanwhile waits in the ring.
+    const std::lock_guard lock(mutex_);
+    take_over();
+    FlightOpening opening = opening_;
+    std::vector<RecordView> newer;
+    window_.for_each_block([&](std::span<const std::byte> records, std::uint64_t, std::uint64_t) {
+      while (!records.empty()) {
+        const RecordView record = first_of(records);
+        record.head.log_time < file.from_ns || last_ns == 0 ? opening.fold(record.whole) : newer.push_back(record);
+        records = records.subspan(record.whole.size());
+      }
+    });
+    file.dropped = ring_.dropped() + opening.left_out();
+    std::uint64_t opening_messages = 0;
+    opening.write([&](recording::Recorded, std::span<const std::byte>) { ++opening_messages; });
+    writer.metadata("recording", {{"opening_messages", std::to_string(opening_messages)},
+                                  {"dropped", std::to_string(file.dropped)}});
+    opening.write([&](recording::Recorded topic, std::span<const std::byte> data) {
+      writer.write(static_cast<std::uint16_t>(topic), file.from_ns, file.from_ns, data);
+    });
+    for (const RecordView& record : newer) {
+      writer.write(record.head.channel, record.head.log_time, record.head.publish_time, record.data);
+    }
+  }
+  if (!writer.close()) throw std::runtime_error(output.problem());
+  file.bytes = output.size();
+  file.messages = writer.messages_written();
+  return file;
+}
+
+// ---- at the end
+
+void FlightRecorder::write_at_fatal_signals() {
+  if (stem_.empty()) return;
+  at_fatal_signals.store(this);
+  for (const int signal : kFatalSignals) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler != SIG_DFL) continue;
+    struct sigaction action {};
+    action.sa_handler = on_fatal_signal;
+    // Once: a fault in the handler ends the process as it would have without.
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
+    sigemptyset(&action.sa_mask);
+    sigaction(signal, &action, nullptr);
+  }
+}
+
+void FlightRecorder::on_fatal_signal(int signal) {
+  // The first thread that fails writes; others that fail meanwhile end the process, and the file breaks off.
+  if (FlightRecorder* recorder = at_fatal_signals.exchange(nullptr)) {
+    recorder->frozen_.store(true);
+    recorder->write_crash_file();
+  }
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+/// Nothing but open, write and close: no memory, no lock. Without checksums and without an end: such a file is read up to
+/// its last whole chunk.
+void FlightRecorder::write_crash_file() const {
+  const int file = ::open(crash_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);
+  if (file < 0) return;
+  write_all(file, prologue_.all());
+  std::byte prefix[mcap::kChunkPrefixBytes];
+  window_.for_each_block([&](std::span<const std::byte> records, std::uint64_t first_time, std::uint64_t last_time) {
+    mcap::put_chunk_prefix(prefix, first_time, last_time, records.size(), 0);
+    write_all(file, prefix);
+    write_all(file, records);
+  });
+  // What the thread that failed was about is here, not yet taken over.
+  std::size_t bytes = 0, seen = 0;
+  std::uint64_t last_time = 0;
+  ring_.peek([&](std::span<const std::byte> record) {
+    bytes += record.size();
+    last_time = std::max(last_time, first_of(record).head.log_time);
+  });
+  mcap::put_chunk_prefix(prefix, last_time, last_time, bytes, 0);
+  write_all(file, prefix);
+  ring_.peek([&](std::span<const std::byte> record) {
+    seen += record.size();
+    if (seen <= bytes) write_all(file, record);  // others may have gone on
+  });
+  ::close(file);
+}
+
+}  // namespace collided::engine::service

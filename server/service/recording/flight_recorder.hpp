@@ -1,0 +1,78 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "idl/recording/recorded_topics.hpp"
+#include "server/service/recording/flight_opening.hpp"
+#include "server/service/recording/flight_ring.hpp"
+#include "server/service/recording/flight_window.hpp"
+
+namespace collided::engine::service {
+
+/// A file that the flight recorder wrote.
+struct FlightFile {
+  std::string path;
+  std::uint64_t bytes = 0;
+  std::uint64_t messages = 0;
+  std::uint64_t dropped = 0;  // samples since the start that found no room: the file may lack them
+  std::uint64_t from_ns = 0, to_ns = 0;  // since 1970
+};
+
+/// Remembers what the server took and wrote in its last seconds, and what its publishers and commands had brought in before.
+///
+/// memory   8 MiB for what is under way, at most 64 MiB for the window (a busy server's reaches less far back), at most
+///          64 MiB for definitions and commands from before it, 16 MiB for contacts and 120 bytes for each pose
+/// threads  note() from any: no lock, no allocation, no waiting; the rest from any
+class FlightRecorder {
+ public:
+  /// window_ns   how far back, above 0
+  /// stem        "folder/name" that the files' names begin with; empty: nowhere to write, only what is kept can be looked at
+  FlightRecorder(const std::string& name_space, std::int64_t window_ns, std::string stem);
+  ~FlightRecorder();
+
+  template <class T>
+  void note(recording::Recorded topic, const T& sample, std::int64_t sent_ns = 0) noexcept {
+    const std::uint64_t now = now_ns();
+    ring_.put(static_cast<std::uint16_t>(topic), sample, now, sent_ns > 0 ? static_cast<std::uint64_t>(sent_ns) : now);
+  }
+
+  /// Writes the newest `last_ns` (all that there is, where that is less) as "<stem>_<word>.mcap".
+  /// Throws std::runtime_error with the reason.
+  FlightFile write(const std::string& word, std::int64_t last_ns);
+  const std::string& stem() const { return stem_; }
+
+  /// From then on a signal that ends the process by its own fault leaves "<stem>_crash.mcap": all but the state from
+  /// before the window, which could be found half changed. Signals that somebody else handles are left to him.
+  void write_at_fatal_signals();
+
+ private:
+  static std::uint64_t now_ns() {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+  }
+  void run();
+  void take_over();
+  static void on_fatal_signal(int signal);
+  void write_crash_file() const;
+
+  const std::string name_space_;
+  const std::uint64_t window_ns_;
+  const std::string stem_;
+  const std::string crash_path_;
+  mcap::Bytes prologue_;  // of a crash file
+
+  FlightRing ring_;
+  std::mutex mutex_;  // for window and opening
+  FlightOpening opening_;
+  FlightWindow window_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> frozen_{false};  // a fatal signal is being dealt with
+  std::thread thread_;
+};
+
+}  // namespace collided::engine::service

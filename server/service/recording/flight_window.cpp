@@ -1,0 +1,52 @@
+#include "server/service/recording/flight_window.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace collided::engine::service {
+
+void FlightWindow::add(std::span<const std::byte> record, std::uint64_t log_time) {
+  // Blocks also end with time, so that what leaves is never much longer than the window.
+  constexpr std::uint64_t kBlocksAWindow = 16;
+  const bool room = count_ > 0 && newest().used + record.size() <= kBlockBytes;
+  if (!room || log_time > newest().first_time + window_ns_ / kBlocksAWindow) open_block(log_time);
+  Block& block = newest();
+  std::memcpy(block.bytes.get() + block.used, record.data(), record.size());
+  block.last_time = std::max(block.last_time, log_time);
+  block.used.store(block.used + record.size(), std::memory_order_release);
+}
+
+void FlightWindow::open_block(std::uint64_t log_time) {
+  if (count_ == kBlocks) drop_oldest();
+  Block& block = blocks_[(first_ + count_) % kBlocks];
+  if (!block.bytes) block.bytes = memory_of_a_free_block();
+  block.used.store(0);
+  block.first_time = block.last_time = log_time;
+  count_.store(count_ + 1, std::memory_order_release);
+}
+
+std::unique_ptr<std::byte[]> FlightWindow::memory_of_a_free_block() {
+  for (std::size_t i = count_; i < kBlocks; ++i) {
+    Block& free = blocks_[(first_ + i) % kBlocks];
+    if (free.bytes) return std::move(free.bytes);
+  }
+  return std::unique_ptr<std::byte[]>(new std::byte[kBlockBytes]);  // not zeroed: pages come as they are written
+}
+
+std::size_t FlightWindow::held_bytes() const {
+  const auto has_memory = [](const Block& block) { return block.bytes != nullptr; };
+  return kBlockBytes * static_cast<std::size_t>(std::count_if(blocks_.begin(), blocks_.end(), has_memory));
+}
+
+void FlightWindow::drop_oldest() {
+  const Block& block = blocks_[first_];
+  leave_({block.bytes.get(), block.used});
+  first_.store((first_ + 1) % kBlocks);
+  count_.store(count_ - 1);
+}
+
+void FlightWindow::expire(std::uint64_t now) {
+  while (count_ > 0 && blocks_[first_].last_time + window_ns_ < now) drop_oldest();
+}
+
+}  // namespace collided::engine::service

@@ -1,0 +1,151 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "server/service/runtime/ring.hpp"
+
+namespace collided::engine::service {
+
+/// Whose work it is, and how much.
+struct Share {
+  std::uint64_t client = 0;
+  double cost = 1;       // in any unit, the same for all
+  bool is_kept = false;  // taken although others have less: as long as a quarter of the room is not this client's
+};
+
+/// Work of many clients for several threads. Those who wait share the threads evenly by cost, however much each of them
+/// has sent: a client that asks one thing passes another's thousands. What a client may have waiting is as much as is
+/// still free, so that one alone may fill half of the room, two a third each, and who comes later finds some.
+///
+/// source   Goyal, Vin, Cheng, "Start-time Fair Queuing", 1996; Choudhury, Hahne, "Dynamic Queue Length Thresholds for
+///          Shared-Memory Packet Switches", 1998
+/// threads  any
+/// memory   only grows, up to `limit` items: none is allocated once as much has waited before
+template <class Item>
+class FairQueue {
+ public:
+  explicit FairQueue(std::size_t limit) : limit_(limit) { flows_.reserve(kFewFlows); }
+
+  /// The server's own work, before all others'.
+  void push_own(Item item) {
+    {
+      const std::lock_guard lock(mutex_);
+      own_.push_back(std::move(item));
+      ++own_count_;
+    }
+    arrived_.notify_one();
+  }
+  /// False: no room for this client, the item is as it was.
+  [[nodiscard]] bool push(const Share& share, Item& item) {
+    {
+      const std::lock_guard lock(mutex_);
+      const std::size_t waiting = waiting_.load(std::memory_order_relaxed);
+      const std::size_t free = limit_ - std::min(limit_, waiting);
+      Flow& flow = flow_of(share.client);
+      const std::size_t most = share.is_kept ? limit_ - limit_ / 4 : free;
+      if (free == 0 || flow.entries.size() >= most) {
+        ++refused_;
+        return false;
+      }
+      const double start = std::max(now_, flow.finish);
+      flow.finish = start + share.cost;
+      flow.entries.push_back({std::move(item), start});
+      waiting_.store(waiting + 1, std::memory_order_relaxed);
+    }
+    arrived_.notify_one();
+    return true;
+  }
+
+  bool has_room() const { return waiting_.load(std::memory_order_relaxed) < limit_; }
+  bool has_room_for_own() const { return own_count_.load(std::memory_order_relaxed) < limit_; }
+  std::size_t waiting() const { return waiting_.load(std::memory_order_relaxed); }
+  /// How often push() has said no.
+  std::uint64_t refused() const { return refused_.load(std::memory_order_relaxed); }
+
+  /// Waits; nothing once the queue is closed and empty.
+  std::optional<Item> pop() {
+    std::unique_lock lock(mutex_);
+    arrived_.wait(lock, [&] { return closed_ || !own_.empty() || waiting() > 0; });
+    if (!own_.empty()) {
+      --own_count_;
+      return own_.pop_front();
+    }
+    if (waiting() == 0) return std::nullopt;
+    return pop_fairly();
+  }
+  /// What is in is still handed out.
+  void close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    arrived_.notify_all();
+  }
+
+ private:
+  static constexpr std::size_t kFewFlows = 16;
+  static constexpr std::size_t kMostFlows = 4'096;  // client numbers come from outside
+
+  struct Entry {
+    Item item{};
+    double start = 0;
+  };
+  struct Flow {
+    std::uint64_t client = 0;
+    double finish = 0;  // of the last entry: where the next one starts at the earliest
+    Ring<Entry> entries;
+  };
+
+  /// An idle flow whose past no longer counts serves the next client.
+  Flow& flow_of(std::uint64_t client) {
+    Flow* idle = nullptr;
+    for (Flow& flow : flows_) {
+      if (flow.client == client) return flow;
+      if (flow.entries.empty() && (idle == nullptr || flow.finish < idle->finish)) idle = &flow;
+    }
+    const bool is_past = idle != nullptr && idle->finish <= now_;
+    if (idle == nullptr || (!is_past && flows_.size() < kMostFlows)) idle = &flows_.emplace_back();
+    idle->client = client;
+    idle->finish = now_;
+    return *idle;
+  }
+
+  /// The entry with the earliest start. Few clients wait at a time as a rule, so they are looked through.
+  Item pop_fairly() {
+    Flow* first = nullptr;
+    double earliest = std::numeric_limits<double>::infinity();
+    for (Flow& flow : flows_) {
+      if (flow.entries.empty() || flow.entries.front().start >= earliest) continue;
+      earliest = flow.entries.front().start;
+      first = &flow;
+    }
+    Entry entry = first->entries.pop_front();
+    waiting_.fetch_sub(1, std::memory_order_relaxed);
+    now_ = entry.start;
+    if (waiting() == 0) {
+      // Nobody waits: everybody begins anew.
+      for (const Flow& flow : flows_) now_ = std::max(now_, flow.finish);
+    }
+    return std::move(entry.item);
+  }
+
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::vector<Flow> flows_;
+  Ring<Item> own_;
+  double now_ = 0;  // start of what was handed out last
+  std::atomic<std::size_t> waiting_{0};  // of all flows; read without the lock where it need not be exact
+  std::atomic<std::size_t> own_count_{0};
+  std::atomic<std::uint64_t> refused_{0};
+  std::size_t limit_;
+  bool closed_ = false;
+};
+
+}  // namespace collided::engine::service

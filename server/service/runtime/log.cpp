@@ -1,0 +1,41 @@
+#include "server/service/runtime/log.hpp"
+
+#include <spdlog/formatter.h>
+#include <spdlog/sinks/stdout_sinks.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+namespace collided::engine::service {
+namespace {
+
+class JsonFormatter : public spdlog::formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& line) override {
+    const auto since = std::chrono::duration<double>(message.time.time_since_epoch()).count();
+    const auto level = spdlog::level::to_string_view(message.level);
+    const nlohmann::ordered_json fields{{"time", since},
+                                        {"level", std::string(level.data(), level.size())},
+                                        {"message", std::string(message.payload.data(), message.payload.size())}};
+    const std::string text = fields.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+    line.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<JsonFormatter>(); }
+};
+
+}  // namespace
+
+std::shared_ptr<spdlog::logger> make_log(const std::string& level, bool json) {
+  auto log = std::make_shared<spdlog::logger>("collided", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  log->set_level(spdlog::level::from_str(level == "error" ? "err" : level));
+  if (json) {
+    log->set_formatter(std::make_unique<JsonFormatter>());
+  } else {
+    log->set_pattern("%H:%M:%S.%e %l: %v");
+  }
+  log->flush_on(spdlog::level::trace);
+  return log;
+}
+
+}  // namespace collided::engine::service

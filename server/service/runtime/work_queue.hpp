@@ -1,0 +1,57 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "server/service/runtime/ring.hpp"
+
+namespace collided::engine::service {
+
+/// Work for several threads, in order of arrival. The bound is kept by who pushes: see has_room().
+template <class Item>
+class WorkQueue {
+ public:
+  explicit WorkQueue(std::size_t limit) : limit_(limit) {}
+
+  /// False once it is closed: nobody would come for the item.
+  bool push(Item item) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (closed_) return false;
+      items_.push_back(std::move(item));
+      size_.fetch_add(1, std::memory_order_relaxed);
+    }
+    arrived_.notify_one();
+    return true;
+  }
+  bool empty() const { return size_.load(std::memory_order_relaxed) == 0; }
+  bool has_room() const { return size_.load(std::memory_order_relaxed) < limit_; }
+  /// Waits; nothing once the queue is closed and empty.
+  std::optional<Item> pop() {
+    std::unique_lock lock(mutex_);
+    arrived_.wait(lock, [&] { return closed_ || !empty(); });
+    if (empty()) return std::nullopt;
+    size_.fetch_sub(1, std::memory_order_relaxed);
+    return items_.pop_front();
+  }
+  /// What is in is still handed out.
+  void close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    arrived_.notify_all();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable arrived_;
+  Ring<Item> items_;
+  std::atomic<std::size_t> size_{0};  // read without the lock where it need not be exact
+  std::size_t limit_;
+  bool closed_ = false;
+};
+
+}  // namespace collided::engine::service

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "idl/topics.hpp"
+#include "server/broad_phase/hierarchy/bvh.hpp"
+#include "server/geometry/pose.hpp"
+#include "server/geometry/shape.hpp"
+#include "server/intake/scene.hpp"
+
+namespace collided::engine {
+
+/// Slot in the low 32 bits, generation in the high ones: a reused slot is another object.
+using ObjectId = std::uint64_t;
+
+inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id); }
+
+/// A mesh with its index, both in the mesh's own frame; shared by every object that has the mesh.
+struct IndexedMesh {
+  std::shared_ptr<const TriangleMesh> mesh;
+  Bvh tree;
+  double radius_m = 0;  // no vertex is farther from the frame's origin
+};
+
+/// In place of the number of a scene's part.
+inline constexpr std::uint32_t kNoScenePart = 0xffffffff;
+
+struct IndexedParts;  // part_index.hpp
+struct SceneLevel;    // scene_levels.hpp
+
+/// What is known of an object besides where it is. Immutable: a new definition makes a new one.
+struct ObjectInfo {
+  ObjectId id = 0;
+  std::string name;
+  std::string scene;  // that it was loaded with; empty: added at run time
+  Filter filter;
+  bool moving = false;
+  wire_contract::LostPolicy lost_policy = wire_contract::LostPolicy::remove;
+  std::uint64_t publisher = 0;  // 0: the server's own
+  std::vector<Primitive> primitives;        // in the object's frame
+  std::shared_ptr<const IndexedParts> parts;  // of the primitives; null: each is asked
+  std::shared_ptr<const IndexedMesh> mesh;  // in the object's frame; null for a part of a static scene
+  std::uint32_t scene_part = kNoScenePart;    // number of the part where the object is a run of static triangles
+  std::uint32_t part_triangles = 0;         // of the part, or of a mesh whose triangles mending has cut
+  CutTriangles cut;                         // of these
+
+  /// What answers call a triangle.
+  std::uint32_t told_triangle(std::uint32_t triangle) const { return cut.told(triangle, part_triangles); }
+};
+
+/// Nothing but triangles.
+inline bool is_bare_mesh(const ObjectInfo& info) { return info.mesh && info.primitives.empty(); }
+
+/// One loaded file's static triangles with their index, in world coordinates, and its objects' meshes with theirs.
+struct StaticScene {
+  std::string name;
+  TriangleMesh mesh;
+  Bvh tree;
+  std::vector<Part> parts;            // ordered by first_triangle, without gap
+  std::vector<ObjectId> part_objects; // one a part
+  std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;  // one an object of the file; null: without a mesh
+  std::vector<std::shared_ptr<const SceneLevel>> levels;  // simpler forms of the mesh, finest first
+  std::vector<std::string> warnings;  // saved indexes that were not fit for use
+
+  std::uint32_t part_of(std::uint32_t triangle) const;
+  std::uint64_t bytes() const;
+};
+
+/// Every object by slot; a free slot is null. Immutable, replaced as a whole when a definition changes.
+using ObjectTable = std::vector<std::shared_ptr<const ObjectInfo>>;
+
+}  // namespace collided::engine

@@ -1,0 +1,182 @@
+#include "server/world/objects/object_rows.hpp"
+
+#include <algorithm>
+
+#include "server/world/objects/touch.hpp"
+
+namespace collided::engine {
+
+ObjectTable& ObjectRows::table_to_change() {
+  ++table_version_;
+  if (table_is_shared_) {
+    table_ = std::make_shared<ObjectTable>(*table_);
+    table_is_shared_ = false;
+  }
+  return *table_;
+}
+
+void ObjectRows::mark(std::uint32_t slot, Motion how) {
+  if (motion_[slot] == Motion::none) moved_.push_back(slot);
+  motion_[slot] = std::max(motion_[slot], how);
+}
+
+ObjectId ObjectRows::take_slot() {
+  std::uint32_t slot = static_cast<std::uint32_t>(rows_.size());
+  if (!free_slots_.empty()) {
+    slot = free_slots_.back();
+    free_slots_.pop_back();
+    ++generations_[slot];
+  } else {
+    table_to_change().emplace_back();
+    rows_.emplace_back();
+    motion_.push_back(Motion::none);
+    news_.push_back(0);
+    changed_.push_back(0);
+    generations_.push_back(1);
+    source_.push_back(Sources::kResting);
+  }
+  return (static_cast<ObjectId>(generations_[slot]) << 32) | slot;
+}
+
+void ObjectRows::put(std::shared_ptr<const ObjectInfo> info) {
+  const std::uint32_t slot = slot_of(info->id);
+  names_.emplace(info->name, info->id);
+  table_to_change()[slot] = std::move(info);
+  mark(slot, Motion::placed);
+}
+
+void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, std::uint32_t source,
+                     std::int64_t born_ns) {
+  ObjectRow& row = rows_[slot_of(info->id)];
+  source_[slot_of(info->id)] = source;
+  row.movable = info->id;
+  row.pose = pose;
+  row.frame = row.frame_before = frame_of(pose);
+  row.bounds = bounds_of(*info, row.frame);
+  row.lone_sphere = lone_sphere(*info);
+  row.reach_m = reach_of(*info);
+  row.has_way = false;
+  row.posed_ns = row.posed_before_ns = row.said_before_ns = row.born_ns = info->moving ? born_ns : 0;
+  news_[slot_of(info->id)] = kDefined;
+  put(std::move(info));
+}
+
+void ObjectRows::remove(ObjectId id) {
+  const std::uint32_t slot = slot_of(id);
+  names_.erase(info(slot)->name);
+  table_to_change()[slot].reset();
+  // A part of a scene may have the slot next, and a part has no pose, age or way.
+  rows_[slot] = ObjectRow{};
+  source_[slot] = Sources::kResting;
+  freed_.push_back(slot);
+  mark(slot, Motion::placed);
+}
+
+void ObjectRows::begin(std::uint32_t source, std::int64_t time_ns) {
+  for (const std::uint32_t slot : moved_) {
+    ObjectRow& row = rows_[slot];
+    if (source_[slot] != source || row.born_ns != kPosedAtStep) continue;
+    row.born_ns = time_ns;
+    row.posed_ns = std::max(row.posed_ns, time_ns);
+  }
+}
+
+bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how) {
+  const std::uint32_t slot = slot_of(id);
+  if (slot >= rows_.size() || rows_[slot].movable != id || id == 0) return false;
+  ObjectRow& row = rows_[slot];
+  if (!is_posed(slot)) {
+    row.frame_before = row.frame;
+    row.said_before_ns = row.posed_ns;
+    row.posed_before_ns = row.posed_ns == kPosedAtStep ? row.posed_ns : std::max(row.posed_ns, at.since_ns);
+  }
+  row.pose = pose;
+  row.frame = frame_of(pose);
+  row.bounds = row.lone_sphere ? bounds(place(row.frame, *row.lone_sphere)) : bounds_of(*info(slot), row.frame);
+  // An object's time does not go back, whatever its publisher's clock does: brackets are measured in it.
+  row.posed_ns = std::max(row.posed_ns, at.time_ns);
+  news_[slot] |= kPosed;
+  row.has_way = how == Motion::moved;
+  mark(slot, how);
+  return true;
+}
+
+void ObjectRows::prefetch(std::uint32_t slot) const {
+  if (slot >= rows_.size()) return;
+  const char* row = reinterpret_cast<const char*>(&rows_[slot]);
+  for (std::size_t byte = 0; byte < sizeof(ObjectRow); byte += 64) __builtin_prefetch(row + byte, 1);
+}
+
+void ObjectRows::place_all_movers_again() {
+  for (std::uint32_t slot = 0; slot < size(); ++slot) {
+    if (info(slot) != nullptr && info(slot)->moving) mark(slot, Motion::placed);
+  }
+}
+
+void ObjectRows::look_again(std::uint32_t slot) {
+  if (motion_[slot] == Motion::none) mark(slot, Motion::placed);
+}
+
+void ObjectRows::set_stale(std::uint32_t slot, bool is_stale) {
+  rows_[slot].is_stale = is_stale;
+  changed_[slot] = step_ + 1;
+}
+
+void ObjectRows::stamp_changes(std::uint64_t step, std::int64_t world_time_ns, const Sources& sources) {
+  step_ = step;
+  for (const std::uint32_t slot : moved_) {
+    changed_[slot] = step;
+    ObjectRow& row = rows_[slot];
+    if (row.born_ns != kPosedAtStep) continue;
+    row.born_ns = source_[slot] != Sources::kResting ? sources[source_[slot]].known_ns : world_time_ns;
+    row.posed_ns = std::max(row.posed_ns, row.born_ns);
+  }
+}
+
+void ObjectRows::copy_changes(Snapshot& to) {
+  const std::size_t known = to.changed.size();
+  const std::size_t count = size();
+  to.poses.resize(count);
+  to.frames.resize(count);
+  to.bounds.resize(count);
+  to.posed_ns.resize(count);
+  to.stale.resize(count);
+  to.changed.resize(count);
+  for (std::uint32_t slot = 0; slot < count; ++slot) {
+    if (slot < known && to.changed[slot] == changed_[slot]) continue;
+    const ObjectRow& row = rows_[slot];
+    to.poses[slot] = row.pose;
+    to.frames[slot] = row.frame;
+    to.bounds[slot] = row.bounds;
+    to.posed_ns[slot] = row.posed_ns;
+    to.stale[slot] = row.is_stale ? 1 : 0;
+    to.changed[slot] = changed_[slot];
+  }
+  to.objects = table_;
+  to.table_version = table_version_;
+  table_is_shared_ = true;
+}
+
+void ObjectRows::end_step() {
+  for (const std::uint32_t slot : moved_) {
+    motion_[slot] = Motion::none;
+    news_[slot] = 0;
+  }
+  moved_.clear();
+  free_slots_.insert(free_slots_.end(), freed_.begin(), freed_.end());
+  freed_.clear();
+}
+
+const ObjectInfo* ObjectRows::find(ObjectId id) const {
+  const std::uint32_t slot = slot_of(id);
+  const ObjectInfo* found = slot < size() ? info(slot) : nullptr;
+  return found != nullptr && found->id == id ? found : nullptr;
+}
+
+std::optional<ObjectId> ObjectRows::find(std::string_view name) const {
+  const auto found = names_.find(std::string(name));
+  if (found == names_.end()) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace collided::engine

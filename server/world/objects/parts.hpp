@@ -1,0 +1,53 @@
+#pragma once
+
+#include <variant>
+
+#include "server/world/objects/snapshot.hpp"
+
+namespace collided::engine {
+
+/// Calls visit(object, triangle, shape) for every part of every object, in world coordinates, without an index:
+/// shape is a Sphere, Box, Capsule or Triangle; triangle its number within the object, or kNoTriangle.
+template <class Visit>
+void visit_parts(const Snapshot& snapshot, Visit&& visit) {
+  for (const auto& scene : snapshot.scenes) {
+    for (std::uint32_t i = 0; i < scene->mesh.triangles.size(); ++i) {
+      const std::uint32_t part = scene->part_of(i);
+      const ObjectId object = scene->part_objects[part];
+      if (!(*snapshot.objects)[slot_of(object)]) continue;
+      visit(object, i - scene->parts[part].first_triangle, scene->mesh.triangle(i));
+    }
+  }
+  for (const auto& info : *snapshot.objects) {
+    if (!info) continue;
+    const Frame& frame = snapshot.frames[slot_of(info->id)];
+    for (const Primitive& primitive : info->primitives) {
+      std::visit([&](const auto& own) { visit(info->id, wire_contract::kNoTriangle, place(frame, own)); }, primitive);
+    }
+    if (!info->mesh) continue;
+    for (std::uint32_t i = 0; i < info->mesh->mesh->triangles.size(); ++i) {
+      visit(info->id, i, place(frame, info->mesh->mesh->triangle(i)));
+    }
+  }
+}
+
+/// The same for one object's triangle, or for all of its primitives where triangle is kNoTriangle: visit(shape).
+template <class Visit>
+void visit_part(const Snapshot& snapshot, ObjectId object, std::uint32_t triangle, Visit&& visit) {
+  const ObjectInfo& info = *(*snapshot.objects)[slot_of(object)];
+  const Frame& frame = snapshot.frames[slot_of(object)];
+  if (triangle == wire_contract::kNoTriangle) {
+    for (const Primitive& primitive : info.primitives) {
+      std::visit([&](const auto& own) { visit(place(frame, own)); }, primitive);
+    }
+  } else if (info.mesh) {
+    visit(place(frame, info.mesh->mesh->triangle(triangle)));
+  } else {
+    for (const auto& scene : snapshot.scenes) {
+      if (info.scene_part >= scene->parts.size() || scene->part_objects[info.scene_part] != object) continue;
+      visit(scene->mesh.triangle(scene->parts[info.scene_part].first_triangle + triangle));
+    }
+  }
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "server/world/objects/touch.hpp"
+
+namespace collided::engine {
+
+/// One part of a static scene that was touched, or may have been (touch.undecided).
+struct PartTouch {
+  std::uint32_t part = 0;
+  Touch touch;
+};
+
+/// The touched parts of a scene, in the order of first candidate.
+class PartTouches {
+ public:
+  explicit PartTouches(bool contacts_wanted) : wanted_(contacts_wanted) {}
+
+  void clear(bool contacts_wanted) {
+    wanted_ = contacts_wanted;
+    list_.clear();
+  }
+  Touch& of(std::uint32_t part) {
+    // Neighbouring triangles are of the same part, so the last one asked for is mostly right.
+    if (!list_.empty() && list_.back().part == part) return list_.back().touch;
+    const auto found = std::find_if(list_.begin(), list_.end(), [&](const PartTouch& t) { return t.part == part; });
+    if (found != list_.end()) return found->touch;
+    list_.push_back({.part = part, .touch = {}});
+    list_.back().touch.wanted = wanted_;
+    return list_.back().touch;
+  }
+  const std::vector<PartTouch>& list() const { return list_; }
+  std::vector<PartTouch>& list() { return list_; }
+
+ private:
+  bool wanted_;
+  std::vector<PartTouch> list_;
+};
+
+/// A square that no distance up to this one exceeds; the distance may be the sum of two.
+inline double square_up(double distance_m) {
+  const double reach_m = distance_m * (1 + 0x1p-50);
+  return reach_m * reach_m * (1 + 0x1p-50) + std::numeric_limits<double>::min();
+}
+
+/// Calls visit(triangle, part, corners) for each static triangle that may lie within sqrt(limit_m2) of the point and
+/// whose part is allowed, roughly near to far. visit -> the limit from then on; negative ends the walk.
+template <class Allowed, class Visit>
+void visit_scene_near(const StaticScene& scene, const Vec3& point, double limit_m2, WalkCost& cost, Allowed&& allowed,
+                      Visit&& visit) {
+  const auto candidate = [&](std::uint32_t triangle, double limit) {
+    const std::uint32_t part = scene.part_of(triangle);
+    return allowed(part) ? visit(triangle, part, scene.mesh.triangle(triangle)) : limit;
+  };
+  scene.tree.walk_near(point, limit_m2, 0, candidate, cost);
+}
+
+/// Calls visit(triangle, part, corners) for each static triangle near the box whose part is allowed.
+/// allowed(part) -> bool; visit -> bool, false ends the walk.
+template <class Allowed, class Visit>
+void visit_scene(const StaticScene& scene, const Aabb& near, WalkCost& cost, Allowed&& allowed, Visit&& visit) {
+  const auto candidate = [&](std::uint32_t triangle) {
+    const std::uint32_t part = scene.part_of(triangle);
+    return !allowed(part) || visit(triangle, part, scene.mesh.triangle(triangle));
+  };
+  scene.tree.walk_box(near, candidate, cost);
+}
+
+/// Calls visit(triangle, corners, mover_triangle, mover_corners) for each static triangle and each of the mesh at the
+/// frame that may meet, or come within gap_m; visit -> bool, false ends the walk.
+template <class Visit>
+void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const Frame& frame, WalkCost& cost,
+                       Visit&& visit, double gap_m = 0) {
+  PlacedTriangles placed(*mesh.mesh, frame);
+  const auto candidate = [&](std::uint32_t triangle, std::uint32_t mover_triangle) {
+    return visit(triangle, scene.mesh.triangle(triangle), mover_triangle, placed.at(mover_triangle));
+  };
+  const double slack_m = placement_slack(frame, 0, mesh.radius_m);
+  scene.tree.walk_pairs(mesh.tree, frame.rotation, frame.position, slack_m + gap_m, candidate, cost);
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "server/broad_phase/grid/grid.hpp"
+#include "server/geometry/aabb.hpp"
+#include "server/geometry/pose.hpp"
+#include "server/world/objects/object.hpp"
+
+namespace collided::engine {
+
+/// An object whose publisher is lost: where it was seen last, and how fast it was then.
+struct StaleObject {
+  ObjectId id = 0;
+  Vec3 position = Vec3::Zero();  // of its frame
+  double reach_m = 0;            // no point of it is farther from there
+  double speed_mps = 0;          // between its last two poses
+  std::int64_t posed_ns = 0;     // world time of the last
+};
+
+/// One unchanging, consistent state of every object: what a question sees.
+/// Any thread may read it for as long as it holds the lease; nobody waits.
+/// Always: bounds[slot] contains every point of the object at its pose; empty for free slots and static parts.
+struct Snapshot {
+  std::uint64_t epoch = 0;
+  std::uint64_t version = 0;
+  std::int64_t world_time_ns = 0;
+  std::int64_t settled_ns = 0;  // the newest instant at which it is known where every object was
+  std::vector<std::shared_ptr<const StaticScene>> scenes;
+  std::shared_ptr<const ObjectTable> objects;
+  std::uint64_t table_version = 0;      // grows with each change of `objects`
+  std::vector<Pose> poses;              // by slot
+  std::vector<Frame> frames;            // by slot
+  std::vector<Aabb> bounds;             // by slot
+  std::vector<std::int64_t> posed_ns;   // world time of the pose, by slot; 0: never moved
+  std::vector<std::uint8_t> stale;      // 1: the publisher is lost, the pose is frozen
+  std::vector<StaleObject> stale_objects;
+  std::shared_ptr<const std::vector<Aabb>> covers;  // where the loaded geometry is complete; null: everywhere
+  bool contacts_truncated = false;      // there are more contacts than the step could tell
+  std::shared_ptr<Grid> grid;           // over bounds, or generous ones; shared while no object moves
+  std::vector<std::uint64_t> changed;   // by slot: version of the last change, for cheap catching up
+};
+
+/// Hands snapshots from the one writer to any number of readers without a lock: a ring of states, each with a count
+/// of readers. A reader takes a lease; the writer fills a state that nobody reads and makes it the newest.
+class SnapshotRing {
+ public:
+  static constexpr std::uint32_t kStates = 16;
+
+  /// Keeps one state alive. Copying takes another lease.
+  class Lease {
+   public:
+    Lease() = default;
+    Lease(const Lease& other);
+    Lease(Lease&& other) noexcept : ring_(other.ring_), index_(other.index_) { other.ring_ = nullptr; }
+    Lease& operator=(Lease other) noexcept;
+    ~Lease();
+    const Snapshot& operator*() const { return ring_->states_[index_].snapshot; }
+    const Snapshot* operator->() const { return &ring_->states_[index_].snapshot; }
+    explicit operator bool() const { return ring_ != nullptr; }
+
+   private:
+    friend class SnapshotRing;
+    Lease(const SnapshotRing* ring, std::uint32_t index) : ring_(ring), index_(index) {}
+    const SnapshotRing* ring_ = nullptr;
+    std::uint32_t index_ = 0;
+  };
+
+  /// The newest state. Lock-free; any thread.
+  Lease newest() const;
+
+  /// A state that nobody reads, not the newest; nullptr while readers hold all others. Writer only.
+  Snapshot* writable();
+  /// Makes the state that writable() gave the newest. Writer only.
+  void publish();
+  /// The newest state, for the writer itself.
+  const Snapshot& current() const { return states_[newest_.load(std::memory_order_relaxed)].snapshot; }
+
+ private:
+  struct State {
+    Snapshot snapshot;
+    mutable std::atomic<std::uint32_t> readers{0};
+  };
+  std::array<State, kStates> states_;
+  std::atomic<std::uint32_t> newest_{0};
+  std::uint32_t filling_ = 0;
+};
+
+}  // namespace collided::engine

@@ -1,0 +1,127 @@
+#include "server/world/objects/sources.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace collided::engine {
+
+std::uint32_t Sources::add_object(std::uint64_t publisher) {
+  const auto [entry, is_new] = numbers_.try_emplace(publisher, 0);
+  if (is_new) {
+    if (free_.empty()) {
+      entry->second = static_cast<std::uint32_t>(sources_.size());
+      sources_.emplace_back();
+    } else {
+      entry->second = free_.back();
+      free_.pop_back();
+    }
+    sources_[entry->second] = {.publisher = publisher, .instants = {}};
+  }
+  Source& source = sources_[entry->second];
+  if (++source.object_count > 1) return entry->second;
+  ++used_count_;
+  // Nobody asks for what was before, so nothing of it is left to say.
+  source.known_ns = std::max(source.known_ns, floor_ns_);
+  source.settled_ns = std::max(source.settled_ns, floor_ns_);
+  return entry->second;
+}
+
+/// Who goes on saying instants may define an object again: what it has said stays said.
+void Sources::remove_object(std::uint32_t source) {
+  if (--sources_[source].object_count > 0) return;
+  --used_count_;
+  if (!sources_[source].is_timed) release(source);
+}
+
+void Sources::release(std::uint32_t source) {
+  numbers_.erase(sources_[source].publisher);
+  sources_[source] = {};
+  free_.push_back(source);
+}
+
+void Sources::note_streamed(std::uint32_t source) {
+  Source& of = sources_[source];
+  if (!of.is_streamed) of.streamed_ns = of.settled_ns;
+  of.is_streamed = true;
+}
+
+const Source* Sources::find(std::uint64_t publisher) const {
+  const auto found = numbers_.find(publisher);
+  return found == numbers_.end() ? nullptr : &sources_[found->second];
+}
+
+std::optional<std::uint32_t> Sources::advance(std::uint64_t publisher, std::int64_t time_ns) {
+  const auto found = numbers_.find(publisher);
+  if (found == numbers_.end()) return std::nullopt;
+  Source& source = sources_[found->second];
+  time_ns = source.admitted(time_ns);
+  if (time_ns > source.known_ns) {
+    source.before_ns = source.known_ns;
+    source.known_ns = time_ns;
+    source.instants.push_back(time_ns);
+  }
+  source.has_spoken = true;
+  return std::exchange(source.is_timed, true) ? std::nullopt : std::optional(found->second);
+}
+
+void Sources::lose(std::uint64_t publisher) {
+  const auto found = numbers_.find(publisher);
+  if (found == numbers_.end()) return;
+  sources_[found->second].is_timed = false;
+  if (sources_[found->second].object_count == 0) release(found->second);
+}
+
+bool Sources::is_over_floor_again(const Source& source) const {
+  return source.settled_of(0) < floor_ns_ && source.known_ns >= floor_ns_;
+}
+
+void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
+  bool is_any_timed = false;
+  std::int64_t oldest_ns = kForEver;
+  std::int64_t newest_ns = 0;
+  needs_common_time_ = is_any_open;
+  is_any_over_floor_again_ = false;
+  for (Source& source : sources_) {
+    if (source.object_count == 0) continue;
+    is_any_timed = is_any_timed || source.is_timed || source.has_spoken;
+    oldest_ns = std::min(oldest_ns, source.settled_ns);
+    newest_ns = std::max(newest_ns, source.settled_ns);
+    if (!source.is_timed) source.known_ns = std::max(source.known_ns, world_time_ns);
+    is_any_over_floor_again_ = is_any_over_floor_again_ || is_over_floor_again(source);
+    const auto is_new = [&](std::int64_t instant) { return instant > source.settled_ns; };
+    const bool has_several = std::count_if(source.instants.begin(), source.instants.end(), is_new) > 1;
+    const bool leaves_out = source.posed_count > 0 && source.posed_count < source.object_count;
+    const bool is_uneven = has_several || leaves_out || source.has_own_ways;
+    needs_common_time_ = needs_common_time_ || source.is_streamed || (source.has_spoken && is_uneven);
+  }
+  // Who was behind the others when the last step ended is to catch up, even where nobody says instants any more.
+  needs_common_time_ = needs_common_time_ || (used_count_ > 1 && (is_any_timed || oldest_ns < newest_ns));
+}
+
+std::int64_t Sources::settled_ns(std::int64_t world_time_ns) const {
+  std::int64_t settled_ns = world_time_ns;
+  for (const Source& source : sources_) {
+    if (source.object_count > 0) settled_ns = std::min(settled_ns, source.known_of(0));
+  }
+  return settled_ns;
+}
+
+void Sources::end_step() {
+  std::int64_t newest_ns = 0;
+  std::int64_t oldest_ns = kForEver;
+  for (Source& source : sources_) {
+    source.settled_ns = std::max(source.settled_ns, source.known_ns);
+    source.posed_count = 0;
+    source.has_own_ways = source.has_spoken = false;
+    if (source.object_count == 0) continue;
+    newest_ns = std::max(newest_ns, source.settled_ns);
+    oldest_ns = std::min(oldest_ns, source.settled_ns - (source.is_streamed ? kStreamGapNs : 0));
+  }
+  if (used_count_ > 0) floor_ns_ = std::max({floor_ns_, oldest_ns, newest_ns - kLongestMemoryNs});
+  for (Source& source : sources_) {
+    const std::int64_t unasked_ns = source.object_count == 0 ? source.known_ns : floor_ns_;
+    std::erase_if(source.instants, [&](std::int64_t instant) { return instant <= unasked_ns; });
+  }
+}
+
+}  // namespace collided::engine

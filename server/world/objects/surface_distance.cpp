@@ -1,0 +1,181 @@
+#include "server/world/objects/surface_distance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <queue>
+#include <set>
+
+#include "server/exact_phase/distance/nearest_filter.hpp"
+#include "server/intake/parallel.hpp"
+#include "server/world/objects/surface_cover.hpp"
+
+namespace collided::engine {
+namespace {
+
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
+
+/// What is within this of a distance that does occur is not worth more cuts.
+constexpr double kCloseEnough = 1.02;
+
+/// Triangles that one thread takes at a time.
+constexpr std::size_t kBatch = 2048;
+
+struct Piece {
+  Triangle triangle;
+  std::uint32_t part = 0;
+  double upper_m = kNoBound;  // no point of it is farther from the other surface
+  bool operator<(const Piece& other) const { return upper_m < other.upper_m; }
+};
+
+struct Nearest {
+  double upper_m = kNoBound;
+  std::uint32_t triangle = TriangleNeighbours::kNone;
+};
+
+double distance_at_most(const Vec3& point, const Triangle& triangle) {
+  // Above the rounding of the root.
+  return std::sqrt(kernel::quick_square_distance(point, triangle).high2_m2) * (1 + 0x1p-50);
+}
+
+/// The nearest triangle of a part, and how far it is at most.
+Nearest nearest(const Vec3& point, std::uint32_t part, const PartedSurface& to) {
+  Nearest best;
+  const auto look = [&](std::uint32_t triangle, double limit_m2) {
+    if (to.part_of[triangle] != part) return limit_m2;
+    const double upper_m = distance_at_most(point, to.mesh.triangle(triangle));
+    if (upper_m < best.upper_m) best = {upper_m, triangle};
+    return best.upper_m * best.upper_m * (1 + 0x1p-48);
+  };
+  WalkCost cost;
+  to.tree.walk_near(point, kNoBound, 0, look, cost);
+  return best;
+}
+
+/// The points of one surface and how far they are from the other.
+class OneSide {
+ public:
+  OneSide(const PartedSurface& from, const PartedSurface& to, const DistanceOptions& options)
+      : from_(from), to_(to), options_(options), neighbours_(to.mesh, to.part_of) {}
+
+  /// owed_m  a bound below which nothing need be known
+  double bound(double owed_m) {
+    reached_m_ = owed_m;
+    measure_all();
+    std::priority_queue<Piece> pieces;
+    double upper_m = 0;
+    for (Piece& piece : open_) {
+      if (piece.upper_m > kCloseEnough * reached_m_) pieces.push(piece);
+      else upper_m = std::max(upper_m, piece.upper_m);
+    }
+    for (std::size_t cuts = 0; cuts < options_.pieces_at_most && !pieces.empty(); ++cuts) {
+      const Piece piece = pieces.top();
+      if (!(piece.upper_m > kCloseEnough * reached_m_) || (options_.cancelled && options_.cancelled())) break;
+      pieces.pop();
+      for (const Triangle& half : halves(piece.triangle)) {
+        Piece smaller{half, piece.part, piece.upper_m};
+        smaller.upper_m = std::min(piece.upper_m, measured(half, piece.part));
+        pieces.push(smaller);
+      }
+    }
+    if (!pieces.empty()) upper_m = std::max(upper_m, pieces.top().upper_m);
+    // The middles of edges were rounded, each cut by half a unit in the last place of a coordinate.
+    double largest = 0;
+    for (const Vec3& v : from_.mesh.vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
+    return std::max(upper_m, upper_of_rest_m_) * (1 + 0x1p-40) + 0x1p-44 * largest;
+  }
+
+ private:
+  /// Every triangle: as a table under the other surface, and where that says little by its corners.
+  void measure_all() {
+    const std::size_t count = from_.mesh.triangles.size();
+    run_in_parallel((count + kBatch - 1) / kBatch, [&](std::size_t batch) {
+      SheetOverTable sheet(to_.mesh, neighbours_);
+      std::vector<Piece> open;
+      double reached_m = 0;
+      for (std::size_t i = batch * kBatch; i < std::min(count, (batch + 1) * kBatch); ++i) {
+        const auto number = static_cast<std::uint32_t>(i);
+        Piece piece{from_.mesh.triangle(number), from_.part_of[number], kNoBound};
+        const Nearest at_middle = nearest((piece.triangle.a + piece.triangle.b + piece.triangle.c) / 3, piece.part, to_);
+        if (at_middle.triangle != TriangleNeighbours::kNone) {
+          piece.upper_m = sheet.height_at_most(piece.triangle, at_middle.triangle);
+          reached_m = std::max(reached_m, at_middle.upper_m);
+        }
+        open.push_back(piece);
+      }
+      const std::lock_guard lock(mutex_);
+      reached_m_ = std::max(reached_m_, reached_m);
+      waiting_.insert(waiting_.end(), open.begin(), open.end());
+    }, [](std::size_t) {});
+    measure_what_stands_out();
+  }
+
+  /// What the tables leave above the distances seen so far, by its corners.
+  void measure_what_stands_out() {
+    std::vector<Piece> doubtful;
+    for (const Piece& piece : waiting_) {
+      if (piece.upper_m > kCloseEnough * reached_m_) doubtful.push_back(piece);
+      else upper_of_rest_m_ = std::max(upper_of_rest_m_, piece.upper_m);
+    }
+    waiting_ = {};
+    run_in_parallel((doubtful.size() + kBatch - 1) / kBatch, [&](std::size_t batch) {
+      for (std::size_t i = batch * kBatch; i < std::min(doubtful.size(), (batch + 1) * kBatch); ++i) {
+        doubtful[i].upper_m = std::min(doubtful[i].upper_m, measured(doubtful[i].triangle, doubtful[i].part));
+      }
+    }, [](std::size_t) {});
+    open_ = std::move(doubtful);
+  }
+
+  /// The distance to one triangle is convex, so no point of the piece is farther from it than the farthest corner; and
+  /// no point is farther from the surface than a corner is, plus the way to that corner. The least of these.
+  double measured(const Triangle& t, std::uint32_t part) {
+    const std::array<Vec3, 3> corners{t.a, t.b, t.c};
+    const double longest_m = std::sqrt(std::max({(t.b - t.a).squaredNorm(), (t.c - t.b).squaredNorm(), (t.a - t.c).squaredNorm()}));
+    double upper_m = kNoBound;
+    double reached_m = 0;
+    for (const Vec3& corner : corners) {
+      const Nearest found = nearest(corner, part, to_);
+      if (found.triangle == TriangleNeighbours::kNone) return kNoBound;
+      reached_m = std::max(reached_m, found.upper_m);
+      double farthest_m = 0;
+      for (const Vec3& c : corners) farthest_m = std::max(farthest_m, distance_at_most(c, to_.mesh.triangle(found.triangle)));
+      upper_m = std::min({upper_m, farthest_m, found.upper_m + longest_m * (1 + 0x1p-48)});
+    }
+    const std::lock_guard lock(mutex_);
+    reached_m_ = std::max(reached_m_, reached_m);
+    return upper_m;
+  }
+
+  /// Cut at the middle of the longest edge.
+  static std::array<Triangle, 2> halves(const Triangle& t) {
+    const double ab = (t.b - t.a).squaredNorm();
+    const double bc = (t.c - t.b).squaredNorm();
+    const double ca = (t.a - t.c).squaredNorm();
+    const Triangle turned = ab >= bc && ab >= ca ? t : bc >= ca ? Triangle{t.b, t.c, t.a} : Triangle{t.c, t.a, t.b};
+    const Vec3 middle = (turned.a + turned.b) / 2;
+    return {Triangle{turned.a, middle, turned.c}, Triangle{middle, turned.b, turned.c}};
+  }
+
+  const PartedSurface& from_;
+  const PartedSurface& to_;
+  const DistanceOptions& options_;
+  const TriangleNeighbours neighbours_;
+  std::mutex mutex_;
+  double reached_m_ = 0;        // a distance that does occur, but for roundings
+  std::vector<Piece> waiting_;
+  std::vector<Piece> open_;     // what may be worth cutting
+  double upper_of_rest_m_ = 0;
+};
+
+}  // namespace
+
+double surface_distance(const PartedSurface& a, const PartedSurface& b, const DistanceOptions& options) {
+  const std::set<std::uint32_t> parts_of_a(a.part_of.begin(), a.part_of.end());
+  if (parts_of_a != std::set<std::uint32_t>(b.part_of.begin(), b.part_of.end())) return kNoBound;
+  const double from_a_m = OneSide(a, b, options).bound(0);
+  return std::max(from_a_m, OneSide(b, a, options).bound(from_a_m));
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,95 @@
+#include "server/world/objects/sweep.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "server/exact_phase/distance/contact.hpp"
+#include "server/exact_phase/distance/general_shapes.hpp"
+#include "server/geometry/tolerance.hpp"
+
+namespace collided::engine {
+namespace {
+
+template <class Part>
+void sweep_any(SphereSweep& sweep, const Part& part, std::uint32_t triangle) {
+  SweptTouch& found = sweep.found;
+  TimeBracket bracket;
+  const Verdict verdict = first_contact(sweep.mover, part, sweep.width, bracket);
+  ++found.exact_tests;
+  if (verdict.decision == Decision::undecided) found.undecided = true;
+  if (!verdict.yes()) return;
+  if (!found.take(bracket, wire_contract::kNoTriangle, triangle)) return;
+  const Vec3 center = sweep.mover.start + bracket.high * (sweep.mover.end - sweep.mover.start);
+  found.contact = contact(Sphere{.center = center, .radius_m = sweep.mover.radius_m}, part);
+}
+
+}  // namespace
+
+std::optional<Sphere> lone_sphere(const ObjectInfo& info) {
+  if (info.mesh || info.primitives.size() != 1) return std::nullopt;
+  const Sphere* sphere = std::get_if<Sphere>(&info.primitives.front());
+  return sphere != nullptr ? std::optional(*sphere) : std::nullopt;
+}
+
+Aabb bounds(const MovingSphere& mover) {
+  return bounds(Capsule{.a = mover.start, .b = mover.end, .radius_m = mover.radius_m});
+}
+
+void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle) { sweep_any(sweep, part, triangle); }
+
+void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost) {
+  visit_primitives_near(*other.info, *other.frame, bounds(sweep.mover), cost, [&](const Primitive& primitive) {
+    std::visit([&](const auto& part) { sweep_any(sweep, place(*other.frame, part), wire_contract::kNoTriangle); },
+               primitive);
+    return true;
+  });
+  if (!other.info->mesh) return;
+  const auto candidate = [&](std::uint32_t triangle) {
+    sweep_any(sweep, place(*other.frame, other.info->mesh->mesh->triangle(triangle)), triangle);
+    return true;
+  };
+  const IndexedMesh& mesh = *other.info->mesh;
+  mesh.tree.walk_box(seen_from(*other.frame, bounds(sweep.mover), mesh.radius_m), candidate, cost);
+}
+
+SweptTouch turned_round(SweptTouch touch) {
+  std::swap(touch.a_triangle, touch.b_triangle);
+  touch.contact.normal = -touch.contact.normal;
+  return touch;
+}
+
+double reach_of(const ObjectInfo& info) {
+  double reach_m = info.mesh && !info.mesh->mesh->vertices.empty() ? info.mesh->radius_m : 0;
+  const BodyWay nowhere;
+  for (const Primitive& primitive : info.primitives) {
+    // It does not move.
+    if (std::holds_alternative<HalfSpace>(primitive)) continue;
+    reach_m = std::max(reach_m, PartOnWay(part_of(primitive), nowhere).reach_m);
+  }
+  return reach_m;
+}
+
+/// A turn by an angle t changes the matrix by sqrt(8) sin(t / 2), of which t is at most pi / sqrt(8) times as much.
+double most_turn_rad(const Frame& from, const Frame& to) { return 1.1108 * (to.rotation - from.rotation).norm(); }
+
+double longest_way_m(const Frame& from, const Frame& to, double reach_m) {
+  return (to.position - from.position).norm() + most_turn_rad(from, to) * reach_m;
+}
+
+/// An arc bulges out of its chord by no more than an eighth of reach angle^2.
+Aabb bounds(const ObjectInfo& info, const BodyWay& way, double reach_m) {
+  Aabb all = bounds_of(info, way.from);
+  all.extend(bounds_of(info, way.to));
+  return grown(all, reach_m * way.turn_rad * way.turn_rad / 8 + 2 * way.error_m(reach_m));
+}
+
+Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end, double reach_m) {
+  Aabb all = bounds_of(info, from);
+  all.extend(bounds_at_end);
+  const double turn_rad = most_turn_rad(from, to);
+  const double error_m = kWayError * (from.position.cwiseAbs().maxCoeff() + to.position.cwiseAbs().maxCoeff() + reach_m);
+  return grown(all, reach_m * turn_rad * turn_rad / 8 + 2 * error_m);
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,273 @@
+#include "server/world/objects/swept_object.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "server/exact_phase/motion/ground_on_way.hpp"
+#include "server/geometry/aabb.hpp"
+#include "server/world/objects/touch.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::kNoTriangle;
+
+/// A piece of the way with no more pairs than this is not cut again; pairs of two meshes cost more to list.
+constexpr std::size_t kPairsAPiece = 8;
+constexpr std::size_t kMeshPairsAPiece = 24;
+/// Nor is one in which nothing moves farther than this part of the smaller one's size: cutting it parts nothing more.
+constexpr double kShortPiece = 0x1p-4;
+
+/// Two bodies' parts that may meet in a piece of the way.
+struct PartPair {
+  std::uint32_t a;
+  std::uint32_t b;
+  auto operator<=>(const PartPair&) const = default;
+};
+
+/// The search for the first contacts of two bodies. Parts of a are its primitives or its triangles; b has triangles, or
+/// is looked at primitive by primitive.
+class Search {
+ public:
+  Search(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, TouchOf touch_of)
+      : a_(a), b_(b), options_(options), cost_(cost), touch_of_(touch_of) {}
+
+  /// `is_one`: every triangle of b counts to the same.
+  bool is_one = false;
+
+  bool is_exhausted() const { return looks_ >= options_.most_looks; }
+
+  /// All of a with all of b, b's triangles going to touch_of and its primitives to touch_of(kNoTriangle).
+  void run();
+
+ private:
+  template <class Near>
+  void look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near, const auto& meet);
+  void meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay& b, std::uint32_t b_triangle, TimeSpan span);
+  void meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a);
+  void primitive_and_mesh(const PartOnWay& primitive, const SweptBody& other, bool primitive_is_a);
+  void meshes();
+  bool is_settled(std::uint32_t b_triangle, const TimeSpan& span) const {
+    const SweptTouch* touch = touch_of_(b_triangle);
+    return touch == nullptr || (touch->yes && touch->bracket.high <= span.low);
+  }
+  static bool has_mesh(const SweptBody& body) { return body.mesh != nullptr && !body.mesh->triangles.empty(); }
+  static PartOnWay triangle_of(const SweptBody& body, std::uint32_t number) {
+    return {body.mesh->triangle(number), body.way};
+  }
+
+  const SweptBody& a_;
+  const SweptBody& b_;
+  const SweepOptions& options_;
+  WalkCost& cost_;
+  TouchOf touch_of_;
+  std::uint32_t looks_ = 0;
+};
+
+void Search::meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay& b, std::uint32_t b_triangle,
+                  TimeSpan span) {
+  SweptTouch* touch = touch_of_(b_triangle);
+  if (touch == nullptr) return;
+  if (touch->yes) span.high = std::min(span.high, touch->bracket.high);
+  if (span.high < span.low) return;
+  ++touch->exact_tests;
+  TimeBracket found;
+  const Verdict verdict = first_contact(a, b, span, options_.width, found, &looks_);
+  touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
+  if (!verdict.yes()) return;
+  if (touch->take(found, a_triangle, b_triangle) && options_.contacts) touch->contact = contact_at(a, b, found.high);
+}
+
+/// Pieces of the way in order of time. near(span, found) lists the pairs that may meet in it and says whether it listed
+/// them all; motion_m is how far things go in all.
+template <class Near>
+void Search::look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near,
+                  const auto& meet_pair) {
+  if (is_exhausted() || (is_one && is_settled(kNoTriangle, span))) return;
+  std::vector<PartPair> found;
+  const double length = span.high - span.low;
+  const bool is_short = motion_m * length <= kShortPiece * size_m || length < 0x1p-40;
+  const bool is_all = near(span, is_short ? options_.most_looks : few, found);
+  if (!is_all && !is_short) {
+    const double middle = span.low + length / 2;
+    look({span.low, middle}, few, motion_m, size_m, near, meet_pair);
+    look({middle, span.high}, few, motion_m, size_m, near, meet_pair);
+    return;
+  }
+  if (!is_all) looks_ = options_.most_looks;
+  // A clipped split holds a triangle in two leaves.
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  for (const PartPair& pair : found) {
+    if (is_exhausted()) return;
+    meet_pair(pair, span);
+  }
+}
+
+/// What lists candidates until there are too many.
+struct Listing {
+  std::vector<PartPair>& found;
+  std::size_t most;
+  bool is_all = true;
+
+  bool add(PartPair pair) {
+    if (found.size() >= most) is_all = false;
+    else found.push_back(pair);
+    return is_all;
+  }
+};
+
+/// How far the parts go against each other from the middle of a piece to its ends, along each axis, roundings included.
+Vec3 half_motion(const BodyWay& a, double a_reach_m, const BodyWay& b, double b_reach_m, double length) {
+  const double turn_m = a.turn_rad * a_reach_m + b.turn_rad * b_reach_m;
+  const double error_m = 2 * (a.error_m(a_reach_m) + b.error_m(b_reach_m));
+  return ((a.travel - b.travel).cwiseAbs().array() + turn_m).matrix() * (length / 2 * (1 + 0x1p-40)) + Vec3::Constant(error_m);
+}
+
+double size_of(const Aabb& box) { return (box.high - box.low).maxCoeff(); }
+
+/// Ways so long that their roundings are larger than both bodies: no part of them could be told from another.
+bool are_blurred(const BodyWay& a, double a_reach_m, const BodyWay& b, double b_reach_m, double size_m) {
+  return size_m > 0 && !(a.error_m(a_reach_m) + b.error_m(b_reach_m) <= size_m);
+}
+
+void Search::primitive_and_mesh(const PartOnWay& primitive, const SweptBody& other, bool primitive_is_a) {
+  const Aabb own = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(0));
+  const double largest_m = std::max(size_of(own), size_of(other.tree->bounds()));
+  if (are_blurred(*primitive.way, primitive.reach_m, other.way, other.mesh_reach_m, largest_m)) {
+    looks_ = options_.most_looks;
+    return;
+  }
+  const double motion_m = primitive.way->length_m(primitive.reach_m) + other.way.length_m(other.mesh_reach_m);
+  const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
+    const double middle = span.low + (span.high - span.low) / 2;
+    Aabb box = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(middle));
+    const Vec3 motion = half_motion(*primitive.way, primitive.reach_m, other.way, other.mesh_reach_m, span.high - span.low);
+    box.low -= motion;
+    box.high += motion;
+    Listing listing{found, most};
+    const auto candidate = [&](std::uint32_t triangle) {
+      return is_settled(primitive_is_a ? triangle : kNoTriangle, span) || listing.add({0, triangle});
+    };
+    other.tree->walk_box(seen_from(other.way.at(middle), box, other.mesh_reach_m), candidate, cost_);
+    return listing.is_all;
+  };
+  const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
+    const PartOnWay triangle = triangle_of(other, pair.b);
+    if (primitive_is_a) meet(primitive, kNoTriangle, triangle, pair.b, span);
+    else meet(triangle, pair.b, primitive, kNoTriangle, span);
+  };
+  look({0, 1}, kPairsAPiece, motion_m, size_of(own), near, meet_pair);
+}
+
+void Search::meshes() {
+  const double motion_m = a_.way.length_m(a_.mesh_reach_m) + b_.way.length_m(b_.mesh_reach_m);
+  const auto [smaller_m, larger_m] = std::minmax({size_of(a_.tree->bounds()), size_of(b_.tree->bounds())});
+  if (are_blurred(a_.way, a_.mesh_reach_m, b_.way, b_.mesh_reach_m, larger_m)) {
+    looks_ = options_.most_looks;
+    return;
+  }
+  const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
+    const double middle = span.low + (span.high - span.low) / 2;
+    const Frame a = a_.way.at(middle);
+    const Frame b = b_.way.at(middle);
+    const Vec3 motion = half_motion(a_.way, a_.mesh_reach_m, b_.way, b_.mesh_reach_m, span.high - span.low);
+    Listing listing{found, most};
+    const auto candidate = [&](std::uint32_t triangle_b, std::uint32_t triangle_a) {
+      return is_settled(triangle_b, span) || listing.add({triangle_a, triangle_b});
+    };
+    const Mat3 back = b.rotation.transpose();
+    const Vec3 between = a.position - b.position;
+    const double slack_m = 2 * placement_slack(b, between.lpNorm<1>() + a.position.lpNorm<1>(), a_.mesh_reach_m + b_.mesh_reach_m) +
+                           motion.norm() * (1 + 0x1p-40);
+    b_.tree->walk_pairs(*a_.tree, back * a.rotation, back * between, slack_m, candidate, cost_);
+    return listing.is_all;
+  };
+  const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
+    meet(triangle_of(a_, pair.a), pair.a, triangle_of(b_, pair.b), pair.b, span);
+  };
+  look({0, 1}, kMeshPairsAPiece, motion_m, smaller_m, near, meet_pair);
+}
+
+/// A half-space never moves, so it is looked at by itself. A mesh that comes near one is left open.
+void Search::meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a) {
+  SweptTouch* touch = touch_of_(kNoTriangle);
+  if (touch == nullptr) return;
+  const HalfSpace placed = place(holder.way.to, ground);
+  if (has_mesh(body) && !surely_stays_above(body.way, body.mesh_reach_m, placed)) touch->undecided = true;
+  for (const Primitive& own : body.primitives) {
+    if (std::holds_alternative<HalfSpace>(own)) continue;
+    ++looks_;
+    ++touch->exact_tests;
+    const PartOnWay part(part_of(own), body.way);
+    TimeBracket found;
+    const Verdict verdict = first_contact(part, placed, {0, touch->yes ? touch->bracket.high : 1}, options_.width, found);
+    touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
+    if (!verdict.yes() || !touch->take(found, kNoTriangle, kNoTriangle) || !options_.contacts) continue;
+    touch->contact = std::visit([&](const auto& shape) { return contact(placed, shape); }, part.at(found.high));
+    if (!ground_is_a) touch->contact.normal = -touch->contact.normal;
+  }
+}
+
+void Search::run() {
+  const auto ground_of = [](const Primitive& primitive) { return std::get_if<HalfSpace>(&primitive); };
+  for (const Primitive& own : a_.primitives) {
+    if (const HalfSpace* ground = ground_of(own)) {
+      meet_ground(b_, a_, *ground, true);
+      continue;
+    }
+    const PartOnWay part(part_of(own), a_.way);
+    for (const Primitive& other : b_.primitives) {
+      if (!ground_of(other)) meet(part, kNoTriangle, {part_of(other), b_.way}, kNoTriangle, {0, 1});
+    }
+    if (has_mesh(b_)) primitive_and_mesh(part, b_, true);
+  }
+  for (const Primitive& other : b_.primitives) {
+    if (const HalfSpace* ground = ground_of(other)) meet_ground(a_, b_, *ground, false);
+    else if (has_mesh(a_)) primitive_and_mesh({part_of(other), b_.way}, a_, false);
+  }
+  if (has_mesh(a_) && has_mesh(b_)) meshes();
+}
+
+}  // namespace
+
+bool SweptTouch::take(const TimeBracket& found, std::uint32_t a, std::uint32_t b) {
+  const bool is_first = !yes || found.high < bracket.high ||
+                        (found.high == bracket.high && std::pair(a, b) < std::pair(a_triangle, b_triangle));
+  // One with a later end may begin earlier: the bracket holds the first of all.
+  const double low = yes ? std::min(bracket.low, found.low) : found.low;
+  bracket = {low, is_first ? found.high : bracket.high};
+  yes = true;
+  if (!is_first) return false;
+  a_triangle = a;
+  b_triangle = b;
+  return true;
+}
+
+SweptBody::SweptBody(const ObjectInfo& info, const BodyWay& on) : way(on), primitives(info.primitives) {
+  if (!info.mesh) return;
+  mesh = info.mesh->mesh.get();
+  tree = &info.mesh->tree;
+  mesh_reach_m = info.mesh->radius_m;
+}
+
+SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.tree) {}
+
+void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptTouch& touch) {
+  const auto one = [&](std::uint32_t) { return &touch; };
+  Search search(a, b, options, cost, one);
+  search.is_one = true;
+  search.run();
+  touch.is_cut_short = search.is_exhausted();
+  touch.undecided = touch.undecided || touch.is_cut_short;
+}
+
+bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of) {
+  Search search(a, scene, options, cost, touch_of);
+  search.run();
+  return !search.is_exhausted();
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,161 @@
+#include "server/world/objects/touch.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace collided::engine {
+namespace {
+
+/// Roundings between a mesh point in its own frame and the same point placed and seen back, in units of 2^-53 of the
+/// largest length met. Placing: three products, three sums, and a matrix that is orthonormal to 6 roundings a row;
+/// seeing back: one difference and the same again. Twice the sum (26) is taken.
+/// At zero, MovingMesh.FarFromOriginIsStillFound fails.
+constexpr double kPlacementRoundoffs = 52;
+constexpr double kRoundoff = 0x1p-53;
+
+/// The triangles of a mesh, in its frame, near a box in world coordinates.
+template <class Visit>
+void near_triangles(const IndexedMesh& mesh, const Frame& frame, const Aabb& world, WalkCost& cost, Visit&& visit) {
+  mesh.tree.walk_box(seen_from(frame, world, mesh.radius_m), visit, cost);
+}
+
+Contact flipped(Contact contact) {
+  contact.normal = -contact.normal;
+  return contact;
+}
+
+/// Bounds of what the primitive has in the box, where it has no end, else of the whole.
+Aabb bounds_near(const Primitive& a, const Aabb& box) {
+  const auto* half_space = std::get_if<HalfSpace>(&a);
+  return half_space != nullptr ? bounds_within(*half_space, box) : bounds(a);
+}
+
+/// The same of an object: half-spaces are alone.
+Aabb bounds_near(const Placed& a, const Aabb& box) {
+  const bool endless = a.info->primitives.size() == 1 && std::holds_alternative<HalfSpace>(a.info->primitives.front());
+  return endless ? bounds_near(place(*a.frame, a.info->primitives.front()), box) : a.bounds;
+}
+
+void touch_mesh(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  const Aabb near = bounds_near(a, b.bounds);
+  if (near.empty()) return;
+  const IndexedMesh& mesh = *b.info->mesh;
+  near_triangles(mesh, *b.frame, near, cost, [&](std::uint32_t triangle) {
+    touch_parts(a, wire_contract::kNoTriangle, place(*b.frame, mesh.mesh->triangle(triangle)), triangle, touch);
+    return !touch.done();
+  });
+}
+
+void touch_meshes(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  PlacedTriangles of_a(*a.info->mesh->mesh, *a.frame);
+  PlacedTriangles of_b(*b.info->mesh->mesh, *b.frame);
+  const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b) {
+    touch_parts(of_a.at(triangle_a), triangle_a, of_b.at(triangle_b), triangle_b, touch);
+    return !touch.done();
+  };
+  walk_mesh_pairs(a, b, candidate, cost);
+}
+
+/// a's mesh against b's primitives: the exact phase has the primitive first, so the contact is turned round.
+void touch_mesh_primitives(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  visit_primitives_near(*b.info, *b.frame, a.bounds, cost, [&](const Primitive& primitive) {
+    Touch turned;
+    turned.wanted = touch.wanted;
+    touch_mesh(place(*b.frame, primitive), a, turned, cost);
+    touch.exact_tests += turned.exact_tests;
+    touch.level = std::max(touch.level, turned.level);
+    touch.undecided = touch.undecided || turned.undecided;
+    if (!turned.yes) return true;
+    const Contact contact = flipped(turned.contact);
+    if (touch.wanted && deeper(contact, turned.b_triangle, wire_contract::kNoTriangle, touch)) {
+      touch.contact = contact;
+      touch.a_triangle = turned.b_triangle;
+      touch.b_triangle = wire_contract::kNoTriangle;
+    }
+    touch.yes = true;
+    return !touch.done();
+  });
+}
+
+/// Around what lies within the box in its own frame, at most reach_m from its origin.
+Aabb placed_bounds(const Frame& frame, const Aabb& own, double reach_m) {
+  const Vec3 center = 0.5 * own.low + 0.5 * own.high;
+  const Vec3 half = (own.high - center).cwiseMax(center - own.low);
+  const Vec3 slack = Vec3::Constant(placement_slack(frame, center.lpNorm<1>() + half.lpNorm<1>(), reach_m));
+  const Vec3 placed_center = place(frame, center);
+  const Vec3 placed_half = frame.rotation.cwiseAbs() * half + slack;
+  return {.low = placed_center - placed_half, .high = placed_center + placed_half};
+}
+
+}  // namespace
+
+double placement_slack(const Frame& frame, double distance_m, double reach_m) {
+  const double largest_m = frame.position.lpNorm<1>() + distance_m + 2 * reach_m;
+  return kPlacementRoundoffs * kRoundoff * largest_m + std::numeric_limits<double>::min();
+}
+
+/// Both trees are descended at once, b's seen from a's frame: twice the placing of one.
+void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m) {
+  const IndexedMesh& mesh_a = *a.info->mesh;
+  const IndexedMesh& mesh_b = *b.info->mesh;
+  const Mat3 back = a.frame->rotation.transpose();
+  const Vec3 between = b.frame->position - a.frame->position;
+  const double slack_m = 2 * placement_slack(*a.frame, between.lpNorm<1>() + b.frame->position.lpNorm<1>(),
+                                             mesh_a.radius_m + mesh_b.radius_m);
+  mesh_a.tree.walk_pairs(mesh_b.tree, back * b.frame->rotation, back * between, slack_m + gap_m, candidate, cost);
+}
+
+Aabb bounds_of(const ObjectInfo& info, const Frame& frame) {
+  Aabb all;
+  if (info.parts) {
+    all.extend(placed_bounds(frame, info.parts->tree.bounds(), info.parts->radius_m));
+  } else {
+    for (const Primitive& primitive : info.primitives) all.extend(bounds(place(frame, primitive)));
+  }
+  if (info.mesh && !info.mesh->mesh->triangles.empty()) {
+    all.extend(placed_bounds(frame, info.mesh->tree.bounds(), info.mesh->radius_m));
+  }
+  return all;
+}
+
+Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
+  // Halves first: the sum of two finite corners may overflow.
+  const Vec3 center = 0.5 * world.low + 0.5 * world.high;
+  const Vec3 half = (world.high - center).cwiseMax(center - world.low);
+  const Vec3 away = center - frame.position;
+  const Mat3 back = frame.rotation.transpose();
+  const Vec3 local = back * away;
+  const double slack_m = placement_slack(frame, away.lpNorm<1>() + center.lpNorm<1>() + half.lpNorm<1>(), reach_m);
+  const Vec3 local_half = back.cwiseAbs() * half + Vec3::Constant(slack_m);
+  Aabb seen{.low = local - local_half, .high = local + local_half};
+  // Overflow on the way: nothing is known of where it lies, so everything is a candidate.
+  if (!seen.low.allFinite() || !seen.high.allFinite()) {
+    seen.low.setConstant(-std::numeric_limits<double>::infinity());
+    seen.high.setConstant(std::numeric_limits<double>::infinity());
+  }
+  return seen;
+}
+
+void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  // Bounds cost more than many a test: only where an index asks for them.
+  const Aabb near = b.info->parts ? bounds_near(a, b.bounds) : Aabb{};
+  visit_primitives_near(*b.info, *b.frame, near, cost, [&](const Primitive& primitive) {
+    touch_parts(a, wire_contract::kNoTriangle, place(*b.frame, primitive), wire_contract::kNoTriangle, touch);
+    return !touch.done();
+  });
+  if (!touch.done() && b.info->mesh) touch_mesh(a, b, touch, cost);
+}
+
+void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
+  const Aabb near = a.info->parts ? bounds_near(b, a.bounds) : Aabb{};
+  visit_primitives_near(*a.info, *a.frame, near, cost, [&](const Primitive& primitive) {
+    touch_object(place(*a.frame, primitive), b, touch, cost);
+    return !touch.done();
+  });
+  if (touch.done() || !a.info->mesh) return;
+  touch_mesh_primitives(a, b, touch, cost);
+  if (!touch.done() && b.info->mesh) touch_meshes(a, b, touch, cost);
+}
+
+}  // namespace collided::engine

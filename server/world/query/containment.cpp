@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/world/query/pair_report.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// Every edge has exactly two triangles that run along it in turn, by vertices with equal coordinates.
+bool is_closed(const TriangleMesh& mesh) {
+  std::map<std::array<double, 3>, std::uint32_t> points;
+  std::vector<std::uint32_t> of_vertex;
+  for (const Vec3& v : mesh.vertices) {
+    // -0 and 0 are one place.
+    of_vertex.push_back(points.try_emplace({v.x() + 0.0, v.y() + 0.0, v.z() + 0.0}, static_cast<std::uint32_t>(points.size())).first->second);
+  }
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> runs;  // of edges: how many triangles, which way
+  for (const auto& triangle : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = of_vertex[triangle[i]];
+      const std::uint32_t to = of_vertex[triangle[(i + 1) % 3]];
+      if (from == to) return false;
+      auto& [count, sum] = runs[std::minmax(from, to)];
+      ++count;
+      sum += from < to ? 1 : -1;
+    }
+  }
+  return !runs.empty() && std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.second == std::pair(2, 0); });
+}
+
+/// A ray's crossings of a mesh, or that it came too near an edge to count them.
+struct Crossings {
+  const Placed& object;
+  Ray ray;
+  std::vector<std::uint32_t> crossed = {};
+  bool doubtful = false;
+
+  double operator()(std::uint32_t number, double limit) {
+    constexpr double kNearEdge = 1e-6;
+    RayHit hit;
+    const Verdict verdict = cast_ray(ray, place(*object.frame, object.info->mesh->mesh->triangle(number)), hit);
+    if (verdict.decision == Decision::undecided) doubtful = true;
+    if (verdict.yes()) {
+      doubtful = doubtful || hit.weights.minCoeff() < kNearEdge;
+      crossed.push_back(number);
+    }
+    return limit;
+  }
+
+  bool count(WalkCost& cost) {
+    const IndexedMesh& mesh = *object.info->mesh;
+    const Mat3 back = object.frame->rotation.transpose();
+    const Ray local{.origin = back * (ray.origin - object.frame->position), .direction = back * ray.direction};
+    const double slack_m = placement_slack(*object.frame, ray.origin.lpNorm<1>() * 2, mesh.radius_m);
+    mesh.tree.walk_ray(local, std::numeric_limits<double>::infinity(), slack_m, *this, cost);
+    std::sort(crossed.begin(), crossed.end());
+    crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
+    return !doubtful;
+  }
+};
+
+/// By the parity of a ray's crossings. The surfaces do not meet, so one point says it for all that hangs together.
+bool is_within(const Placed& outer, const Vec3& point) {
+  constexpr int kMostRays = 32;
+  WalkCost cost;
+  for (int i = 0; i < kMostRays; ++i) {
+    // Directions that no edge of a usual mesh is likely to lie along.
+    const double turn = 0.7 + 2.39996 * i;
+    const double height = -0.97 + 1.94 * (i + 0.5) / kMostRays;
+    const double across = std::sqrt(1 - height * height);
+    Crossings crossings{outer, {.origin = point, .direction = {across * std::cos(turn), across * std::sin(turn), height},
+                                .length_m = std::numeric_limits<double>::infinity()}};
+    if (crossings.count(cost)) return crossings.crossed.size() % 2 == 1;
+  }
+  return false;
+}
+
+/// A corner of each piece of a mesh; triangles hang together by the corners that they share by number. Where a mesh repeats
+/// its corners for each triangle, each is a piece: more points than needed, and none missing.
+/// source  Galler, Fischer, "An improved equivalence algorithm", Communications of the ACM 7, 1964
+std::vector<std::uint32_t> corner_of_each_piece(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root_of = [&](std::uint32_t vertex) {
+    while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
+    return vertex;
+  };
+  for (const TriangleCorners& corners : mesh.triangles) {
+    parent[root_of(corners[1])] = root_of(corners[0]);
+    parent[root_of(corners[2])] = root_of(corners[0]);
+  }
+  std::vector<std::uint32_t> found;
+  std::vector<bool> is_known(mesh.vertices.size());
+  for (const TriangleCorners& corners : mesh.triangles) {
+    const std::uint32_t root = root_of(corners[0]);
+    if (!is_known[root]) found.push_back(root);
+    is_known[root] = true;
+  }
+  return found;
+}
+
+/// A point of each primitive and of each piece of the mesh.
+std::vector<Vec3> points_of(const Placed& object) {
+  std::vector<Vec3> points;
+  for (const Primitive& own : object.info->primitives) points.push_back(numbers_of(place(*object.frame, own)).points.front());
+  if (!object.info->mesh) return points;
+  const TriangleMesh& mesh = *object.info->mesh->mesh;
+  for (const std::uint32_t corner : corner_of_each_piece(mesh)) {
+    const Vec3& own = mesh.vertices[corner];
+    points.push_back(place(*object.frame, Triangle{own, own, own}).a);
+  }
+  return points;
+}
+
+bool lies_in(const Placed& inner, const Placed& outer) {
+  if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds) || !is_closed(*outer.info->mesh->mesh)) return false;
+  const std::vector<Vec3> points = points_of(inner);
+  return std::all_of(points.begin(), points.end(), [&](const Vec3& point) { return is_within(outer, point); });
+}
+
+}  // namespace
+
+Contained containment(const Placed& a, const Placed& b) {
+  if (lies_in(a, b)) return Contained::a_in_b;
+  return lies_in(b, a) ? Contained::b_in_a : Contained::none;
+}
+
+}  // namespace collided::engine

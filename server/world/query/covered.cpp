@@ -1,0 +1,227 @@
+#include "server/world/query/covered.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/geometry/box_union.hpp"
+#include "server/geometry/stable_length.hpp"
+#include "server/world/objects/sweep.hpp"
+#include "server/world/query/question_shapes.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::QueryKind;
+using wire_contract::RayMode;
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+constexpr double kSlack = 0x1p-40;     // relative; a thousand times the roundings of what it is put on
+constexpr double kRaySlack = 0x1p-49;  // twice the roundings of a length along an axis: one of 6 units, two of one
+
+/// Whether a + b <= limit, of the exact sum. NaN is not.
+bool sum_is_at_most(double a, double b, double limit) {
+  if (limit == kEndless) return !std::isnan(a + b);
+  const double sum = a + b;
+  if (!std::isfinite(sum)) return sum < limit;
+  // TWO-SUM (Knuth): what the rounding left out.
+  const double b_part = sum - a;
+  const double rest = (a - (sum - b_part)) + (b - b_part);
+  return sum < limit || (sum == limit && rest <= 0);
+}
+
+/// a + b, up to the next double where the sum is none.
+double sum_rounded_up(double a, double b) {
+  const double sum = a + b;
+  return sum_is_at_most(a, b, sum) ? sum : std::nextafter(sum, kEndless);
+}
+
+/// Whether from `middle` so far down and up is within the limits.
+bool is_within(double middle, double down, double up, double low, double high) {
+  return sum_is_at_most(-middle, down, -low) && sum_is_at_most(middle, up, high);
+}
+
+/// What a question is about: how far it reaches at most from its beginning along each axis.
+struct Extent {
+  Vec3 from = Vec3::Zero();
+  Vec3 down = Vec3::Zero();
+  Vec3 up = Vec3::Zero();
+
+  bool is_within(const Aabb& box) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!engine::is_within(from[axis], down[axis], up[axis], box.low[axis], box.high[axis])) return false;
+    }
+    return true;
+  }
+  bool is_in_one_of(std::span<const Aabb> covers) const {
+    return std::any_of(covers.begin(), covers.end(), [&](const Aabb& box) { return is_within(box); });
+  }
+  /// Rounded outward, and only where a sum is no double.
+  Aabb around() const {
+    Aabb box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.low[axis] = -sum_rounded_up(-from[axis], down[axis]);
+      box.high[axis] = sum_rounded_up(from[axis], up[axis]);
+    }
+    return box;
+  }
+};
+
+bool contains(const Aabb& box, const Vec3& point) {
+  return (box.low.array() <= point.array()).all() && (point.array() <= box.high.array()).all();
+}
+
+/// Neither rounded coarsely nor overflowing.
+bool is_plain(double length) { return length > 0x1p-900 && length < 0x1p900; }
+
+Extent extent_of(const Ray& ray) {
+  Extent extent{.from = ray.origin};
+  const double length = stable_length(ray.direction);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double along = ray.direction[axis];
+    if (along == 0 || ray.length_m == 0) continue;
+    const bool is_along_axis = ray.direction[(axis + 1) % 3] == 0 && ray.direction[(axis + 2) % 3] == 0;
+    // Where the length itself is not known well, and along an axis, the share is taken to be all of it.
+    const bool is_part = is_plain(length) && !is_along_axis;
+    const double reach_m = is_part ? std::abs(along) / length * ray.length_m * (1 + kRaySlack) : ray.length_m;
+    (along < 0 ? extent.down : extent.up)[axis] = reach_m;
+  }
+  return extent;
+}
+
+Extent extent_of(const Vec3& center, double radius_m) {
+  return {.from = center, .down = Vec3::Constant(radius_m), .up = Vec3::Constant(radius_m)};
+}
+
+/// Of bounds that were rounded outward: from their point `from`, outward again.
+Extent extent_of(const Vec3& from, const Aabb& bounds) {
+  const auto outward = [](double x) { return x == 0 ? 0 : std::nextafter(x, kEndless); };
+  return {.from = from, .down = (from - bounds.low).unaryExpr(outward), .up = (bounds.high - from).unaryExpr(outward)};
+}
+
+Extent extent_of_box(const double* n) {
+  const bool is_turned = n[7] != 0 || n[8] != 0 || n[9] != 0;
+  if (is_turned) return extent_of(point_of(n), bounds(box_of(n)));
+  return {.from = point_of(n), .down = {n[3], n[4], n[5]}, .up = {n[3], n[4], n[5]}};
+}
+
+/// Up to the contact where there is one.
+Extent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const AnswerHit> hits) {
+  const Vec3 from = point_of(n);
+  const Vec3 to = point_of(n + wire_contract::kPoseNumbers);
+  const double part = hits.empty() ? 1 : std::min(1.0, hits.front().exit_m * (1 + kSlack) + kSlack);
+  Aabb way;
+  way.extend(from);
+  way.extend(part == 1 ? to : Vec3(from + part * (to - from)));
+  const double roundings_m = kSlack * 0x1p-8 * from.cwiseAbs().cwiseMax(to.cwiseAbs()).maxCoeff();
+  return extent_of(from, grown(way, reach_of(mover) * (1 + kSlack) + (part == 1 ? 0 : roundings_m)));
+}
+
+/// How far from its origin the ray, which is somewhere in the box, stays in it, but for the roundings.
+double length_within(const Ray& ray, const Aabb& box) {
+  const double length = stable_length(ray.direction);
+  double within_m = ray.length_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double unit = ray.direction[axis] / length;
+    if (unit == 0) continue;
+    const double left_m = unit < 0 ? ray.origin[axis] - box.low[axis] : box.high[axis] - ray.origin[axis];
+    within_m = std::min(within_m, left_m / std::abs(unit) * (1 - kSlack));
+  }
+  return within_m;
+}
+
+/// What is told of a hit is true of whatever may be as near as it is at least: so far and no farther it must be covered.
+double nearest(const AnswerHit& hit) { return std::max(0.0, hit.distance_m - hit.error_m); }
+
+double length_claimed(const Questions& asked, const double* n, std::span<const AnswerHit> hits) {
+  if (asked.mode == RayMode::all || hits.empty()) return n[6];
+  if (asked.mode == RayMode::any) return 0;
+  return std::min(n[6], nearest(hits.front()));
+}
+
+/// Beyond the last of as many as were asked for nothing is claimed.
+double reach_claimed(const Questions& asked, const double* n, std::span<const AnswerHit> hits) {
+  if (hits.empty() || hits.size() < asked.max_hits) return n[3];
+  return std::min(n[3], nearest(hits.back()));
+}
+
+std::optional<Leaving> leaves(const Extent& extent, std::span<const Aabb> covers) {
+  if (extent.is_in_one_of(covers)) return std::nullopt;
+  const std::optional<Aabb> outside = nearest_part_outside(extent.around(), covers, extent.from);
+  if (!outside) return std::nullopt;
+  return Leaving{.point = nearest_in(*outside, extent.from), .covered_m = 0};
+}
+
+/// The points of a ray between two lengths, each known but for its roundings.
+Aabb stretch(const Ray& ray, double from_m, double to_m) {
+  const Vec3 unit = ray.direction / stable_length(ray.direction);
+  Aabb points;
+  points.extend(Vec3(ray.origin + from_m * unit));
+  points.extend(Vec3(ray.origin + to_m * unit));
+  for (int axis = 0; axis < 3; ++axis) {
+    if (ray.direction[axis] == 0) continue;
+    const double roundings_m = 0x1p-48 * (std::abs(ray.origin[axis]) + to_m);
+    points.low[axis] -= roundings_m;
+    points.high[axis] += roundings_m;
+  }
+  return points;
+}
+
+/// The farthest that one box holds of a ray that is at `at_m` in it.
+double farthest_in_one(const Ray& ray, double at_m, std::span<const Aabb> covers) {
+  const Aabb here = at_m == 0 ? Aabb{ray.origin, ray.origin} : stretch(ray, at_m, at_m);
+  double farthest_m = at_m;
+  for (const Aabb& box : covers) {
+    if (contains(box, here.low) && contains(box, here.high)) farthest_m = std::max(farthest_m, length_within(ray, box));
+  }
+  return farthest_m;
+}
+
+/// From box to box: across each border goes a stretch, longer than the roundings, that boxes together contain.
+double length_covered(const Ray& ray, std::span<const Aabb> covers) {
+  constexpr int kMostBoxes = 1'000;
+  double at_m = 0;
+  for (int i = 0; i < kMostBoxes; ++i) {
+    const double farthest_m = farthest_in_one(ray, at_m, covers);
+    if (farthest_m >= ray.length_m || farthest_m == at_m) return farthest_m;
+    const double scale_m = ray.origin.cwiseAbs().maxCoeff() + farthest_m;
+    const double beyond_m = std::min(farthest_m + 4 * kSlack * scale_m, ray.length_m);
+    if (nearest_part_outside(stretch(ray, farthest_m, beyond_m), covers, ray.origin)) return farthest_m;
+    at_m = beyond_m;
+    if (at_m == ray.length_m) return at_m;
+  }
+  return at_m;
+}
+
+}  // namespace
+
+std::optional<Leaving> leaves_covered(const Ray& ray, std::span<const Aabb> covers) {
+  const Extent extent = extent_of(ray);
+  if (extent.is_in_one_of(covers)) return std::nullopt;
+  const bool is_along_axis = (ray.direction.array() != 0).count() == 1;
+  if (is_along_axis && !nearest_part_outside(extent.around(), covers, ray.origin)) return std::nullopt;
+  const double length = stable_length(ray.direction);
+  if (!is_plain(length)) return Leaving{.point = ray.origin, .covered_m = 0};
+  const double covered_m = length_covered(ray, covers);
+  if (!is_along_axis && covered_m >= ray.length_m) return std::nullopt;
+  return Leaving{.point = ray.origin + covered_m * (ray.direction / length), .covered_m = covered_m};
+}
+
+std::optional<Leaving> leaves_covered(const Questions& asked, const double* n, std::span<const AnswerHit> hits,
+                                      std::span<const Aabb> covers) {
+  switch (asked.kind) {
+    case QueryKind::ray: {
+      if (asked.mode == RayMode::any && !hits.empty()) return std::nullopt;
+      Ray claimed = ray_of(n);
+      claimed.length_m = length_claimed(asked, n, hits);
+      return leaves_covered(claimed, covers);
+    }
+    case QueryKind::sphere: return hits.empty() ? leaves(extent_of(point_of(n), n[3]), covers) : std::nullopt;
+    case QueryKind::box: return hits.empty() ? leaves(extent_of_box(n), covers) : std::nullopt;
+    case QueryKind::near: return leaves(extent_of(point_of(n), reach_claimed(asked, n, hits)), covers);
+    case QueryKind::sweep: return leaves(extent_of_sweep(*asked.mover, n, hits), covers);
+    default: return std::nullopt;
+  }
+}
+
+}  // namespace collided::engine

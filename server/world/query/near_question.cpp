@@ -1,0 +1,229 @@
+#include <cmath>
+
+#include "server/exact_phase/arithmetic/precision.hpp"
+#include "server/exact_phase/distance/closest.hpp"
+#include "server/exact_phase/distance/half_space.hpp"
+#include "server/exact_phase/distance/nearest_filter.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "server/world/objects/part_index.hpp"
+#include "server/world/objects/scene_levels.hpp"
+#include "server/world/query/question.hpp"
+#include "server/world/query/question_shapes.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// The nearest objects so far: at most max_hits of them, one entry an object, ordered.
+struct NearWalk {
+  Question& question;
+  Vec3 point;
+  double within_m;
+  double limit_m2;  // of what is looked for: square_up(wanted_m + off_by_m)
+  std::vector<ObjectId>& doubtful;  // whose simpler form leaves open whether they are within reach
+  double wanted_m = within_m;  // what is farther is not wanted
+  double off_by_m = 0;        // how far what is walked may lie from what it stands for
+
+  void set_limit() { limit_m2 = square_up(wanted_m + off_by_m); }
+  template <class Part>
+  void test(const Part& part, ObjectId object, std::uint32_t triangle);
+  bool is_within(const Closest& found, ObjectId object, const auto& part);
+  void keep(const AnswerHit& hit);
+  void walk_scene(const StaticScene& scene);
+  void walk_level(const SceneLevel& level, const StaticScene& scene);
+  void walk_object(std::uint32_t slot);
+  template <class Test>
+  void walk_local(const Bvh& tree, double radius_m, const Frame& frame, Test&& test_one);
+  template <class Test>
+  void walk_parts(const IndexedParts& parts, const Frame& frame, Test&& test_one);
+  void walk_movers(const Grid& grid);
+};
+
+template <class Part>
+void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
+  if constexpr (std::is_same_v<Part, Triangle>) {
+    // Most triangles of a leaf are surely farther than the nearest known, which costs less than how far.
+    if (kernel::quick_square_distance(point, part).low2_m2 > limit_m2) {
+      ++question.exact_tests;
+      return;
+    }
+  }
+  const Closest found = closest(point, part);
+  ++question.exact_tests;
+  if (!is_within(found, object, part)) return;
+  keep({.object = object,
+        .triangle = triangle,
+        .flags = question.flags_of(object),
+        .distance_m = found.distance_m,
+        .error_m = found.distance_error_m + off_by_m,
+        .point = found.point,
+        // What is nearest to the simpler form may be near another place of the surface.
+        .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity() : found.point_error_m,
+        .normal = found.normal});
+}
+
+bool NearWalk::is_within(const Closest& found, ObjectId object, const auto& part) {
+  const double error_m = found.distance_error_m + off_by_m;
+  if (!(found.distance_m - error_m <= within_m)) return false;
+  if (found.distance_m + error_m <= within_m) return true;
+  if (off_by_m > 0) {
+    if (std::find(doubtful.begin(), doubtful.end(), object) == doubtful.end()) doubtful.push_back(object);
+    return false;
+  }
+  // The bound leaves it open whether it is within reach: a ball of that radius decides exactly.
+  const Verdict verdict = overlaps(Sphere{.center = point, .radius_m = within_m}, part);
+  question.count(verdict);
+  return verdict.yes();
+}
+
+void NearWalk::keep(const AnswerHit& hit) {
+  std::vector<AnswerHit>& found = question.found;
+  const auto same = std::find_if(found.begin(), found.end(), [&](const AnswerHit& h) { return h.object == hit.object; });
+  if (same != found.end()) {
+    if (!nearer_first(hit, *same)) return;
+    found.erase(same);
+  } else if (found.size() == question.asked.max_hits) {
+    if (!nearer_first(hit, found.back())) return;
+    found.pop_back();
+  }
+  found.insert(std::upper_bound(found.begin(), found.end(), hit, nearer_first), hit);
+  if (found.size() == question.asked.max_hits) {
+    const double farthest_m = std::max(found.back().distance_m - question.slack_m(), 0.0);
+    wanted_m = std::min(wanted_m, farthest_m + found.back().error_m);
+    set_limit();
+  }
+}
+
+void NearWalk::walk_scene(const StaticScene& scene) {
+  const auto candidate = [&](std::uint32_t triangle, double) {
+    const std::uint32_t part = scene.part_of(triangle);
+    const ObjectId object = scene.part_objects[part];
+    if (question.allows(object)) test(scene.mesh.triangle(triangle), object, triangle - scene.parts[part].first_triangle);
+    return limit_m2;
+  };
+  scene.tree.walk_near(point, limit_m2, 0, candidate, question.walk);
+}
+
+void NearWalk::walk_level(const SceneLevel& level, const StaticScene& scene) {
+  const auto candidate = [&](std::uint32_t triangle, double) {
+    const std::uint32_t part = level.part_of[triangle];
+    const ObjectId object = scene.part_objects[part];
+    if (question.allows(object)) {
+      test(level.mesh.triangle(triangle), object, level.originals[triangle] - scene.parts[part].first_triangle);
+    }
+    return limit_m2;
+  };
+  // What is within reach may have its simpler form a little outside.
+  off_by_m = level.off_by_m;
+  set_limit();
+  level.tree.walk_near(point, limit_m2, 0, candidate, question.walk);
+  off_by_m = 0;
+  set_limit();
+}
+
+/// Calls test_one(number) for what an index in an object's frame says that may be near enough.
+template <class Test>
+void NearWalk::walk_local(const Bvh& tree, double radius_m, const Frame& frame, Test&& test_one) {
+  const auto candidate = [&](std::uint32_t number, double) {
+    test_one(number);
+    return limit_m2;
+  };
+  const Vec3 away = point - frame.position;
+  const double slack_m = placement_slack(frame, away.lpNorm<1>() + point.lpNorm<1>(), radius_m);
+  tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, question.walk);
+}
+
+/// Of parts the tree knows bounds alone, which only its box walk asks for: cubes that grow until the nearest found lies
+/// within one, or one holds them all.
+template <class Test>
+void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& test_one) {
+  const double all_m = (point - frame.position).lpNorm<1>() + 2 * parts.radius_m;
+  const auto candidate = [&](std::uint32_t number) {
+    test_one(number);
+    return true;
+  };
+  double reach_m = parts.radius_m / 64;
+  for (bool is_last = false; !is_last; reach_m *= 4) {
+    const double known_m = std::sqrt(limit_m2) * (1 + 1e-9);
+    is_last = !(reach_m < known_m && reach_m < all_m);
+    const double half_m = is_last ? std::min(known_m, all_m) : reach_m;
+    Aabb cube;
+    cube.extend(point);
+    parts.tree.walk_box(seen_from(frame, grown(cube, half_m), parts.radius_m), candidate, question.walk);
+    is_last = is_last || std::sqrt(limit_m2) < half_m;
+  }
+}
+
+void NearWalk::walk_object(std::uint32_t slot) {
+  const ObjectInfo& info = question.object(slot);
+  if (!question.allows(info.id)) return;
+  const Frame& frame = question.snapshot.frames[slot];
+  const auto test_primitive = [&](std::size_t number) {
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); },
+               info.primitives[number]);
+  };
+  if (info.parts) {
+    walk_parts(*info.parts, frame, test_primitive);
+  } else {
+    for (std::size_t i = 0; i < info.primitives.size(); ++i) test_primitive(i);
+  }
+  if (!info.mesh) return;
+  walk_local(info.mesh->tree, info.mesh->radius_m, frame, [&](std::uint32_t triangle) {
+    test(place(frame, info.mesh->mesh->triangle(triangle)), info.id, triangle);
+  });
+}
+
+void NearWalk::walk_movers(const Grid& grid) {
+  const auto candidate = [&](std::uint32_t slot, double) {
+    walk_object(slot);
+    return limit_m2;
+  };
+  grid.walk_near(point, limit_m2, candidate, question.walk);
+}
+
+/// What was not looked for may be nearer by this much.
+void widen_bounds(Question& question) {
+  if (question.found.size() < question.asked.max_hits) return;
+  for (AnswerHit& hit : question.found) {
+    if (hit.is_at_start() || question.slack_m() == 0) continue;
+    hit.error_m += question.slack_m();
+    hit.point_error_m = std::numeric_limits<double>::infinity();  // what is nearer may be on another side
+  }
+}
+
+/// How far what stands for the scenes may be off, and what is asked within that of the numbers: a quarter of the error
+/// asked for goes to the simpler forms and one to the numbers, since half is what may lie nearer and is not looked for.
+double share_of_levels(const Question& question) { return question.asked.error_m / 4; }
+
+/// False where simpler forms leave open what is within reach.
+bool find_nearest(Question& question, const double* n, bool use_levels) {
+  // Its memory goes from question to question.
+  thread_local std::vector<ObjectId> doubtful;
+  doubtful.clear();
+  question.found.clear();
+  NearWalk walk{.question = question, .point = point_of(n), .within_m = n[3], .limit_m2 = square_up(n[3]), .doubtful = doubtful};
+  for (const auto& scene : question.snapshot.scenes) {
+    const SceneLevel* level = use_levels ? coarsest_within(scene->levels, share_of_levels(question)) : nullptr;
+    if (level == nullptr) {
+      walk.walk_scene(*scene);
+      continue;
+    }
+    const PrecisionScope blunter({.highest = question.asked.highest, .error_asked_m = question.asked.error_m / 4});
+    walk.walk_level(*level, *scene);
+  }
+  if (question.snapshot.grid) walk.walk_movers(*question.snapshot.grid);
+  if (question.found.size() == question.asked.max_hits) return true;
+  return std::all_of(doubtful.begin(), doubtful.end(), [&](ObjectId object) {
+    return std::any_of(question.found.begin(), question.found.end(), [&](const AnswerHit& hit) { return hit.object == object; });
+  });
+}
+
+}  // namespace
+
+void ask_near(Question& question, const double* n) {
+  question.found.clear();
+  if (question.asked.max_hits == 0) return;
+  if (!find_nearest(question, n, true)) find_nearest(question, n, false);
+  widen_bounds(question);
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,108 @@
+#include "server/exact_phase/distance/nearest_filter.hpp"
+#include "server/world/query/question.hpp"
+#include "server/world/query/question_shapes.hpp"
+
+namespace collided::engine {
+namespace {
+
+using kernel::reported_at_most;
+
+/// Every triangle that the box may meet; the first one that it does where any will do.
+template <class Allowed, class Meet>
+void meet_scene(const Box& asked, const StaticScene& scene, bool any, WalkCost& cost, const Allowed& allowed,
+                const Meet& meet) {
+  visit_scene(scene, bounds(asked), cost, allowed,
+              [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
+                return !(meet(triangle, part, corners).yes && any);
+              });
+}
+
+/// A ball's deepest contact is with the nearest triangle, so in a scene of one part what is farther than the deepest
+/// known need not be looked at.
+template <class Allowed, class Meet>
+void meet_scene(const Sphere& asked, const StaticScene& scene, bool any, WalkCost& cost, const Allowed& allowed,
+                const Meet& meet) {
+  double limit_m2 = square_up(asked.radius_m);
+  visit_scene_near(scene, asked.center, limit_m2, cost, allowed,
+                   [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
+                     const Touch& touch = meet(triangle, part, corners);
+                     if (touch.yes && any) return -1.0;
+                     if (touch.yes && scene.parts.size() == 1) {
+                       const double nearest_m = asked.radius_m - touch.contact.depth_m;
+                       limit_m2 = std::min(limit_m2, square_up(reported_at_most(nearest_m, asked.radius_m)));
+                     }
+                     return limit_m2;
+                   });
+}
+
+/// The asked shape is A of each contact: normals point from it to what it meets. Asked for any, the first triangle or
+/// primitive that is met ends the search, and no contact is worked out: depth 0 with an infinite bound.
+template <class Asked>
+void ask_overlap(Question& question, const Asked& asked) {
+  question.found.clear();
+  const bool any = question.asked.mode == wire_contract::RayMode::any;
+  const auto ended = [&] { return any && !question.found.empty(); };
+  const auto take = [&](ObjectId object, const Touch& touch) {
+    question.exact_tests += touch.exact_tests;
+    question.level = std::max(question.level, touch.level);
+    if (touch.undecided && !touch.yes) question.undecided = true;
+    if (!touch.yes) return;
+    question.found.push_back({.object = object,
+                              .triangle = touch.b_triangle,
+                              .flags = question.flags_of(object),
+                              .distance_m = touch.contact.depth_m,
+                              .error_m = any ? std::numeric_limits<double>::infinity() : touch.contact.depth_error_m,
+                              .point = touch.contact.point,
+                              .normal = touch.contact.normal});
+  };
+  // Its memory goes from question to question.
+  thread_local PartTouches touches(true);
+  for (const auto& scene : question.snapshot.scenes) {
+    touches.clear(!any);
+    const auto allowed = [&](std::uint32_t part) { return question.allows_part(*scene, part); };
+    const auto meet = [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) -> const Touch& {
+      Touch& touch = touches.of(part);
+      touch_parts(asked, wire_contract::kNoTriangle, corners, triangle - scene->parts[part].first_triangle, touch);
+      return touch;
+    };
+    meet_scene(asked, *scene, any, question.walk, allowed, meet);
+    for (const PartTouch& part : touches.list()) take(scene->part_objects[part.part], part.touch);
+    if (ended()) return;
+  }
+  if (!question.snapshot.grid) return;
+  const Primitive primitive = asked;
+  const auto candidate = [&](std::uint32_t slot) {
+    if (!question.allows(question.object(slot).id)) return true;
+    Touch touch;
+    touch.wanted = !any;
+    touch_object(primitive, question.placed(slot), touch, question.walk);
+    take(question.object(slot).id, touch);
+    return !ended();
+  };
+  question.snapshot.grid->walk_box(bounds(asked), candidate, question.walk);
+}
+
+/// Deepest first; ties by object.
+void finish_overlap(Question& question) {
+  std::sort(question.found.begin(), question.found.end(), [](const AnswerHit& a, const AnswerHit& b) {
+    return a.distance_m != b.distance_m ? a.distance_m > b.distance_m : a.object < b.object;
+  });
+  if (question.found.size() > question.asked.max_hits) {
+    question.found.resize(question.asked.max_hits);
+    question.truncated = true;
+  }
+}
+
+}  // namespace
+
+void ask_sphere(Question& question, const double* n) {
+  ask_overlap(question, sphere_of(n));
+  finish_overlap(question);
+}
+
+void ask_box(Question& question, const double* n) {
+  ask_overlap(question, box_of(n));
+  finish_overlap(question);
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,126 @@
+#include <limits>
+
+#include "server/exact_phase/distance/closest.hpp"
+#include "server/world/objects/scene_touch.hpp"
+#include "server/world/query/pair_report.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// A first bound: from one part of a to b's parts, where b is small; else any pair of parts will do to begin with.
+ConvexPart any_part(const Placed& object) {
+  if (!object.info->primitives.empty()) return place(*object.frame, object.info->primitives.front());
+  return place(*object.frame, object.info->mesh->mesh->triangle(0));
+}
+
+/// A point of b's mesh near the point, from where the search comes nearer by going to and fro.
+std::uint32_t nearest_triangle(const Placed& object, const Vec3& point, WalkCost& cost) {
+  const Vec3 local = object.frame->rotation.transpose() * (point - object.frame->position);
+  const IndexedMesh& mesh = *object.info->mesh;
+  std::uint32_t triangle = 0;
+  double best_m2 = std::numeric_limits<double>::infinity();
+  const auto candidate = [&](std::uint32_t number, double) {
+    const Closest found = closest(point, place(*object.frame, mesh.mesh->triangle(number)));
+    const double m2 = found.distance_m * found.distance_m;
+    if (m2 < best_m2) {
+      best_m2 = m2;
+      triangle = number;
+    }
+    return best_m2 * (1 + 0x1p-40);
+  };
+  mesh.tree.walk_near(local, std::numeric_limits<double>::infinity(),
+                      placement_slack(*object.frame, point.lpNorm<1>(), mesh.radius_m), candidate, cost);
+  return triangle;
+}
+
+/// Two parts whose distance is a good first bound.
+Separation first_bound(const Placed& a, const Placed& b, WalkCost& cost) {
+  ConvexPart of_a = any_part(a);
+  ConvexPart of_b = any_part(b);
+  Separation best = separation(of_a, of_b);
+  constexpr int kTurns = 6;
+  for (int i = 0; i < kTurns; ++i) {
+    if (b.info->mesh && b.info->primitives.empty()) of_b = place(*b.frame, b.info->mesh->mesh->triangle(nearest_triangle(b, best.on_a, cost)));
+    if (a.info->mesh && a.info->primitives.empty()) of_a = place(*a.frame, a.info->mesh->mesh->triangle(nearest_triangle(a, best.on_b, cost)));
+    const Separation here = separation(of_a, of_b);
+    if (!(here.distance_m < best.distance_m)) break;
+    best = here;
+  }
+  return best;
+}
+
+/// The nearest pair so far, and what no pair is nearer than.
+struct Nearest {
+  Separation best;
+  double low_m;
+
+  void take(const Separation& here) {
+    low_m = std::min(low_m, here.distance_m - here.error_m);
+    if (here.distance_m < best.distance_m) best = here;
+  }
+  double reach_m() const { return (best.distance_m + best.error_m) * (1 + 0x1p-40); }
+};
+
+/// One triangle of a mesh and those of another one that may be nearer than the nearest so far.
+struct TriangleWalk {
+  const Placed& other;
+  Triangle triangle;
+  bool is_of_a;
+  double radius_m;  // about the point that the walk goes out from
+  Nearest& nearest;
+
+  double operator()(std::uint32_t number, double) const {
+    const Triangle found = place(*other.frame, other.info->mesh->mesh->triangle(number));
+    nearest.take(is_of_a ? separation(triangle, found) : separation(found, triangle));
+    return limit_m2();
+  }
+  double limit_m2() const { return square_up(nearest.reach_m() + radius_m); }
+};
+
+/// Two meshes: from each triangle of the smaller one through the index of the other. A walk over pairs of boxes would
+/// come by most pairs of two shells, one in the other.
+void search_meshes(const Placed& a, const Placed& b, Nearest& nearest, WalkCost& cost) {
+  const bool from_a = a.info->mesh->mesh->triangles.size() <= b.info->mesh->mesh->triangles.size();
+  const Placed& from = from_a ? a : b;
+  const Placed& other = from_a ? b : a;
+  const IndexedMesh& mesh = *other.info->mesh;
+  for (std::uint32_t i = 0; i < from.info->mesh->mesh->triangles.size(); ++i) {
+    const Triangle triangle = place(*from.frame, from.info->mesh->mesh->triangle(i));
+    const Vec3 middle = triangle.a / 3 + triangle.b / 3 + triangle.c / 3;
+    const double radius_m = std::max({(triangle.a - middle).norm(), (triangle.b - middle).norm(), (triangle.c - middle).norm()}) * (1 + 0x1p-40);
+    const TriangleWalk walk{other, triangle, from_a, radius_m, nearest};
+    const Vec3 local = other.frame->rotation.transpose() * (middle - other.frame->position);
+    mesh.tree.walk_near(local, walk.limit_m2(), placement_slack(*other.frame, middle.lpNorm<1>(), mesh.radius_m),
+                        walk, cost);
+  }
+}
+
+bool is_bare_mesh(const Placed& object) { return object.info->mesh && object.info->primitives.empty(); }
+
+}  // namespace
+
+/// All pairs within the best known distance are asked; where one is much nearer, the walk begins again with less.
+Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost) {
+  constexpr double kMuchNearer = 0.75;
+  const Separation first = first_bound(a, b, cost);
+  Nearest nearest{first, first.distance_m - first.error_m};
+  const bool are_meshes = is_bare_mesh(a) && is_bare_mesh(b);
+  if (are_meshes) search_meshes(a, b, nearest, cost);
+  bool again = !are_meshes;
+  while (again) {
+    again = false;
+    const double gap_m = nearest.reach_m();
+    const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
+      nearest.take(separation(of_a.part, of_b.part));
+      again = nearest.reach_m() < kMuchNearer * gap_m;
+      return !again;
+    };
+    visit_part_pairs(a, b, gap_m, visit, cost);
+  }
+  // The nearest may be any whose interval begins below the best one's.
+  Separation best = nearest.best;
+  best.error_m = std::max(best.error_m, best.distance_m - std::max(nearest.low_m, 0.0));
+  return best;
+}
+
+}  // namespace collided::engine

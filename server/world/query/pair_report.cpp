@@ -1,0 +1,166 @@
+#include "server/world/query/pair_report.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "server/geometry/float_environment.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/query/stale_reach.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// An object as the walks over pairs want it: a part of a scene gets a mesh of its own, whose index is built here.
+struct Standing {
+  ObjectInfo own;
+  Frame frame;
+  Placed placed;
+  Aabb reach;             // where it may be
+  bool is_stale = false;  // and nobody knows where in it
+
+  Standing(const Snapshot& snapshot, ObjectId id) {
+    const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
+    frame = snapshot.frames[slot_of(id)];
+    placed = {.info = &info, .frame = &frame, .bounds = snapshot.bounds[slot_of(id)]};
+    reach = placed.bounds;
+    if (const std::optional<Aabb> region = unknown_region(snapshot, id)) {
+      reach.extend(*region);
+      is_stale = true;
+    }
+    if (info.scene_part == kNoScenePart) return;
+    Shape shape;
+    shape.mesh = mesh_of_part(snapshot, info);
+    own = without_world(shape);
+    frame = Frame();
+    placed = {.info = &own, .frame = &frame, .bounds = bounds_of(own, frame)};
+    reach = placed.bounds;
+  }
+  Standing(const Standing&) = delete;
+  Standing& operator=(const Standing&) = delete;
+
+  static std::shared_ptr<const TriangleMesh> mesh_of_part(const Snapshot& snapshot, const ObjectInfo& info) {
+    auto mesh = std::make_shared<TriangleMesh>();
+    for (const auto& scene : snapshot.scenes) {
+      if (info.scene_part >= scene->parts.size() || scene->part_objects[info.scene_part] != info.id) continue;
+      const Part& part = scene->parts[info.scene_part];
+      for (std::uint32_t i = 0; i < part.triangle_count; ++i) {
+        const Triangle t = scene->mesh.triangle(part.first_triangle + i);
+        const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
+        mesh->vertices.insert(mesh->vertices.end(), {t.a, t.b, t.c});
+        mesh->triangles.push_back({first, first + 1, first + 2});
+      }
+    }
+    return mesh;
+  }
+};
+
+Decision decision_of(const Touch& touch) {
+  if (touch.yes) return Decision::yes;
+  return touch.undecided ? Decision::undecided : Decision::no;
+}
+
+/// Every pair of triangles that share a point; all are counted, the first in order kept.
+void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairReport& report, WalkCost& cost) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
+    const bool two_triangles = of_a.triangle != wire_contract::kNoTriangle && of_b.triangle != wire_contract::kNoTriangle;
+    if (two_triangles && overlaps(of_a.part, of_b.part).yes()) pairs.emplace_back(of_a.triangle, of_b.triangle);
+    return true;
+  };
+  visit_part_pairs(a, b, 0, visit, cost);
+  std::sort(pairs.begin(), pairs.end());
+  // A clipped split may offer a pair twice.
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  report.crossing_count = pairs.size();
+  pairs.resize(std::min<std::size_t>(pairs.size(), most));
+  for (const auto& [of_a, of_b] : pairs) {
+    const Triangle first = place(*a.frame, a.info->mesh->mesh->triangle(of_a));
+    const Triangle second = place(*b.frame, b.info->mesh->mesh->triangle(of_b));
+    report.crossings.push_back({of_a, of_b, crossing(first, second)});
+  }
+}
+
+PairReport report_in_order(const Standing& first, const Standing& second, const PairAsk& ask) {
+  const Placed& a = first.placed;
+  const Placed& b = second.placed;
+  PairReport report;
+  report.is_stale = first.is_stale || second.is_stale;
+  WalkCost cost;
+  Touch touch;
+  touch_objects(a, b, touch, cost);
+  report.touches = decision_of(touch);
+  if (report.is_stale && report.touches == Decision::no && overlaps(first.reach, second.reach)) report.touches = Decision::undecided;
+  if (touch.yes) {
+    report.contact = touch.contact;
+    report.a_triangle = touch.a_triangle;
+    report.b_triangle = touch.b_triangle;
+    report.manifold = manifold_of(a, b, touch.contact, cost);
+    if (ask.triangles && a.info->mesh && b.info->mesh) find_crossings(a, b, ask.most_crossings, report, cost);
+  } else if (report.touches == Decision::no) {
+    report.separation = distance_between(a, b, cost);
+    report.contained = containment(a, b);
+  }
+  if (!ask.certificate) return report;
+  if (report.touches == Decision::undecided) report.no_proof = "the answer is undecided";
+  else report.proof = proof_of(a, b, touch.yes, report.no_proof, cost);
+  return report;
+}
+
+void turn_round(PairReport& report) {
+  report.contact.normal = -report.contact.normal;
+  std::swap(report.a_triangle, report.b_triangle);
+  for (ManifoldPoint& point : report.manifold) std::swap(point.a_triangle, point.b_triangle);
+  std::swap(report.separation.on_a, report.separation.on_b);
+  report.separation.normal = -report.separation.normal;
+  if (report.contained != Contained::none) {
+    report.contained = report.contained == Contained::a_in_b ? Contained::b_in_a : Contained::a_in_b;
+  }
+  for (TriangleCrossing& crossing : report.crossings) std::swap(crossing.a, crossing.b);
+  std::sort(report.crossings.begin(), report.crossings.end(),
+            [](const TriangleCrossing& x, const TriangleCrossing& y) { return std::tie(x.a, x.b) < std::tie(y.a, y.b); });
+}
+
+}  // namespace
+
+/// Worked out in the order of their names, so that neither the order asked in is to be seen, but for the proof, which keeps
+/// it, nor that in which a server met them.
+PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const PairAsk& ask) {
+  const OwnFloatEnvironment own_floats;
+  const auto order = [&](ObjectId id) { return std::tie((*snapshot.objects)[slot_of(id)]->name, id); };
+  const bool turned = order(b) < order(a);
+  const Standing first(snapshot, turned ? b : a);
+  const Standing second(snapshot, turned ? a : b);
+  PairAsk without_proof = ask;
+  without_proof.certificate = ask.certificate && !turned;
+  PairReport report = report_in_order(first, second, without_proof);
+  if (!turned) return report;
+  turn_round(report);
+  if (ask.certificate && report.touches != Decision::undecided) {
+    WalkCost cost;
+    report.proof = proof_of(second.placed, first.placed, report.touches == Decision::yes, report.no_proof, cost);
+  }
+  return report;
+}
+
+std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact, WalkCost& cost) {
+  // Parts that push another way are corners and edges of what bears elsewhere: 26 degrees.
+  constexpr double kSameWay = 0.9;
+  std::vector<ManifoldPoint> points;
+  const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
+    if (!overlaps(of_a.part, of_b.part).yes()) return true;
+    const Contact here = engine::contact(of_a.part, of_b.part);
+    if (here.normal.dot(contact.normal) < kSameWay) return true;
+    const std::size_t before = points.size();
+    append_manifold(of_a.part, of_b.part, here, contact.normal, points);
+    for (std::size_t i = before; i < points.size(); ++i) {
+      points[i].a_triangle = of_a.triangle;
+      points[i].b_triangle = of_b.triangle;
+    }
+    return true;
+  };
+  visit_part_pairs(a, b, 0, visit, cost);
+  keep_extremes(contact.normal, points);
+  return points;
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,195 @@
+#include "server/world/query/pose_memory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/world/objects/object_rows.hpp"
+#include "server/world/objects/sources.hpp"
+#include "server/world/objects/touch.hpp"
+#include "server/world/step/step_motion.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// One object's place may have become another's, whose publisher's time is behind: then there were both.
+std::uint32_t add_slot(ObjectTable& objects, Snapshot& state) {
+  const auto slot = static_cast<std::uint32_t>(objects.size());
+  objects.emplace_back();
+  state.poses.resize(objects.size());
+  state.frames.resize(objects.size());
+  state.posed_ns.resize(objects.size());
+  state.stale.resize(objects.size());
+  return slot;
+}
+
+std::shared_ptr<const ObjectInfo> named_by_slot(const std::shared_ptr<const ObjectInfo>& info, std::uint32_t slot) {
+  if (slot_of(info->id) == slot) return info;
+  auto copy = std::make_shared<ObjectInfo>(*info);
+  copy->id = info->id - slot_of(info->id) + slot;
+  return copy;
+}
+
+}  // namespace
+
+void PoseMemory::note(const Step& step) {
+  if (!is_on()) return;
+  const std::lock_guard lock(mutex_);
+  const std::int64_t now_ns = step.snapshot.world_time_ns;
+  if (to_ns_ == 0) from_ns_ = now_ns;
+  to_ns_ = std::max(to_ns_, now_ns);
+  epoch_ = step.snapshot.epoch;
+  version_ = step.snapshot.version;
+  stale_objects_ = step.stale_objects;
+  if (scenes_ != step.scenes || covers_ != step.snapshot.covers) {
+    scenes_ = step.scenes;
+    covers_ = step.snapshot.covers;
+    from_ns_ = to_ns_;
+  }
+  move_floor();
+  lives_.resize(step.rows.size());
+  for (const std::uint32_t slot : step.rows.moved()) note_object(step, slot);
+  sources_.resize(step.sources.size());
+  for (std::uint32_t i = 0; i < step.sources.size(); ++i) {
+    const Source& source = step.sources[i];
+    sources_[i] = {.is_streamed = source.is_streamed, .known_ns = source.known_ns, .streamed_ns = source.streamed_ns};
+  }
+}
+
+/// Also where there are more poses than there is room for: then the memory is that much shorter.
+void PoseMemory::move_floor() {
+  from_ns_ = std::max(from_ns_, to_ns_ - options_.reach_ns);
+  if (move_count_ * sizeof(Move) > options_.max_bytes) from_ns_ += (to_ns_ - from_ns_) / 64;
+  while (!gone_.empty() && gone_.front().gone_ns <= from_ns_) {
+    move_count_ -= gone_.front().moves.size();
+    gone_.pop_front();
+  }
+}
+
+void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
+  Life& life = lives_[slot];
+  const std::shared_ptr<const ObjectInfo>& info = step.rows.table()[slot];
+  if (life.info && (!info || info->id != life.info->id)) end(life);
+  if (!info) return;
+  const ObjectRow& row = step.rows[slot];
+  if (!life.info) {
+    const std::uint32_t source = step.rows.source(slot);
+    life = {.info = info, .born_ns = source != Sources::kResting ? row.born_ns : to_ns_, .source = source, .first = row.pose, .moves = {}};
+    if (!step.rows.is_posed(slot)) return;
+    life.first = row.pose;
+  }
+  if (!step.rows.is_posed(slot)) return;
+  const bool has_source = life.source != Sources::kResting;
+  const WayTimes times = way_times(row, step.rows.is_new(slot), has_source ? &step.sources[life.source] : nullptr);
+  add_move(life, {.from_ns = times.from_ns, .to_ns = times.to_ns, .pose = row.pose});
+}
+
+void PoseMemory::add_move(Life& life, const Move& move) {
+  forget(life);
+  const double way_m = (move.pose.position - life.last().position).norm();
+  const double way_s = 1e-9 * static_cast<double>(move.to_ns - move.from_ns);
+  if (way_s > 0) life.largest_mps = std::max(life.largest_mps, way_m / way_s);
+  life.moves.push_back(move);
+  ++move_count_;
+}
+
+/// A move that was over before the reach begins is where the object is when it begins.
+void PoseMemory::forget(Life& life) {
+  std::size_t& first = life.forgotten;
+  while (first < life.moves.size() && life.moves[first].to_ns <= from_ns_) life.first = life.moves[first++].pose;
+  if (first < 16 || 2 * first < life.moves.size()) return;
+  life.moves.erase(life.moves.begin(), life.moves.begin() + static_cast<std::ptrdiff_t>(first));
+  move_count_ -= first;
+  first = 0;
+}
+
+/// As far as its publisher had come it was there.
+void PoseMemory::end(Life& life) {
+  const bool has_source = life.source != Sources::kResting;
+  life.gone_ns = has_source ? std::min(to_ns_, std::max(sources_[life.source].known_ns, life.last_ns()) + 1) : to_ns_;
+  gone_.push_back(std::exchange(life, Life{}));
+}
+
+PoseMemory::Reach PoseMemory::reach() const {
+  const std::lock_guard lock(mutex_);
+  return {from_ns_, to_ns_};
+}
+
+std::size_t PoseMemory::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return move_count_ * sizeof(Move);
+}
+
+std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
+  auto state = std::make_shared<Snapshot>();
+  {
+    const std::lock_guard lock(mutex_);
+    if (!is_on() || time_ns < from_ns_ || time_ns > to_ns_) return nullptr;
+    state->epoch = epoch_;
+    state->version = version_;
+    state->world_time_ns = time_ns;
+    state->scenes = scenes_;
+    state->covers = covers_;
+    state->poses.resize(lives_.size());
+    state->frames.resize(lives_.size());
+    state->posed_ns.resize(lives_.size());
+    state->stale.resize(lives_.size());
+    auto objects = std::make_shared<ObjectTable>(lives_.size());
+    const auto take = [&](const Life& life) {
+      if (!life.was_there(time_ns)) return;
+      std::uint32_t slot = slot_of(life.info->id);
+      if ((*objects)[slot]) slot = add_slot(*objects, *state);
+      (*objects)[slot] = named_by_slot(life.info, slot);
+      put(life, slot, time_ns, *state);
+    };
+    std::for_each(gone_.begin(), gone_.end(), take);
+    std::for_each(lives_.begin(), lives_.end(), take);
+    state->objects = std::move(objects);
+  }
+  state->bounds.resize(state->frames.size());
+  for (std::size_t slot = 0; slot < state->frames.size(); ++slot) {
+    const ObjectInfo* info = (*state->objects)[slot].get();
+    if (info != nullptr && info->scene_part == kNoScenePart) state->bounds[slot] = bounds_of(*info, state->frames[slot]);
+  }
+  state->grid = std::make_shared<Grid>();
+  state->grid->rebuild(state->bounds);
+  return state;
+}
+
+void PoseMemory::put(const Life& life, std::uint32_t slot, std::int64_t time_ns, Snapshot& state) const {
+  state.frames[slot] = frame_at(life, time_ns);
+  state.poses[slot] = {.position = state.frames[slot].position, .rotation = Quat(state.frames[slot].rotation)};
+  if (life.source == Sources::kResting) return;
+  const std::int64_t known_ns = known_of(life);
+  state.posed_ns[slot] = std::min(known_ns, time_ns);
+  if (known_ns >= time_ns) return;
+  state.stale[slot] = 1;
+  state.stale_objects.push_back({.id = life.info->id - slot_of(life.info->id) + slot,
+                                 .position = state.frames[slot].position,
+                                 .reach_m = reach_of(*life.info),
+                                 .speed_mps = life.largest_mps,
+                                 .posed_ns = known_ns});
+}
+
+/// Of a lost publisher's object nothing is known behind its last pose, of one that is gone everything.
+std::int64_t PoseMemory::known_of(const Life& life) const {
+  if (life.gone_ns != Life::kStillThere) return kForEver;
+  for (const StaleObject& stale : stale_objects_) {
+    if (stale.id == life.info->id) return stale.posed_ns;
+  }
+  const Known& known = sources_[life.source];
+  if (!known.is_streamed) return known.known_ns;
+  return std::max({life.last_ns(), known.known_ns - kStreamGapNs, known.streamed_ns});
+}
+
+Frame PoseMemory::frame_at(const Life& life, std::int64_t time_ns) const {
+  const auto begin = life.moves.begin() + static_cast<std::ptrdiff_t>(life.forgotten);
+  // The first that is not over by then; of several at one time the last counts.
+  const auto next = std::upper_bound(begin, life.moves.end(), time_ns, [](std::int64_t time, const Move& move) { return time < move.to_ns; });
+  const Frame before = frame_of(next == begin ? life.first : std::prev(next)->pose);
+  if (next == life.moves.end() || time_ns <= next->from_ns) return before;
+  const double part = static_cast<double>(time_ns - next->from_ns) / static_cast<double>(next->to_ns - next->from_ns);
+  return way_between(lone_sphere(*life.info), before, frame_of(next->pose)).at(part);
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,170 @@
+#include "server/world/query/probes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "server/geometry/float_environment.hpp"
+#include "server/world/query/covered.hpp"
+#include "server/world/query/question.hpp"
+
+namespace collided::engine {
+
+using wire_contract::ProbeState;
+
+namespace {
+
+bool same(const Filter& a, const Filter& b) { return a.layers == b.layers && a.mask == b.mask && a.group == b.group; }
+
+/// The rays of one probe: each with a limit of its own.
+struct ProbeRay {
+  const Snapshot& snapshot;
+  const std::vector<std::uint8_t>& allowed;
+  const std::vector<std::uint8_t>& open_scenes;
+  std::vector<AnswerHit>& found;
+  double numbers[wire_contract::kRayNumbers];
+  bool undecided = false;
+
+  const AnswerHit* first_within(double length_m) {
+    const Questions asked;
+    numbers[6] = length_m;
+    Question question{.snapshot = snapshot, .asked = asked, .allowed = allowed, .open_scenes = open_scenes, .found = found};
+    ask_ray(question, numbers);
+    undecided = undecided || question.undecided;
+    return found.empty() ? nullptr : &found.front();
+  }
+
+  /// Of the first hit's distance less that length, exactly: what is met within it, and within the double below it.
+  ProbeState state_about(double length_m) {
+    if (first_within(length_m) == nullptr) return ProbeState::gap;
+    const bool is_nearer = length_m > 0 && first_within(std::nextafter(length_m, 0.0)) != nullptr;
+    return is_nearer ? ProbeState::collision : ProbeState::touching;
+  }
+};
+
+/// The number says no other sign than the state, which is exact.
+void agree_with_sign(ProbeReading& reading) {
+  constexpr double kLeast = std::numeric_limits<double>::denorm_min();
+  if (reading.state == ProbeState::touching) reading.clearance_m = reading.error_m = 0;
+  if (reading.state == ProbeState::gap) reading.clearance_m = std::max(reading.clearance_m, kLeast);
+  if (reading.state == ProbeState::collision) reading.clearance_m = std::min(reading.clearance_m, -kLeast);
+}
+
+}  // namespace
+
+std::optional<Refusal> Probes::set(const ProbeDefinition& definition) {
+  const double length = definition.direction.stableNorm();
+  if (!definition.origin.allFinite() || !std::isfinite(length)) return Refusal{"probe: a number is not finite"};
+  if (!(length > 0)) return Refusal{"probe: direction 0 0 0 has no direction"};
+  if (!(definition.reach_m >= 0)) return Refusal{"probe: the reach is below 0"};
+  if (!(definition.back_m >= 0 && std::isfinite(definition.back_m))) return Refusal{"probe: looking back must be from 0 on, and have an end"};
+  const Vec3 unit = definition.direction.stableNormalized();
+  Probe probe{.definition = definition, .start = definition.origin - definition.back_m * unit, .direction = unit};
+  if (!probe.start.allFinite()) return Refusal{"probe: it begins beyond the range of double"};
+  is_bound_ = false;
+  const auto known = std::find_if(probes_.begin(), probes_.end(),
+                                  [&](const Probe& other) { return other.definition.name == definition.name; });
+  if (known != probes_.end()) {
+    *known = std::move(probe);
+    return std::nullopt;
+  }
+  if (probes_.size() >= wire_contract::kMaxProbes) {
+    return Refusal{"probe: there are " + std::to_string(probes_.size()) + ", the limit. Nothing was added"};
+  }
+  probes_.push_back(std::move(probe));
+  return std::nullopt;
+}
+
+std::vector<std::string> Probes::remove(std::string_view glob) {
+  std::vector<std::string> names;
+  const auto goes = [&](const Probe& probe) {
+    if (!glob_matches(glob, probe.definition.name)) return false;
+    names.push_back(probe.definition.name);
+    return true;
+  };
+  probes_.erase(std::remove_if(probes_.begin(), probes_.end(), goes), probes_.end());
+  return names;
+}
+
+/// Names and filters are looked up once a table, not once a step.
+void Probes::bind(const Snapshot& snapshot, const Find& find) {
+  if (is_bound_ && bound_version_ == snapshot.table_version) return;
+  audiences_.clear();
+  for (Probe& probe : probes_) {
+    const std::optional<ObjectId> id = find(probe.definition.object);
+    const bool shown = id && slot_of(*id) < snapshot.objects->size() && (*snapshot.objects)[slot_of(*id)] &&
+                       (*snapshot.objects)[slot_of(*id)]->id == *id;
+    probe.object = shown ? *id : 0;
+  }
+  bound_version_ = snapshot.table_version;
+  is_bound_ = true;
+}
+
+Probes::Audience& Probes::audience_of(const Snapshot& snapshot, const Filter& filter) {
+  const auto known = std::find_if(audiences_.begin(), audiences_.end(),
+                                  [&](const Audience& audience) { return same(audience.filter, filter); });
+  if (known != audiences_.end()) return *known;
+  // Filters are few as a rule. Where they are not, memory must not grow with them.
+  constexpr std::size_t kMost = 64;
+  if (audiences_.size() >= kMost) audiences_.clear();
+  Audience& audience = audiences_.emplace_back();
+  audience.filter = filter;
+  for (const auto& info : *snapshot.objects) audience.allowed.push_back(info && may_meet(filter, info->filter) ? 1 : 0);
+  for (const auto& scene : snapshot.scenes) {
+    const bool is_open = std::all_of(scene->part_objects.begin(), scene->part_objects.end(),
+                                     [&](ObjectId part) { return audience.allowed[slot_of(part)] != 0; });
+    audience.open_scenes.push_back(is_open ? 1 : 0);
+  }
+  return audience;
+}
+
+ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
+  ProbeReading reading{.object = probe.object};
+  if (probe.object == 0) return reading;
+  const std::uint32_t slot = slot_of(probe.object);
+  const Frame& frame = snapshot.frames[slot];
+  const Vec3 start = place(frame, probe.start);
+  const Vec3 direction = place(Frame{.rotation = frame.rotation}, probe.direction);
+  const ObjectInfo& info = *(*snapshot.objects)[slot];
+  Audience& audience = audience_of(snapshot, info.filter);
+  // Of a scene that the object is a part of, not everything may answer.
+  const bool is_part = info.scene_part != kNoScenePart;
+  const std::vector<std::uint8_t> closed_scenes(is_part ? snapshot.scenes.size() : 0, 0);
+  std::uint8_t& itself = audience.allowed[slot];
+  const std::uint8_t met_by_others = std::exchange(itself, std::uint8_t{0});
+  ProbeRay ray{snapshot, audience.allowed, is_part ? closed_scenes : audience.open_scenes, found_,
+               {start.x(), start.y(), start.z(), direction.x(), direction.y(), direction.z(), 0}};
+  const double back_m = probe.definition.back_m;
+  const AnswerHit* first = ray.first_within(back_m + probe.definition.reach_m);
+  reading.state = ProbeState::nothing;
+  if (first != nullptr) {
+    const AnswerHit hit = *first;
+    reading.met = hit.object;
+    reading.triangle = hit.triangle;
+    reading.point = hit.point;
+    reading.normal = hit.normal;
+    reading.clearance_m = hit.distance_m - back_m;
+    reading.error_m = hit.error_m + (back_m == 0 ? 0 : std::numeric_limits<double>::epsilon() * std::abs(reading.clearance_m));
+    if ((hit.flags & wire_contract::kInside) != 0) reading.state = ProbeState::deeper;
+    else if (std::abs(reading.clearance_m) > reading.error_m) reading.state = reading.clearance_m > 0 ? ProbeState::gap : ProbeState::collision;
+    else reading.state = ray.state_about(back_m);
+    agree_with_sign(reading);
+  }
+  // Up to what is met, or as far as it looks, it must be known that nothing is.
+  const double known_m = back_m + (first == nullptr ? probe.definition.reach_m : reading.clearance_m - reading.error_m);
+  const bool is_covered = !snapshot.covers || !leaves_covered(Ray{start, direction, std::max(0.0, known_m)}, *snapshot.covers);
+  if (ray.undecided || !is_covered) reading.state = ProbeState::undecided;
+  itself = met_by_others;
+  return reading;
+}
+
+void Probes::read(const Snapshot& snapshot, const Find& find, std::vector<ProbeReading>& readings) {
+  readings.clear();
+  if (probes_.empty()) return;
+  const OwnFloatEnvironment own_floats;
+  bind(snapshot, find);
+  for (const Probe& probe : probes_) readings.push_back(read(snapshot, probe));
+}
+
+}  // namespace collided::engine

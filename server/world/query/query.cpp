@@ -1,0 +1,265 @@
+#include "server/world/query/query.hpp"
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "server/exact_phase/arithmetic/precision.hpp"
+#include "server/geometry/float_environment.hpp"
+#include "server/world/query/covered.hpp"
+#include "server/world/query/question.hpp"
+#include "server/world/query/stale_reach.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::Answer;
+using wire_contract::QueryKind;
+using wire_contract::UndecidedReason;
+
+std::int64_t steady_now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+bool is_rotation(const double* n) {
+  const double norm = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3]);
+  return std::abs(norm - 1) <= 1e-6;
+}
+
+/// Whether the numbers make a question: finite (a length may be infinite), a direction, sizes not negative, a unit
+/// quaternion. Written so that NaN fails.
+bool is_question(QueryKind kind, const double* n) {
+  const auto finite = [&](int from, int to) {
+    return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
+  };
+  switch (kind) {
+    case QueryKind::ray:
+      return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
+    case QueryKind::sphere:
+      return finite(0, 4) && n[3] >= 0;
+    case QueryKind::box:
+      return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
+    case QueryKind::near:
+      return finite(0, 3) && n[3] >= 0;
+    case QueryKind::sweep:
+      return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
+    default:
+      return false;
+  }
+}
+
+/// Scenes in which nothing needs to be asked whether it may answer.
+void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
+  scratch.open_scenes.clear();
+  for (const auto& scene : snapshot.scenes) {
+    const bool is_open = std::all_of(scene->part_objects.begin(), scene->part_objects.end(),
+                                     [&](ObjectId part) { return scratch.allowed[slot_of(part)] != 0; });
+    scratch.open_scenes.push_back(is_open ? 1 : 0);
+  }
+}
+
+/// Which objects may answer: layers and name patterns, worked out once for a table and a filter, not for each question.
+void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
+  const ObjectTable* table = snapshot.objects.get();
+  if (scratch.allowed_table == table && scratch.allowed_version == snapshot.table_version &&
+      scratch.allowed_mask == asked.mask && scratch.allowed_only == asked.only && scratch.allowed_skip == asked.skip) {
+    return;
+  }
+  scratch.allowed.assign(table->size(), 0);
+  for (std::size_t slot = 0; slot < table->size(); ++slot) {
+    const ObjectInfo* info = (*table)[slot].get();
+    scratch.allowed[slot] = info != nullptr && may_answer(*info, asked) ? 1 : 0;
+  }
+  fill_open_scenes(snapshot, scratch);
+  scratch.allowed_table = table;
+  scratch.allowed_version = snapshot.table_version;
+  scratch.allowed_mask = asked.mask;
+  scratch.allowed_only = asked.only;
+  scratch.allowed_skip = asked.skip;
+}
+
+void ask(Question& question, const double* numbers) {
+  switch (question.asked.kind) {
+    case QueryKind::ray: return ask_ray(question, numbers);
+    case QueryKind::sphere: return ask_sphere(question, numbers);
+    case QueryKind::box: return ask_box(question, numbers);
+    case QueryKind::near: return ask_near(question, numbers);
+    case QueryKind::sweep: return ask_sweep(question, numbers);
+    default: return;
+  }
+}
+
+void push_plain(Answers& answers, Answer answer, UndecidedReason reason) {
+  answers.answers.push_back(answer);
+  answers.reasons.push_back(reason);
+  answers.levels.push_back(0);
+  answers.hit_counts.push_back(0);
+  answers.nodes.push_back(0);
+  answers.exact_tests.push_back(0);
+}
+
+/// A certain hit is a hit, however many others are in doubt; a miss needs every test to have said no.
+void push_answer(Answers& answers, const Question& question) {
+  UndecidedReason reason = UndecidedReason::none;
+  Answer answer = question.found.empty() ? Answer::miss : Answer::hit;
+  const bool one_is_enough = question.asked.mode == wire_contract::RayMode::any;
+  if (question.undecided && (answer == Answer::miss || !one_is_enough)) {
+    reason = UndecidedReason::numeric;
+  } else if (question.truncated) {
+    reason = UndecidedReason::truncated;
+  }
+  if (reason != UndecidedReason::none) answer = Answer::undecided;
+  push_plain(answers, answer, reason);
+  answers.levels.back() = static_cast<std::uint8_t>(question.level);
+  answers.hit_counts.back() = static_cast<std::uint32_t>(question.found.size());
+  answers.nodes.back() = question.walk.nodes;
+  answers.exact_tests.back() = question.exact_tests;
+  answers.hits.insert(answers.hits.end(), question.found.begin(), question.found.end());
+}
+
+/// As with lost publishers: what is known stays for who wants it, behind it where it ends.
+void doubt_where_not_covered(Answers& answers, const Question& question, const double* numbers) {
+  const bool is_claim = answers.answers.back() == Answer::miss || answers.answers.back() == Answer::hit;
+  if (!is_claim) return;
+  const std::optional<Leaving> leaving = leaves_covered(question.asked, numbers, question.found, *question.snapshot.covers);
+  if (!leaving) return;
+  answers.answers.back() = Answer::undecided;
+  answers.reasons.back() = UndecidedReason::not_covered;
+  answers.hits.push_back({.flags = wire_contract::kUncovered, .distance_m = leaving->covered_m, .point = leaving->point});
+  ++answers.hit_counts.back();
+}
+
+void note_age(Answers& answers, const Question& question) {
+  for (const AnswerHit& hit : question.found) {
+    const std::int64_t posed_ns = question.snapshot.posed_ns[slot_of(hit.object)];
+    if (posed_ns == 0) continue;
+    answers.oldest_pose_ns = answers.oldest_pose_ns < 0 ? posed_ns : std::min(answers.oldest_pose_ns, posed_ns);
+  }
+}
+
+/// What is said at once: this is no question, or it is too late for it.
+std::optional<Answer> answer_at_once(const Questions& asked, const double* numbers) {
+  if (!is_question(asked.kind, numbers)) return Answer::invalid;
+  if (asked.kind == QueryKind::sweep && asked.mover == nullptr) return Answer::invalid;
+  if (asked.deadline_ns != 0 && steady_now_ns() > asked.deadline_ns) return Answer::undecided;
+  return std::nullopt;
+}
+
+void push_at_once(Answers& answers, Answer answer) {
+  push_plain(answers, answer, answer == Answer::invalid ? UndecidedReason::none : UndecidedReason::deadline);
+}
+
+/// Questions one after the other, or rays in groups.
+struct QuestionBatch {
+  const Snapshot& snapshot;
+  const Questions& asked;
+  QueryScratch& scratch;
+  Answers& answers;
+
+  void finish(const Question& question, const double* numbers) const {
+    push_answer(answers, question);
+    if (snapshot.covers) doubt_where_not_covered(answers, question, numbers);
+    note_age(answers, question);
+  }
+  void answer_one(const double* numbers) const {
+    if (const std::optional<Answer> at_once = answer_at_once(asked, numbers)) return push_at_once(answers, *at_once);
+    Question question{.snapshot = snapshot, .asked = asked, .allowed = scratch.allowed,
+                      .open_scenes = scratch.open_scenes, .found = scratch.found};
+    ask(question, numbers);
+    finish(question, numbers);
+  }
+  void answer_rays(const double* numbers, std::size_t count) const;
+};
+
+void QuestionBatch::answer_rays(const double* numbers, std::size_t count) const {
+  std::array<std::optional<Question>, kRaysAtOnce> group;
+  std::array<const double*, kRaysAtOnce> of_group;
+  scratch.found_by_ray.resize(kRaysAtOnce);
+  std::size_t size = 0;
+  // A ray that is answered at once ends a group, so that answers keep the order of the questions.
+  const auto ask_group = [&] {
+    if (size > 0) ask_rays(std::span(group).first(size), std::span<const double* const>(of_group).first(size));
+    for (std::size_t i = 0; i < size; ++i) finish(*group[i], of_group[i]);
+    size = 0;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const double* ray = numbers + i * wire_contract::kRayNumbers;
+    if (const std::optional<Answer> at_once = answer_at_once(asked, ray)) {
+      ask_group();
+      push_at_once(answers, *at_once);
+      continue;
+    }
+    group[size].emplace(snapshot, asked, scratch.allowed, scratch.open_scenes, scratch.found_by_ray[size]);
+    of_group[size++] = ray;
+  }
+  ask_group();
+}
+
+/// Rays of no common direction through more than the caches hold wait for memory most of the time: walked in turn they
+/// wait for each other's. Rays like those of a camera meet the same nodes, and go through them together where nothing
+/// asks for every candidate; else each finds what the last one left, and is faster alone.
+bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
+  constexpr std::size_t kFewest = 16;
+  constexpr std::uint64_t kCacheBytes = 4 << 20;
+  constexpr std::size_t stride = wire_contract::kRayNumbers;
+  const std::size_t count = asked.numbers.size() / stride;
+  if (count < kFewest || asked.mode == wire_contract::RayMode::all) return false;
+  std::size_t alike = 0;
+  for (std::size_t i = 1; i < kFewest; ++i) {
+    const double* a = asked.numbers.data() + (i - 1) * stride;
+    const double* b = a + stride;
+    const bool same_start = a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+    const double along = a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
+    const double squares = (a[3] * a[3] + a[4] * a[4] + a[5] * a[5]) * (b[3] * b[3] + b[4] * b[4] + b[5] * b[5]);
+    const bool same_direction = along > 0 && along * along > 0.99 * squares;
+    alike += same_start && same_direction ? 1 : 0;
+  }
+  if (alike >= kFewest / 2) {
+    const bool is_open = std::all_of(scratch.open_scenes.begin(), scratch.open_scenes.end(), std::identity());
+    return !snapshot.scenes.empty() && is_open && asked.error_m == 0 && asked.highest == Level::rational;
+  }
+  std::uint64_t bytes = 0;
+  for (const auto& scene : snapshot.scenes) bytes += scene->tree.report().bytes;
+  return bytes >= kCacheBytes;
+}
+
+}  // namespace
+
+bool may_answer(const ObjectInfo& info, const Questions& asked) {
+  if ((info.filter.layers & asked.mask) == 0) return false;
+  if (!asked.only.empty() && !glob_matches(asked.only, info.name)) return false;
+  return asked.skip.empty() || !glob_matches(asked.skip, info.name);
+}
+
+void Answers::clear() {
+  answers.clear();
+  reasons.clear();
+  levels.clear();
+  hit_counts.clear();
+  nodes.clear();
+  exact_tests.clear();
+  hits.clear();
+  oldest_pose_ns = -1;
+}
+
+void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch) {
+  answers.clear();
+  const std::uint32_t stride = wire_contract::numbers_of(questions.kind);
+  if (stride == 0) return;
+  const OwnFloatEnvironment own_floats;
+  fill_allowed(snapshot, questions, scratch);
+  const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
+  const std::size_t count = questions.numbers.size() / stride;
+  const QuestionBatch batch{snapshot, questions, scratch, answers};
+  const bool together = questions.kind == QueryKind::ray && rays_gain_together(snapshot, questions, scratch);
+  const std::size_t step = together ? kRaysAtOnce : 1;
+  for (std::size_t i = 0; i < count; i += step) {
+    const double* numbers = questions.numbers.data() + i * stride;
+    together ? batch.answer_rays(numbers, std::min(step, count - i)) : batch.answer_one(numbers);
+  }
+  if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, questions, answers);
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,305 @@
+#include <array>
+#include <cmath>
+#include <type_traits>
+
+#include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/stable_length.hpp"
+#include "server/world/objects/part_index.hpp"
+#include "server/world/query/question.hpp"
+#include "server/world/query/question_shapes.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::RayMode;
+
+/// A ray on its way through the world. Scenes and movers share the limit, so that a near hit in one saves work in the
+/// others. Distances along the ray are s * |direction|; the walks want s.
+struct RayWalk {
+  Question& question;
+  Ray ray;
+  double direction_m = 0;  // |direction|, stable_length's
+  double limit = 0;        // in s, never below the best hit less the error asked for; below 0: nothing is sought
+  Triangle best_triangle = {};
+  bool best_is_triangle = false;
+  bool is_length_known = true;  // else the limit says nothing of the ray's length
+
+  double rounded_up(double distance_m) const { return distance_m / direction_m * (1 + 0x1p-50); }
+  bool closest() const { return question.asked.mode == RayMode::closest; }
+  bool over() const { return limit < 0; }
+
+  template <class Part>
+  void test(const Part& part, ObjectId object, std::uint32_t triangle);
+  void keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners);
+  bool is_nearer(const AnswerHit& hit, const Triangle* corners) const;
+  Bvh::RayGoal goal(std::size_t scene) const;
+  void walk_scene(std::size_t scene);
+  void walk_object(std::uint32_t slot);
+  void finish();
+  template <class Test>
+  void walk_local(const Bvh& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one);
+  template <class Test>
+  void walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one);
+};
+
+template <class Part>
+void RayWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
+  RayHit hit;
+  const Verdict verdict = cast_ray(ray, part, hit);
+  question.count(verdict);
+  if (!verdict.yes()) return;
+  if constexpr (std::is_same_v<Part, Triangle>) {
+    keep(hit, object, triangle, &part);
+  } else {
+    keep(hit, object, triangle, nullptr);
+  }
+}
+
+/// Intervals that do not meet decide; else two triangles are compared exactly; ties go to the lower object, triangle.
+bool RayWalk::is_nearer(const AnswerHit& hit, const Triangle* corners) const {
+  const AnswerHit& best = question.found.front();
+  if (hit.distance_m + hit.error_m < best.distance_m - best.error_m) return true;
+  if (best.distance_m + best.error_m < hit.distance_m - hit.error_m) return false;
+  if (corners != nullptr && best_is_triangle) {
+    const int order = compare_hits(ray, *corners, best_triangle);
+    if (order != 0) return order < 0;
+  } else if (hit.distance_m != best.distance_m) {
+    return hit.distance_m < best.distance_m;
+  }
+  return hit.object != best.object ? hit.object < best.object : hit.triangle < best.triangle;
+}
+
+void RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) {
+  const AnswerHit kept{.object = object,
+                       .triangle = triangle,
+                       .flags = static_cast<std::uint8_t>(question.flags_of(object) |
+                                                          (hit.inside ? wire_contract::kInside : 0)),
+                       .distance_m = hit.distance_m,
+                       .error_m = hit.distance_error_m,
+                       .exit_m = hit.exit_m,
+                       .point = hit.point,
+                       .point_error_m = point_error_m(hit),
+                       .normal = hit.normal,
+                       .weights = hit.weights};
+  if (!closest()) {
+    question.found.push_back(kept);
+    if (question.asked.mode == RayMode::any) limit = -1;
+    return;
+  }
+  if (!question.found.empty() && !is_nearer(kept, corners)) return;
+  question.found.assign(1, kept);
+  best_is_triangle = corners != nullptr;
+  if (best_is_triangle) best_triangle = *corners;
+  const double reach = rounded_up(kept.distance_m + kept.error_m - question.slack_m());
+  if (reach < limit) limit = reach;
+}
+
+/// Who hears of the candidates of one static scene.
+struct SceneWalk {
+  RayWalk* walk;
+  const StaticScene* scene;
+
+  double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
+    const std::uint32_t part = scene->part_of(triangle);
+    const ObjectId object = scene->part_objects[part];
+    if (walk->question.allows(object)) walk->test(corners, object, triangle - scene->parts[part].first_triangle);
+    return walk->limit;
+  }
+  /// The triangle that meet_ray found: it has been told, or is sure and has not been.
+  void meet(std::uint32_t triangle) const {
+    if (triangle == Bvh::kNoTriangle || walk->over()) return;
+    (*this)(triangle, scene->mesh.triangle(triangle), walk->limit);
+  }
+};
+
+/// The walks that pass over triangles on their own account want to know that each may answer, that the nearest is the
+/// nearest to the last bit, and that what is sure in floats will be so in double.
+Bvh::RayGoal RayWalk::goal(std::size_t scene) const {
+  const Questions& asked = question.asked;
+  const bool is_plain = question.open_scenes[scene] != 0 && asked.highest == Level::rational && is_length_known;
+  if (is_plain && asked.mode == RayMode::any) return Bvh::RayGoal::any;
+  return is_plain && closest() && question.slack_m() == 0 ? Bvh::RayGoal::nearest : Bvh::RayGoal::every;
+}
+
+void RayWalk::walk_scene(std::size_t index) {
+  const StaticScene& scene = *question.snapshot.scenes[index];
+  const SceneWalk candidate{this, &scene};
+  switch (goal(index)) {
+    case Bvh::RayGoal::every:
+      return scene.tree.walk_ray(ray, limit, 0, scene.mesh, candidate, question.walk);
+    case Bvh::RayGoal::nearest:
+      return scene.tree.walk_ray_nearest(ray, limit, scene.mesh, candidate, question.walk);
+    case Bvh::RayGoal::any:
+      return candidate.meet(scene.tree.meet_ray(ray, limit, scene.mesh, candidate, question.walk));
+  }
+}
+
+/// Calls test_one(number) for what an index in an object's frame says that the ray may meet.
+template <class Test>
+void RayWalk::walk_local(const Bvh& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one) {
+  const auto candidate = [&](std::uint32_t number, double) {
+    test_one(number);
+    return limit;
+  };
+  const Vec3 away = ray.origin - frame.position;
+  const Ray local{.origin = frame.rotation.transpose() * away, .direction = frame.rotation.transpose() * ray.direction};
+  const double slack_m = placement_slack(frame, away.lpNorm<1>() + ray.origin.lpNorm<1>(), radius_m);
+  // Only a finite view of the ray can be walked; beyond it everything is a candidate.
+  if (local.origin.allFinite() && local.direction.allFinite() && std::isfinite(slack_m)) {
+    // The limit is in s, which turning keeps up to the rounding of the matrix.
+    tree.walk_ray(local, limit * (1 + 0x1p-48), slack_m, candidate, question.walk);
+    return;
+  }
+  for (std::uint32_t i = 0; i < count && !over(); ++i) candidate(i, limit);
+}
+
+/// Of parts the tree knows bounds alone, which only its box walk asks for: the ray goes through in pieces, near to far,
+/// and what a piece shares with the one before has been tested.
+template <class Test>
+void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one) {
+  constexpr int kPieces = 64;
+  const Vec3 away = ray.origin - frame.position;
+  const Vec3 origin = frame.rotation.transpose() * away;
+  const Vec3 direction = frame.rotation.transpose() * ray.direction;
+  const double reach_m = away.lpNorm<1>() + 2 * parts.radius_m;
+  const double slack_m = 4 * placement_slack(frame, reach_m + ray.origin.lpNorm<1>(), parts.radius_m);
+  // Where the ray is nearer to the frame's origin than any part is far: about its nearest point.
+  const double middle = -origin.dot(direction) / direction.squaredNorm();
+  const double half = (parts.radius_m + slack_m) / direction.stableNorm() * (1 + 1e-9);
+  const double first = std::max(0.0, middle - half - 1e-9 * std::abs(middle));
+  const double last = std::min(limit * (1 + 1e-9), middle + half + 1e-9 * std::abs(middle));
+  const bool is_plain = std::isfinite(first) && std::isfinite(last) && std::isfinite(slack_m) && origin.allFinite();
+  if (!is_plain) {
+    for (std::size_t i = 0; i < count && !over(); ++i) test_one(i);
+    return;
+  }
+  std::vector<std::uint32_t> before;
+  std::vector<std::uint32_t> here;
+  const auto collect = [&](std::uint32_t number) {
+    here.push_back(number);
+    return true;
+  };
+  for (int piece = 0; piece < kPieces && !over(); ++piece) {
+    const double from = first + (last - first) * piece / kPieces;
+    const double to = first + (last - first) * (piece + 1) / kPieces;
+    if (!(first <= last) || from > limit * (1 + 1e-9)) return;
+    Aabb box;
+    box.extend(origin + from * direction);
+    box.extend(origin + to * direction);
+    here.clear();
+    parts.tree.walk_box(grown(box, slack_m), collect, question.walk);
+    std::sort(here.begin(), here.end());
+    for (const std::uint32_t number : here) {
+      if (over()) return;
+      if (!std::binary_search(before.begin(), before.end(), number)) test_one(number);
+    }
+    std::swap(before, here);
+  }
+}
+
+void RayWalk::walk_object(std::uint32_t slot) {
+  const ObjectInfo& info = question.object(slot);
+  if (!question.allows(info.id)) return;
+  const Frame& frame = question.snapshot.frames[slot];
+  const auto test_primitive = [&](std::size_t number) {
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); },
+               info.primitives[number]);
+  };
+  if (info.parts) {
+    walk_parts(*info.parts, info.primitives.size(), frame, test_primitive);
+  } else {
+    for (std::size_t i = 0; i < info.primitives.size() && !over(); ++i) test_primitive(i);
+  }
+  if (!info.mesh || over()) return;
+  const TriangleMesh& mesh = *info.mesh->mesh;
+  walk_local(info.mesh->tree, info.mesh->radius_m, mesh.triangles.size(), frame, [&](std::uint32_t triangle) {
+    test(place(frame, mesh.triangle(triangle)), info.id, triangle);
+  });
+}
+
+/// Several hits: ordered, each triangle once (a clipped split may offer it twice), cut at the limit asked for.
+void finish_all(Question& question) {
+  std::vector<AnswerHit>& found = question.found;
+  std::sort(found.begin(), found.end(), nearer_first);
+  const auto same = [](const AnswerHit& a, const AnswerHit& b) {
+    return a.object == b.object && a.triangle == b.triangle && a.distance_m == b.distance_m &&
+           a.triangle != wire_contract::kNoTriangle;
+  };
+  found.erase(std::unique(found.begin(), found.end(), same), found.end());
+  if (found.size() > question.asked.max_hits) {
+    found.resize(question.asked.max_hits);
+    question.truncated = true;
+  }
+}
+
+RayWalk started(Question& question, const double* n) {
+  question.found.clear();
+  RayWalk walk{.question = question, .ray = ray_of(n)};
+  walk.direction_m = stable_length(walk.ray.direction);
+  walk.limit = walk.rounded_up(n[6]);
+  // A length over a denormal direction may overflow: then there is no limit.
+  if (!std::isfinite(walk.limit)) {
+    walk.limit = std::numeric_limits<double>::infinity();
+    walk.is_length_known = std::isinf(n[6]);
+  }
+  return walk;
+}
+
+void RayWalk::finish() {
+  if (!over() && question.snapshot.grid && question.snapshot.grid->size() > 0) {
+    const auto candidate = [&](std::uint32_t slot, double) {
+      walk_object(slot);
+      return limit;
+    };
+    question.snapshot.grid->walk_ray(ray, limit, candidate, question.walk);
+  }
+  if (question.asked.mode == RayMode::all) finish_all(question);
+  if (closest() && !question.found.empty() && !question.found.front().is_at_start()) {
+    question.found.front().error_m += question.slack_m();
+    question.found.front().point_error_m += question.slack_m();
+  }
+}
+
+}  // namespace
+
+void ask_ray(Question& question, const double* n) {
+  RayWalk walk = started(question, n);
+  for (std::size_t scene = 0; scene < question.snapshot.scenes.size() && !walk.over(); ++scene) walk.walk_scene(scene);
+  walk.finish();
+}
+
+namespace {
+
+/// The rays under way through one scene: in turn, but for the odd one whose goal is its own.
+void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t index) {
+  std::array<SceneWalk, kRaysAtOnce> candidates;
+  std::array<Bvh::RayTask, kRaysAtOnce> tasks;
+  const StaticScene& scene = *walks.front()->question.snapshot.scenes[index];
+  const Bvh::RayGoal goal = walks.front()->goal(index);
+  std::size_t count = 0;
+  for (std::optional<RayWalk>& walk : walks) {
+    if (walk->over()) continue;
+    if (walk->goal(index) != goal) {
+      walk->walk_scene(index);
+      continue;
+    }
+    candidates[count] = {&*walk, &scene};
+    tasks[count] = {.ray = &walk->ray, .limit = walk->limit, .candidate = candidates[count], .cost = &walk->question.walk};
+    ++count;
+  }
+  scene.tree.walk_rays(std::span(tasks).first(count), scene.mesh, goal);
+  for (std::size_t i = 0; i < count; ++i) candidates[i].meet(tasks[i].met);
+}
+
+}  // namespace
+
+void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers) {
+  std::array<std::optional<RayWalk>, kRaysAtOnce> memory;
+  const std::span walks = std::span(memory).first(questions.size());
+  for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(started(*questions[i], numbers[i]));
+  const std::size_t scene_count = questions.front()->snapshot.scenes.size();
+  for (std::size_t scene = 0; scene < scene_count; ++scene) walk_scene_together(walks, scene);
+  for (std::optional<RayWalk>& walk : walks) walk->finish();
+}
+
+}  // namespace collided::engine

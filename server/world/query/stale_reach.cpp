@@ -1,0 +1,114 @@
+#include "server/world/query/stale_reach.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/world/objects/sweep.hpp"
+#include "server/world/query/question_shapes.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::Answer;
+using wire_contract::QueryKind;
+using wire_contract::RayMode;
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+/// Where the object may be by now, roundings included.
+Aabb region_of(const StaleObject& object, std::int64_t world_time_ns) {
+  const std::int64_t age_ns = std::max<std::int64_t>(0, world_time_ns - object.posed_ns) + kAgeSlackNs;
+  const double way_m = object.speed_mps * static_cast<double>(age_ns) * 1e-9;
+  Aabb region;
+  region.extend(object.position);
+  const double slack_m = object.position.cwiseAbs().maxCoeff() + object.reach_m + way_m;
+  return grown(region, object.reach_m + way_m + 0x1p-40 * slack_m);
+}
+
+/// How far along the ray the region begins at least; endless where the ray does not meet it.
+double entry_of(const Ray& ray, const Aabb& region) {
+  double first = 0;
+  double last = ray.length_m / ray.direction.norm();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double from = region.low[axis] - ray.origin[axis];
+    const double to = region.high[axis] - ray.origin[axis];
+    if (ray.direction[axis] == 0) {
+      if (from > 0 || to < 0) return kEndless;
+      continue;
+    }
+    const double a = from / ray.direction[axis];
+    const double b = to / ray.direction[axis];
+    first = std::max(first, std::min(a, b));
+    last = std::min(last, std::max(a, b));
+  }
+  // A ray that misses by a rounding is taken to meet it.
+  constexpr double kSlack = 0x1p-40;
+  return first <= last * (1 + kSlack) ? first * ray.direction.norm() * (1 - kSlack) : kEndless;
+}
+
+double least_distance(const Vec3& point, const Aabb& region) {
+  const Vec3 out = (region.low - point).cwiseMax(point - region.high).cwiseMax(0);
+  return out.norm() * (1 - 0x1p-40);
+}
+
+Aabb way_of(const ObjectInfo& mover, const double* n) {
+  Aabb way;
+  way.extend(Vec3(n[0], n[1], n[2]));
+  way.extend(Vec3(n[7], n[8], n[9]));
+  return grown(way, reach_of(mover) * (1 + 0x1p-40));
+}
+
+/// Distance of the farthest hit that was told, endless where more would have been.
+double answered_up_to(const Questions& asked, std::span<const AnswerHit> hits) {
+  return hits.size() < asked.max_hits ? kEndless : hits.back().distance_m + hits.back().error_m;
+}
+
+/// Whether something within the region could change this answer.
+bool could_change(const Questions& asked, const double* n, std::span<const AnswerHit> hits, const Aabb& region) {
+  switch (asked.kind) {
+    case QueryKind::ray: {
+      const double entry = entry_of(ray_of(n), region);
+      if (hits.empty()) return entry < kEndless;
+      return asked.mode == RayMode::closest && entry < hits[0].distance_m + hits[0].error_m;
+    }
+    case QueryKind::sphere: return hits.empty() && overlaps(bounds(sphere_of(n)), region);
+    case QueryKind::box: return hits.empty() && overlaps(bounds(box_of(n)), region);
+    case QueryKind::near: {
+      const double distance = least_distance(point_of(n), region);
+      return distance <= n[3] && distance < answered_up_to(asked, hits);
+    }
+    case QueryKind::sweep: return overlaps(way_of(*asked.mover, n), region);
+    default: return false;
+  }
+}
+
+}  // namespace
+
+std::optional<Aabb> unknown_region(const Snapshot& snapshot, ObjectId id) {
+  for (const StaleObject& object : snapshot.stale_objects) {
+    if (object.id == id && object.speed_mps > 0) return region_of(object, snapshot.world_time_ns);
+  }
+  return std::nullopt;
+}
+
+void doubt_where_stale_objects_reach(const Snapshot& snapshot, const Questions& questions, Answers& answers) {
+  const std::uint32_t stride = wire_contract::numbers_of(questions.kind);
+  for (const StaleObject& object : snapshot.stale_objects) {
+    const bool stands_still = object.speed_mps == 0;
+    if (stands_still || !may_answer(*(*snapshot.objects)[slot_of(object.id)], questions)) continue;
+    const Aabb region = region_of(object, snapshot.world_time_ns);
+    std::size_t first_hit = 0;
+    for (std::size_t i = 0; i < answers.answers.size(); ++i) {
+      const std::span<const AnswerHit> hits = std::span(answers.hits).subspan(first_hit, answers.hit_counts[i]);
+      first_hit += hits.size();
+      const bool is_claim = answers.answers[i] == Answer::miss || answers.answers[i] == Answer::hit;
+      const bool is_met = std::any_of(hits.begin(), hits.end(), [&](const AnswerHit& hit) { return hit.object == object.id; });
+      if (!is_claim || is_met || !could_change(questions, &questions.numbers[i * stride], hits, region)) continue;
+      answers.answers[i] = Answer::undecided;
+      answers.reasons[i] = wire_contract::UndecidedReason::stale_object;
+    }
+  }
+}
+
+}  // namespace collided::engine

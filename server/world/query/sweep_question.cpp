@@ -1,0 +1,75 @@
+#include "server/world/objects/sweep.hpp"
+#include "server/world/query/question.hpp"
+#include "server/world/query/question_shapes.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// As narrow as a way of a metre at a micrometre's resolution needs.
+constexpr double kAskedWidth = 1e-6;
+
+Frame frame_at(const double* n) {
+  return frame_of({.position = point_of(n), .rotation = Quat(n[3], n[4], n[5], n[6]).normalized()});
+}
+
+/// What was met first by all that has been looked at.
+struct First {
+  AnswerHit hit;
+  bool any = false;
+  double low = 1;  // nothing was met before
+
+  void take(ObjectId object, std::uint32_t triangle, const SweptTouch& touch, std::uint8_t flags) {
+    low = std::min(low, touch.bracket.low);
+    const TimeBracket& found = touch.bracket;
+    const bool earlier = !any || found.high < hit.distance_m || (found.high == hit.distance_m && object < hit.object);
+    if (!earlier) return;
+    any = true;
+    hit = {.object = object, .triangle = triangle, .flags = flags, .distance_m = found.high,
+           .point = touch.contact.point, .normal = touch.contact.normal};
+  }
+};
+
+/// One sweep of all of a scene that may answer: its first contact is that of the scene.
+void meet_scene(Question& question, const SweptBody& body, const StaticScene& scene, First& first) {
+  SweptTouch touch;
+  const auto touch_of = [&](std::uint32_t triangle) {
+    return question.allows_part(scene, scene.part_of(triangle)) ? &touch : nullptr;
+  };
+  const bool is_whole = sweep_scene(body, SweptBody(scene), {.width = kAskedWidth}, question.walk, touch_of);
+  question.exact_tests += touch.exact_tests;
+  question.undecided = question.undecided || touch.undecided || !is_whole;
+  if (!touch.yes) return;
+  const std::uint32_t part = scene.part_of(touch.b_triangle);
+  const ObjectId object = scene.part_objects[part];
+  first.take(object, touch.b_triangle - scene.parts[part].first_triangle, touch, question.flags_of(object));
+}
+
+}  // namespace
+
+void ask_sweep(Question& question, const double* n) {
+  question.found.clear();
+  const ObjectInfo& mover = *question.asked.mover;
+  const SweptBody body(mover, BodyWay(frame_at(n), frame_at(n + wire_contract::kPoseNumbers)));
+  First first;
+  for (const auto& scene : question.snapshot.scenes) meet_scene(question, body, *scene, first);
+  const auto candidate = [&](std::uint32_t slot) {
+    const ObjectInfo& other = question.object(slot);
+    if (!question.allows(other.id)) return true;
+    SweptTouch touch;
+    const BodyWay rest = BodyWay::resting(question.snapshot.frames[slot]);
+    sweep(body, SweptBody(other, rest), {.width = kAskedWidth}, question.walk, touch);
+    question.exact_tests += touch.exact_tests;
+    question.undecided = question.undecided || touch.undecided;
+    if (touch.yes) first.take(other.id, touch.b_triangle, touch, question.flags_of(other.id));
+    return true;
+  };
+  if (question.snapshot.grid) {
+    question.snapshot.grid->walk_box(bounds(mover, body.way, reach_of(mover)), candidate, question.walk);
+  }
+  if (!first.any) return;
+  first.hit.exit_m = std::min(first.low, first.hit.distance_m);
+  first.hit.error_m = first.hit.distance_m - first.hit.exit_m;
+  question.found.push_back(first.hit);
+}
+
+}  // namespace collided::engine

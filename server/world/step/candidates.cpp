@@ -1,0 +1,124 @@
+#include "server/world/step/candidates.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace collided::engine {
+namespace {
+
+/// With fewer movers than one in so many objects, each asks the grid for its own pairs. All pairs at once are cheaper by
+/// the pair, but a hundred thousand resting objects in one place have five billion that nobody needs.
+constexpr std::size_t kWalksForAllPairs = 16;
+
+}  // namespace
+
+void Candidates::decide_scenes() {
+  for (const std::uint32_t slot : rows_.moved()) {
+    for (std::size_t scene = 0; scene < step_.scenes.size(); ++scene) {
+      // Most movers of a large world are nowhere near a given scene.
+      if (!overlaps(step_.motion.bounds()[slot], step_.scenes[scene]->tree.bounds())) continue;
+      const ObjectInfo* info = rows_.info(slot);
+      if (info == nullptr || !info->moving) continue;
+      if (!decisions_.has_room()) {
+        cost_.truncated = true;
+        return;
+      }
+      decisions_.decide_scene(slot, scene);
+    }
+  }
+}
+
+void Candidates::decide_pairs(const Grid& grid) {
+  const QueryMovers query_movers = find_query_movers();
+  if (query_movers.slots.size() * kWalksForAllPairs < grid.size()) {
+    for (const std::uint32_t slot : query_movers.slots) {
+      if (!look_around(grid, slot, query_movers.all)) return;
+    }
+    return;
+  }
+  const auto found = [&](std::uint32_t first, std::uint32_t second) { return wait_for(first, second); };
+  grid.pairs(found, walk_);
+  consider_waiting();
+}
+
+Candidates::QueryMovers Candidates::find_query_movers() const {
+  QueryMovers query_movers{.slots = {}, .all = step_.looks_at_all};
+  for (const std::uint32_t slot : rows_.moved()) {
+    const ObjectInfo* info = rows_.info(slot);
+    if (info == nullptr) continue;
+    if (info->moving) {
+      query_movers.slots.push_back(slot);
+    } else {
+      query_movers.all = true;
+    }
+  }
+  if (!query_movers.all) {
+    const auto add = [&](std::uint32_t slot) {
+      if (!rows_.has_moved(slot)) query_movers.slots.push_back(slot);
+    };
+    std::for_each(step_.motion.young().begin(), step_.motion.young().end(), add);
+    const std::vector<std::uint32_t>& travelling = step_.motion.history().travelling();
+    std::for_each(travelling.begin(), travelling.end(), add);
+    return query_movers;
+  }
+  query_movers.slots.clear();
+  for (std::uint32_t slot = 0; slot < rows_.size(); ++slot) {
+    if (rows_.info(slot) != nullptr && rows_.info(slot)->moving) query_movers.slots.push_back(slot);
+  }
+  return query_movers;
+}
+
+/// The pairs of one mover; those of two that both look are left to the lower slot. False: there is no room for more.
+bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_look) {
+  const auto found = [&](std::uint32_t other) {
+    const bool looks_too = rows_.info(other)->moving && (all_look || rows_.has_moved(other) || step_.motion.is_open(other));
+    return other == mover || (looks_too && other < mover) || consider(mover, other);
+  };
+  grid.walk_box(step_.motion.bounds()[mover], found, walk_);
+  return !cost_.truncated;
+}
+
+/// False: there is no room for more, the search is over.
+bool Candidates::wait_for(std::uint32_t first, std::uint32_t second) {
+  for (const std::uint32_t slot : {first, second}) {
+    const auto* ball = reinterpret_cast<const char*>(&step_.motion.ball(slot));
+    __builtin_prefetch(ball);
+    __builtin_prefetch(ball + sizeof(BallWay) - 1);
+  }
+  waiting_.pairs[waiting_.count++] = {first, second};
+  return waiting_.count < Waiting::kSize || consider_waiting();
+}
+
+bool Candidates::consider_waiting() {
+  const std::size_t count = std::exchange(waiting_.count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!consider(waiting_.pairs[i].first, waiting_.pairs[i].second)) return false;
+  }
+  return true;
+}
+
+bool Candidates::consider(std::uint32_t first, std::uint32_t second) {
+  const bool on_common_time = step_.sources.need_common_time() && decisions_.are_on_common_time(first, second);
+  if (!on_common_time && !rows_.has_moved(first) && !rows_.has_moved(second) && !step_.looks_at_all) return true;
+  if (!on_common_time && decisions_.has_room() && decisions_.stay_apart(first, second)) {
+    ++cost_.candidate_pairs;
+    return true;
+  }
+  const ObjectInfo& a = *rows_.info(first);
+  const ObjectInfo& b = *rows_.info(second);
+  if (!(a.moving || b.moving)) return true;
+  if (!may_meet(a.filter, b.filter)) {
+    ++cost_.filtered;
+    return true;
+  }
+  cost_.truncated = cost_.truncated || !decisions_.has_room();
+  if (cost_.truncated) return false;
+  if (on_common_time) {
+    decisions_.decide_on_common_time(first, second);
+  } else {
+    decisions_.decide_pair(first, second);
+  }
+  return !cost_.truncated;
+}
+
+}  // namespace collided::engine

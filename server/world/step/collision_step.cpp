@@ -1,0 +1,118 @@
+#include <chrono>
+
+#include "server/geometry/float_environment.hpp"
+#include "server/world/step/candidates.hpp"
+#include "server/world/step/inner_edges.hpp"
+#include "server/world/world_state.hpp"
+
+namespace collided::engine {
+namespace {
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+/// Contacts of removed objects end before anything else is looked at: their slots may be used again from now on.
+void end_removed(std::vector<std::pair<ObjectId, wire_contract::EndReason>>& removed, ContactLedger& ledger) {
+  for (const auto& [id, reason] : removed) ledger.end_object(id, reason);
+  removed.clear();
+}
+
+/// What is found again is decided at once, moved or not.
+void note_lost(World::State& s) {
+  for (const auto& [id, is_lost] : s.lost) {
+    if (is_lost) {
+      s.ledger.lose(id);
+    } else if (s.rows.find(id) != nullptr) {
+      s.ledger.find_again(id);
+      s.rows.look_again(slot_of(id));
+    }
+  }
+  s.lost.clear();
+}
+
+/// The grid holds each mover's whole way since its last pose, so that pairs that met on the way are candidates. While
+/// nothing moves, the one of the state before serves.
+void index_motion(const StepMotion& motion, const Snapshot& current, bool has_open, std::shared_ptr<Grid>& grid) {
+  if (!has_open && current.grid) {
+    grid = current.grid;
+    return;
+  }
+  if (!grid || grid.use_count() > 1) grid = std::make_shared<Grid>();
+  grid->rebuild(motion.bounds());
+}
+
+}  // namespace
+
+bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOptions& step_options) {
+  const OwnFloatEnvironment own_floats;
+  State& s = *state_;
+  Snapshot* next = s.ring.writable();
+  if (next == nullptr) return false;
+  const std::int64_t started = now_ns();
+  s.version += batches;
+  ++s.step_count;
+  s.cost = {.moved = static_cast<std::uint32_t>(s.rows.moved().size())};
+
+  // Ingest: what came since the last step ends contacts and goes to the snapshot.
+  s.ledger.begin_step(world_time_ns, step_options.persisted);
+  end_removed(s.removed, s.ledger);
+  note_lost(s);
+  s.sources.begin_step(world_time_ns, s.motion.is_any_open());
+  s.rows.stamp_changes(s.step_count, world_time_ns, s.sources);
+  s.fill(*next, world_time_ns);
+  s.memory.note({s.rows, s.sources, s.scenes, s.stale_objects, *next});
+  const std::int64_t updated = now_ns();
+
+  // Motion, and candidates by its bounds.
+  s.motion.begin_step(s.sources, s.apart);
+  const bool has_open = !s.rows.moved().empty() || s.motion.is_any_open();
+  index_motion(s.motion, s.ring.current(), has_open, next->grid);
+  const std::int64_t indexed = now_ns();
+
+  // Decisions, into the ledger.
+  if (has_open) {
+    s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, step_options, world_time_ns, s.looks_at_all}, *next->grid);
+    if (step_options.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
+    s.looks_at_all = s.cost.truncated;
+  } else {
+    s.cost.truncated = s.looks_at_all;
+  }
+  s.ledger.finish_step();
+
+  // Publish.
+  next->contacts_truncated = s.cost.truncated;
+  s.ring.publish();
+  s.apart.end_step();
+  s.sources.end_step();
+  s.motion.end_step(s.sources.floor_ns());
+  s.rows.end_step();
+  s.last_step_ns = world_time_ns;
+  s.cost.update_ns = updated - started;
+  s.cost.broad_ns = indexed - updated;
+  s.cost.exact_ns = now_ns() - indexed;
+  return true;
+}
+
+void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
+  rows.copy_changes(next);
+  next.epoch = options.epoch;
+  next.version = version;
+  next.world_time_ns = world_time_ns;
+  next.scenes = scenes;
+  next.settled_ns = sources.settled_ns(world_time_ns);
+  next.stale_objects = stale_objects;
+  next.covers = covers;
+}
+
+void World::State::decide(const StepView& step, const Grid& grid) {
+  Decisions decisions(step, ledger, apart, lists, cost);
+  Candidates candidates(step, decisions, cost);
+  candidates.decide_scenes();
+  if (!cost.truncated) candidates.decide_pairs(grid);
+  if (cost.truncated) decisions.decide_open();
+  decisions.end_parted(last_step_ns);
+}
+
+}  // namespace collided::engine

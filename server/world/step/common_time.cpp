@@ -1,0 +1,350 @@
+#include <algorithm>
+#include <cmath>
+
+#include "server/exact_phase/motion/ball_way_filter.hpp"
+#include "server/world/step/decisions.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::Doubt;
+using wire_contract::EndReason;
+
+/// Looks at parts that the sweep of one piece may take.
+constexpr std::uint32_t kSweepLooks = 10'000;
+/// Of brackets: told times are whole nanoseconds. A contact that is much shorter comes out undecided.
+constexpr double kSweepWidth_s = 1e-9;
+/// Of where things are between two poses: a few roundings of the coordinates.
+constexpr double kPlaceSlack = 0x1p-49;
+
+bool rests(const BodyWay& way) { return way.turn_rad == 0 && way.from.position == way.to.position; }
+
+PairPiece turned_back(const PairPiece& piece) {
+  return {.a = piece.a, .b = piece.b, .from_ns = piece.from_ns, .to_ns = piece.to_ns,
+          .a_way = {piece.a_way.to, piece.a_way.from}, .b_way = {piece.b_way.to, piece.b_way.from}};
+}
+
+/// Of the object's point that is there at that time; who is on no way rests.
+BodyWay::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& point, std::int64_t time_ns, double slack_s) {
+  if (segment == nullptr) return {};
+  const double length_ns = static_cast<double>(segment->to_ns - segment->from_ns);
+  return BodyWay(segment->from, segment->to)
+      .velocity(point, static_cast<double>(time_ns - segment->from_ns) / length_ns, length_ns * 1e-9, slack_s);
+}
+
+}  // namespace
+
+bool Decisions::are_on_common_time(std::uint32_t first, std::uint32_t second) const {
+  const Sources& sources = step_.sources;
+  const std::uint32_t source = rows_.source(first);
+  if (!sources.need_common_time() || source == Sources::kResting || rows_.source(second) == Sources::kResting) return false;
+  if (source != rows_.source(second) || sources[source].is_streamed) return true;
+  if (!sources[source].has_spoken) return false;
+  // Of one publisher: what it moved at one instant goes together, and nothing else does.
+  if (!rows_.is_posed(first) || !rows_.is_posed(second)) return rows_.is_posed(first) || rows_.is_posed(second);
+  const auto has_own_way = [&](std::uint32_t slot) {
+    const ObjectRow& row = rows_[slot];
+    return row.posed_before_ns >= row.posed_ns || (rows_.is_new(slot) && row.born_ns < row.posed_ns);
+  };
+  if (has_own_way(first) || has_own_way(second) || rows_.motion(first) != rows_.motion(second)) return true;
+  const ObjectRow& a = rows_[first];
+  const ObjectRow& b = rows_[second];
+  return a.posed_before_ns != b.posed_before_ns || a.posed_ns != b.posed_ns;
+}
+
+PairWindow Decisions::window_of(std::uint32_t first, std::uint32_t second) const {
+  const auto known_ns = [&](std::uint32_t slot) {
+    return step_.sources[rows_.source(slot)].known_of(rows_[slot].posed_ns);
+  };
+  const auto settled_ns = [&](std::uint32_t slot) {
+    const ObjectRow& row = rows_[slot];
+    return step_.sources[rows_.source(slot)].settled_of(rows_.is_posed(slot) ? row.said_before_ns : row.posed_ns);
+  };
+  // What one publisher moved at its instants since the last step is all there, wherever the others are.
+  const std::uint32_t source = rows_.source(first);
+  const bool needs_memory = source != rows_.source(second) || step_.sources[source].is_streamed;
+  const std::int64_t floor_ns = needs_memory ? step_.sources.floor_ns() : 0;
+  const std::int64_t decided_ns = std::min(settled_ns(first), settled_ns(second));
+  const std::int64_t from_ns = std::max({decided_ns, rows_[first].born_ns, rows_[second].born_ns, floor_ns});
+  // Where nothing joins what is decided the pair begins, however many steps ago both came to be.
+  const bool begins = from_ns > decided_ns || rows_.is_new(first) || rows_.is_new(second) || step_.looks_at_all;
+  return {.decided_ns = decided_ns,
+          .from_ns = from_ns,
+          .to_ns = std::min(known_ns(first), known_ns(second)),
+          .is_closed = begins};
+}
+
+/// Where pieces end: at the poses of both, and at the instants of both publishers, whoever moved then. So they do not hang
+/// on what has come when.
+void Decisions::cut(std::uint32_t first, std::uint32_t second, const PairWindow& window) {
+  std::vector<std::int64_t>& cuts = lists_.cuts;
+  cuts.assign(1, window.to_ns);
+  for (const std::uint32_t slot : {first, second}) {
+    step_.motion.history().add_times(slot, window.from_ns, window.to_ns, cuts);
+    const Source& source = step_.sources[rows_.source(slot)];
+    const std::int64_t back_ns = source.is_streamed ? kStreamGapNs : 0;
+    for (const std::int64_t instant : source.instants) {
+      for (const std::int64_t time : {instant, instant - back_ns}) {
+        if (time > window.from_ns && time < window.to_ns) cuts.push_back(time);
+      }
+    }
+  }
+  std::sort(cuts.begin(), cuts.end());
+  cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+}
+
+void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second) {
+  if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
+  const PairWindow window = window_of(first, second);
+  const MotionHistory& history = step_.motion.history();
+  const auto moves = [&](std::uint32_t slot) { return history.moves(slot, window.from_ns, window.to_ns); };
+  const bool is_moved = moves(first) || moves(second);
+  if (window.is_empty() || !(window.is_closed || is_moved)) return;
+  ++cost_.candidate_pairs;
+  if (window.is_closed) begin_window(first, second, window);
+  if (window.to_ns <= window.from_ns) return;
+  cut(first, second, window);
+  std::int64_t from_ns = window.from_ns;
+  const bool are_balls = rows_[first].lone_sphere && rows_[second].lone_sphere;
+  bool is_open = ledger_.is_open(rows_.info(first)->id, rows_.info(second)->id);
+  for (const std::int64_t to_ns : lists_.cuts) {
+    // Most pieces of most candidates, told from what two centres do.
+    if (is_open || !are_balls || !balls_stay_apart(first, second, from_ns, to_ns)) {
+      is_open = decide_piece({.a = first, .b = second, .from_ns = from_ns, .to_ns = to_ns,
+                              .a_way = history.way(first, from_ns, to_ns, rows_[first].frame),
+                              .b_way = history.way(second, from_ns, to_ns, rows_[second].frame)});
+    }
+    if (history.jumps(first, to_ns) || history.jumps(second, to_ns)) {
+      const double at_s = seconds_ago(to_ns);
+      is_open = decide_instant(first, second, to_ns, {EndReason::teleported, at_s, at_s});
+    }
+    from_ns = to_ns;
+  }
+}
+
+/// What held goes on, parts or is in doubt, which is no parting; else it begins on the way or does not. True: it holds or is
+/// in doubt.
+bool Decisions::decide_piece(const PairPiece& piece) {
+  const ObjectId a = rows_.info(piece.a)->id;
+  const ObjectId b = rows_.info(piece.b)->id;
+  const bool is_held = ledger_.holds(a, b);
+  const bool is_in_doubt = ledger_.is_in_doubt(a, b);
+  if (rests(piece.a_way) && rests(piece.b_way)) return is_held || is_in_doubt;
+  if (!is_held && surely_stay_apart(piece)) {
+    ledger_.decided_apart(a, b, seconds_ago(piece.from_ns), seconds_ago(piece.to_ns));
+    return false;
+  }
+  const Touch touch = touch_at_end(piece);
+  if (touch.undecided && !touch.yes) ++cost_.undecided;
+  if (is_held && touch.yes) {
+    ledger_.touches(found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1));
+    ++cost_.contacts;
+  } else if (is_held && !touch.undecided) {
+    const ContactEnd end = parting(piece);
+    ledger_.parts(a, b, end.reason, end.bracket_low_s, end.bracket_high_s);
+  } else if (!is_held) {
+    const SweptTouch sweep = sweep_piece(piece);
+    ++cost_.swept;
+    if (sweep.undecided && !sweep.yes && !touch.yes) ++cost_.sweeps_skipped;
+    if (!touch.yes && !sweep.yes) doubt_piece(piece, touch, sweep);
+    else if (may_begin()) begin_on_way(piece, touch, sweep);
+  }
+  return ledger_.is_open(a, b);
+}
+
+/// Neither found to touch nor to be apart: at the piece's end, or on the way there; or a doubt is over.
+void Decisions::doubt_piece(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep) {
+  FoundContact found{.a = rows_.info(piece.a)->id,
+                     .b = rows_.info(piece.b)->id,
+                     .contact = {},
+                     .bracket_low_s = seconds_ago(piece.from_ns),
+                     .bracket_high_s = seconds_ago(piece.to_ns),
+                     .parted_low_s = seconds_ago(piece.from_ns),
+                     .parted_high_s = seconds_ago(piece.to_ns)};
+  if (touch.undecided) {
+    ledger_.doubts(found, Doubt::numeric);
+  } else if (ledger_.is_in_doubt(found.a, found.b)) {
+    ledger_.decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
+  } else if (sweep.undecided && may_begin()) {
+    ledger_.doubted_and_parted(found, sweep.is_cut_short ? Doubt::cost_limit : Doubt::numeric);
+  }
+}
+
+void Decisions::begin_on_way(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep) {
+  ++cost_.contacts;
+  const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact.normal);
+  if (touch.yes || touch.undecided) {
+    // What has touched holds until it is known to be apart.
+    FoundContact found = touch.yes ? found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1)
+                                   : found_at(piece, sweep.a_triangle, sweep.b_triangle, sweep.contact, sweep.bracket.high);
+    found.bracket_low_s = first.low_s;
+    found.bracket_high_s = first.high_s;
+    ledger_.touches(found);
+    return;
+  }
+  FoundContact found = found_at(piece, sweep.a_triangle, sweep.b_triangle, sweep.contact, sweep.bracket.high);
+  found.bracket_low_s = first.low_s;
+  found.bracket_high_s = first.high_s;
+  const ContactEnd end = parting(piece);
+  found.parted_low_s = std::min(end.bracket_low_s, found.bracket_low_s);
+  found.parted_high_s = end.bracket_high_s;
+  ledger_.touched_and_parted(found);
+}
+
+/// The last contact of the piece is the first one of the way back.
+ContactEnd Decisions::parting(const PairPiece& piece) {
+  const SweptTouch back = sweep_piece(turned_back(piece));
+  const TimeBracket bracket = back.yes ? TimeBracket{1 - back.bracket.high, 1 - back.bracket.low} : TimeBracket{0, 1};
+  const PieceBracket found = in_seconds(piece, bracket, back.contact.normal);
+  return {.reason = EndReason::separated, .bracket_low_s = found.low_s, .bracket_high_s = found.high_s};
+}
+
+/// In whole nanoseconds, outwards, and wider by what the roundings of both places come to along the normal.
+Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const {
+  const double length_ns = static_cast<double>(piece.to_ns - piece.from_ns);
+  double place_m = 0;
+  for (const BodyWay* way : {&piece.a_way, &piece.b_way}) {
+    place_m += way->from.position.cwiseAbs().maxCoeff() + way->to.position.cwiseAbs().maxCoeff();
+  }
+  const double closing_m = std::abs(normal.dot(piece.b_way.travel - piece.a_way.travel));
+  const double slack = kPlaceSlack * place_m < closing_m ? kPlaceSlack * place_m / closing_m : 1;
+  const double low = std::clamp((bracket.low - slack) * length_ns, 0.0, length_ns);
+  const double high = std::clamp((bracket.high + slack) * length_ns, 0.0, length_ns);
+  const std::int64_t error_ns = clock_error_ns(piece.a, piece.b);
+  return {.low_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::floor(low)) - error_ns),
+          .high_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::ceil(high)) + error_ns)};
+}
+
+/// Objects of one publisher have one clock.
+std::int64_t Decisions::clock_error_ns(std::uint32_t a, std::uint32_t b) const {
+  return rows_.source(a) == rows_.source(b) ? 0 : step_.options.clock_error_ns;
+}
+
+/// What held when the memory ended, and does not where it goes on, parted in between.
+void Decisions::begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window) {
+  const ContactEnd parted{.reason = EndReason::separated,
+                          .bracket_low_s = seconds_ago(window.decided_ns),
+                          .bracket_high_s = seconds_ago(window.from_ns)};
+  decide_instant(first, second, window.from_ns, parted);
+}
+
+/// At the newest instant of both, whether or not they have moved since it was decided.
+void Decisions::decide_where_known(std::uint32_t first, std::uint32_t second) {
+  if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
+  const std::int64_t time_ns = window_of(first, second).to_ns;
+  const double at_s = seconds_ago(time_ns);
+  decide_instant(first, second, time_ns, {EndReason::separated, at_s, at_s});
+}
+
+/// parted: how a contact is over that held until then.
+bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted) {
+  const MotionHistory& history = step_.motion.history();
+  const PairPiece instant{.a = a, .b = b, .from_ns = time_ns, .to_ns = time_ns,
+                          .a_way = BodyWay::resting(history.at(a, time_ns, rows_[a].frame)),
+                          .b_way = BodyWay::resting(history.at(b, time_ns, rows_[b].frame))};
+  const Touch touch = touch_at_end(instant);
+  if (touch.undecided && !touch.yes) ++cost_.undecided;
+  const bool is_held = ledger_.holds(rows_.info(a)->id, rows_.info(b)->id);
+  if (touch.yes && (is_held || may_begin())) {
+    ++cost_.contacts;
+    ledger_.touches(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1));
+  } else if (is_held && !touch.undecided) {
+    const double error_s = 1e-9 * static_cast<double>(clock_error_ns(a, b));
+    ledger_.parts(rows_.info(a)->id, rows_.info(b)->id, parted.reason, parted.bracket_low_s + error_s, parted.bracket_high_s - error_s);
+  } else if (!touch.yes && touch.undecided) {
+    ledger_.doubts(found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1), Doubt::numeric);
+  } else if (!touch.yes) {
+    ledger_.decided_apart(rows_.info(a)->id, rows_.info(b)->id, parted.bracket_low_s, parted.bracket_high_s);
+  }
+  return ledger_.is_open(rows_.info(a)->id, rows_.info(b)->id);
+}
+
+Touch Decisions::touch_at_end(const PairPiece& piece) {
+  Touch touch;
+  touch.wanted = step_.step_options.contacts;
+  const auto placed_at = [&](std::uint32_t slot, const Frame& frame) {
+    return Placed{.info = rows_.info(slot), .frame = &frame, .bounds = bounds_of(*rows_.info(slot), frame)};
+  };
+  const Placed a = placed_at(piece.a, piece.a_way.to);
+  const Placed b = placed_at(piece.b, piece.b_way.to);
+  if (overlaps(a.bounds, b.bounds)) touch_objects(a, b, touch, walk_);
+  cost_.exact_tests += touch.exact_tests;
+  return touch;
+}
+
+/// A sphere against what does not turn is swept along the one's way as seen from the other, exactly.
+SweptTouch Decisions::sweep_piece(const PairPiece& piece) {
+  if (piece.b_way.turn_rad == 0) {
+    if (const std::optional<SweptTouch> found = sweep_sphere_piece(piece, true)) return *found;
+  }
+  if (piece.a_way.turn_rad == 0) {
+    if (const std::optional<SweptTouch> found = sweep_sphere_piece(piece, false)) return turned_round(*found);
+  }
+  SweptTouch touch;
+  const double length_s = static_cast<double>(piece.to_ns - piece.from_ns) * 1e-9;
+  const SweepOptions options{.width = std::clamp(kSweepWidth_s / length_s, 1e-12, 1e-3),
+                             .contacts = true,
+                             .most_looks = kSweepLooks};
+  sweep(SweptBody(*rows_.info(piece.a), piece.a_way), SweptBody(*rows_.info(piece.b), piece.b_way), options, walk_, touch);
+  cost_.exact_tests += touch.exact_tests;
+  return touch;
+}
+
+std::optional<SweptTouch> Decisions::sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere) {
+  const std::uint32_t other = a_is_sphere ? piece.b : piece.a;
+  const BodyWay& way = a_is_sphere ? piece.a_way : piece.b_way;
+  const BodyWay& others = a_is_sphere ? piece.b_way : piece.a_way;
+  const std::optional<Sphere>& sphere = rows_[a_is_sphere ? piece.a : piece.b].lone_sphere;
+  if (!sphere) return std::nullopt;
+  SphereSweep sweep{.mover = {.start = place(way.from, sphere->center) + others.travel,
+                              .end = place(way.to, sphere->center),
+                              .radius_m = sphere->radius_m},
+                    .width = step_.options.sweep_width};
+  const Placed at_end{.info = rows_.info(other), .frame = &others.to, .bounds = bounds_of(*rows_.info(other), others.to)};
+  sweep_object(sweep, at_end, walk_);
+  cost_.exact_tests += sweep.found.exact_tests;
+  return sweep.found;
+}
+
+bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const {
+  const MotionHistory& history = step_.motion.history();
+  const Sphere& ball = *rows_[a].lone_sphere;
+  const Sphere& other = *rows_[b].lone_sphere;
+  const MotionHistory::PointWay way = history.center_way(a, ball.center, from_ns, to_ns, rows_[a].frame);
+  const MotionHistory::PointWay others = history.center_way(b, other.center, from_ns, to_ns, rows_[b].frame);
+  return kernel::surely_apart({.start = way.from + (others.to - others.from), .end = way.to, .radius_m = ball.radius_m},
+                              {.center = others.to, .radius_m = other.radius_m});
+}
+
+bool Decisions::surely_stay_apart(const PairPiece& piece) const {
+  return !overlaps(bounds(*rows_.info(piece.a), piece.a_way, rows_[piece.a].reach_m),
+                   bounds(*rows_.info(piece.b), piece.b_way, rows_[piece.b].reach_m));
+}
+
+/// Whole brackets of an instant; those of a piece are set by who knows them.
+FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
+                                 const Contact& contact, double time) const {
+  const std::int64_t time_ns = piece.from_ns + std::llround(time * static_cast<double>(piece.to_ns - piece.from_ns));
+  const MotionHistory& history = step_.motion.history();
+  FoundContact found{.a = rows_.info(piece.a)->id,
+                     .b = rows_.info(piece.b)->id,
+                     .a_triangle = a_triangle,
+                     .b_triangle = b_triangle,
+                     .contact = contact,
+                     .bracket_low_s = seconds_ago(piece.from_ns - clock_error_ns(piece.a, piece.b)),
+                     .bracket_high_s = seconds_ago(piece.to_ns + clock_error_ns(piece.a, piece.b))};
+  if (step_.step_options.contacts) {
+    const double slack_s = 1e-9 * static_cast<double>(piece.to_ns - piece.from_ns);
+    set_velocity(found, velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns, slack_s),
+                 velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns, slack_s));
+  }
+  return found;
+}
+
+/// There is room for one contact more; else the search is cut short.
+bool Decisions::may_begin() {
+  cost_.truncated = cost_.truncated || ledger_.open().size() >= step_.options.max_contacts;
+  return !cost_.truncated;
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,204 @@
+#include "server/world/step/decisions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::Doubt;
+using wire_contract::EndReason;
+
+/// A step tests so many candidates for each contact that it may find: shapes that are apart cost time, never memory.
+constexpr std::uint64_t kCandidatesAContact = 16;
+
+}  // namespace
+
+bool Decisions::has_room() const {
+  return cost_.contacts < step_.options.max_contacts &&
+         cost_.candidate_pairs < kCandidatesAContact * step_.options.max_contacts;
+}
+
+void Decisions::decide_open() {
+  for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
+    if (ledger_.found(i)) continue;
+    const std::uint32_t a = slot_of(ledger_.open()[i].a);
+    const std::uint32_t b = slot_of(ledger_.open()[i].b);
+    if (are_on_common_time(a, b)) continue;  // end_parted() decides it
+    if (!rows_.has_moved(a) && !rows_.has_moved(b)) continue;
+    const bool a_is_part = rows_.info(a)->scene_part != wire_contract::kNoTriangle;
+    const bool b_is_part = rows_.info(b)->scene_part != wire_contract::kNoTriangle;
+    if (!a_is_part && !b_is_part) {
+      decide_pair(a, b);
+      continue;
+    }
+    for (std::size_t scene = 0; scene < step_.scenes.size(); ++scene) {
+      if (step_.scenes[scene]->name == rows_.info(a_is_part ? a : b)->scene) decide_scene(a_is_part ? b : a, scene);
+    }
+  }
+}
+
+void Decisions::end_parted(std::int64_t last_step_ns) {
+  if (step_.sources.need_common_time()) decide_unfound();
+  const auto end_of = [&](const OpenContact& contact) -> ContactEnd {
+    const std::uint32_t a = slot_of(contact.a);
+    const std::uint32_t b = slot_of(contact.b);
+    if (are_on_common_time(a, b)) return {};
+    const Motion how = std::max(rows_.motion(a), rows_.motion(b));
+    if (how == Motion::none) return {};
+    ContactEnd end{.reason = how == Motion::placed ? EndReason::teleported : EndReason::separated,
+                   .bracket_low_s = seconds_ago(last_step_ns)};
+    const std::uint32_t mover = rows_.motion(a) == how ? a : b;
+    if (is_timed(mover)) {
+      const ObjectRow& row = rows_[mover];
+      end.bracket_low_s = seconds_ago(how == Motion::placed ? row.posed_ns : row.posed_before_ns);
+      end.bracket_high_s = seconds_ago(row.posed_ns);
+    }
+    return end;
+  };
+  ledger_.end_unfound(end_of);
+}
+
+/// Contacts on common time whose objects' bounds no longer meet.
+void Decisions::decide_unfound() {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound;
+  for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
+    const OpenContact& open = ledger_.open()[i];
+    if (!ledger_.found(i) && are_on_common_time(slot_of(open.a), slot_of(open.b))) {
+      unfound.emplace_back(slot_of(open.a), slot_of(open.b));
+    }
+  }
+  for (const auto& [a, b] : unfound) {
+    decide_on_common_time(a, b);
+    if (ledger_.is_found_again(rows_.info(a)->id, rows_.info(b)->id)) decide_where_known(a, b);
+  }
+}
+
+double Decisions::seconds_ago(std::int64_t time_ns) const {
+  return static_cast<double>(step_.world_time_ns - time_ns) * 1e-9;
+}
+
+bool Decisions::is_timed(std::uint32_t slot) const {
+  const std::uint32_t source = rows_.source(slot);
+  return source != Sources::kResting && step_.sources[source].is_timed;
+}
+
+/// For contacts first, for the time between: began now, began and parted on the way, or nothing new.
+void Decisions::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover) {
+  if (sweep != nullptr) {
+    ++cost_.swept;
+    cost_.exact_tests += sweep->exact_tests;
+    if (sweep->undecided && !sweep->yes && !touch.yes) ++cost_.sweeps_skipped;
+  }
+  if (touch.undecided && !touch.yes) ++cost_.undecided;
+  const bool is_held = ledger_.holds(std::min(a, b), std::max(a, b));
+  // What has touched holds until it is known to be apart.
+  const bool passed = sweep != nullptr && sweep->yes && !touch.yes && !(touch.undecided && !is_held);
+  const bool holds_on = sweep != nullptr && sweep->yes && !touch.yes && !passed;
+  if (!touch.yes && !passed && !holds_on) return report_doubt(a, b, touch, sweep, mover);
+  // Those that hold take their room, whether this search has come to them yet or not.
+  if (!is_held && !passed && ledger_.open().size() >= step_.options.max_contacts) cost_.truncated = true;
+  if (cost_.truncated && !is_held) return;
+  ++cost_.contacts;
+  FoundContact found{.a = a, .b = b, .a_triangle = touch.a_triangle, .b_triangle = touch.b_triangle,
+                     .contact = passed || holds_on ? sweep->contact : touch.contact};
+  if (passed || holds_on) {
+    found.a_triangle = sweep->a_triangle;
+    found.b_triangle = sweep->b_triangle;
+  }
+  if (found.b < found.a) {
+    std::swap(found.a, found.b);
+    std::swap(found.a_triangle, found.b_triangle);
+    found.contact.normal = -found.contact.normal;
+  }
+  set_bracket(found, sweep, mover);
+  const bool is_told = step_.step_options.persisted || !is_held;
+  if (step_.step_options.contacts && is_told) {
+    const double time = passed || holds_on ? sweep->bracket.high : 1;
+    const Vec3& point = found.contact.point;
+    const double slack_s = found.bracket_low_s - found.bracket_high_s;
+    set_velocity(found, velocity_at(point, slot_of(found.a), time, slack_s), velocity_at(point, slot_of(found.b), time, slack_s));
+  }
+  if (passed) {
+    ledger_.touched_and_parted(found);
+  } else {
+    ledger_.touches(found);
+  }
+}
+
+/// Neither found to touch nor to be apart: at the step's end, or on the way there.
+void Decisions::report_doubt(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover) {
+  FoundContact found{.a = std::min(a, b), .b = std::max(a, b), .contact = {}};
+  const bool is_on_way = sweep != nullptr && sweep->undecided && !ledger_.is_open(found.a, found.b);
+  if (!touch.undecided && !is_on_way) return;
+  set_bracket(found, nullptr, mover);
+  found.parted_low_s = found.bracket_low_s;
+  found.parted_high_s = found.bracket_high_s;
+  if (touch.undecided) ledger_.doubts(found, Doubt::numeric);
+  else if (may_begin()) ledger_.doubted_and_parted(found, sweep->is_cut_short ? Doubt::cost_limit : Doubt::numeric);
+}
+
+/// In nanoseconds where the publisher's instants are known: the same whatever step they come in. From the way of the swept mover
+/// where its contact is timed, else from all that the two did in this step.
+void Decisions::set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const {
+  const ObjectRow& row = rows_[mover];
+  const std::int64_t way_ns = rows_.motion(mover) == Motion::moved ? row.posed_ns - row.posed_before_ns : 0;
+  if (sweep == nullptr || !sweep->yes) {
+    set_bracket_of_moves(found);
+  } else if (is_timed(mover)) {
+    const double way = static_cast<double>(way_ns);
+    found.bracket_low_s = seconds_ago(row.posed_ns - way_ns + static_cast<std::int64_t>(std::floor(sweep->bracket.low * way)));
+    found.bracket_high_s = seconds_ago(row.posed_ns - way_ns + static_cast<std::int64_t>(std::ceil(sweep->bracket.high * way)));
+  } else {
+    const double end_s = seconds_ago(row.posed_ns);
+    const double way_s = static_cast<double>(way_ns) * 1e-9;
+    found.bracket_low_s = std::max(0.0, end_s + way_s * (1 - sweep->bracket.low));
+    found.bracket_high_s = std::max(0.0, end_s + way_s * (1 - sweep->bracket.high));
+  }
+  if (is_timed(mover)) found.parted_high_s = seconds_ago(row.posed_ns);
+  // It parted some time between the first contact and the end.
+  found.parted_low_s = found.bracket_high_s;
+}
+
+void Decisions::set_bracket_of_moves(FoundContact& found) const {
+  std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();
+  std::int64_t placed_ns = std::numeric_limits<std::int64_t>::min();
+  std::int64_t last_ns = placed_ns;
+  bool all_timed = true;
+  for (const std::uint32_t slot : {slot_of(found.a), slot_of(found.b)}) {
+    const Motion motion = rows_.motion(slot);
+    if (motion == Motion::none) continue;
+    const ObjectRow& row = rows_[slot];
+    // What is new, or static and so without a time, is there from this step on and touches from then on.
+    if (row.posed_ns == 0) return;
+    if (motion == Motion::moved) {
+      first_ns = std::min(first_ns, row.posed_before_ns);
+    } else {
+      placed_ns = std::max(placed_ns, row.posed_ns);  // nothing touched it before it was there
+    }
+    last_ns = std::max(last_ns, row.posed_ns);
+    all_timed = all_timed && is_timed(slot);
+  }
+  found.bracket_low_s = seconds_ago(std::max(placed_ns, std::min(first_ns, last_ns)));
+  found.bracket_high_s = seconds_ago(last_ns);
+  if (all_timed) return;
+  found.bracket_low_s = std::max(0.0, found.bracket_low_s);
+  found.bracket_high_s = std::clamp(found.bracket_high_s, 0.0, found.bracket_low_s);
+}
+
+/// Of the object's point that is there at that time of its last way, m/s.
+BodyWay::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const {
+  const ObjectRow& row = rows_[slot];
+  const std::int64_t way_ns = row.posed_ns - row.posed_before_ns;
+  if (!row.has_way || way_ns <= 0 || row.posed_before_ns == kPosedAtStep) return {};
+  // Who is left out of its publisher's instant rests. Who comes without instants is still under way for as long again as
+  // its last way took.
+  if (!rows_.has_moved(slot) && is_timed(slot)) return {};
+  if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > way_ns) return {};
+  const BodyWay way(row.frame_before, row.frame);
+  return way.velocity(point, rows_.has_moved(slot) ? time : 1, static_cast<double>(way_ns) * 1e-9, slack_s);
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,164 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "server/world/events/contact_ledger.hpp"
+#include "server/world/objects/object_rows.hpp"
+#include "server/world/objects/scene_touch.hpp"
+#include "server/world/objects/sweep.hpp"
+#include "server/world/step/motion_history.hpp"
+#include "server/world/step/separation_cache.hpp"
+#include "server/world/step/step_motion.hpp"
+#include "server/world/world.hpp"
+
+namespace collided::engine {
+
+/// What a step goes by when it decides; nothing of it changes meanwhile.
+struct StepView {
+  const ObjectRows& rows;
+  const StepMotion& motion;
+  const Sources& sources;
+  const std::vector<std::shared_ptr<const StaticScene>>& scenes;  // in order of loading
+  const WorldOptions& options;
+  StepOptions step_options;
+  std::int64_t world_time_ns;
+  bool looks_at_all;  // pairs that rest are looked at as well: the last search was cut short
+};
+
+/// The first contact of a mover with a part of a static scene on its way.
+struct PartSweep {
+  std::uint32_t part = 0;
+  SweptTouch touch;
+};
+
+/// Lists whose memory goes from step to step.
+struct DecisionLists {
+  PartTouches part_touches{true};
+  std::vector<PartSweep> part_sweeps;
+  std::vector<std::int64_t> cuts;
+};
+
+/// The time in which a pair is decided: after from_ns, up to to_ns; the instant from_ns as well where it is closed.
+struct PairWindow {
+  std::int64_t decided_ns = 0;  // what the steps before have decided ends here; before from_ns: the rest never is
+  std::int64_t from_ns = 0;
+  std::int64_t to_ns = 0;
+  bool is_closed = false;
+
+  bool is_empty() const { return is_closed ? to_ns < from_ns : to_ns <= from_ns; }
+};
+
+/// Two objects in a piece of time in which both go straight and turn evenly.
+struct PairPiece {
+  std::uint32_t a = 0;  // lower id
+  std::uint32_t b = 0;
+  std::int64_t from_ns = 0;
+  std::int64_t to_ns = 0;
+  BodyWay a_way;
+  BodyWay b_way;
+};
+
+/// The decisions of one step: each candidate's contact at the end of the step, and on the way there, goes to the ledger.
+class Decisions {
+ public:
+  Decisions(const StepView& step, ContactLedger& ledger, SeparationCache& apart, DecisionLists& lists, StepCost& cost)
+      : step_(step), rows_(step.rows), motion_(step.motion), ledger_(ledger), apart_(apart), lists_(lists), cost_(cost) {}
+
+  /// A mover against a scene (by number), all parts of it.
+  void decide_scene(std::uint32_t mover, std::size_t scene_number);
+  /// Two objects, of which one moves at least, of layers that meet.
+  void decide_pair(std::uint32_t first, std::uint32_t second);
+  /// A search that was cut short says nothing about contacts that it did not come to: each is decided by itself.
+  void decide_open();
+  /// A contact that was not found again although one of the two moved is over.
+  void end_parted(std::int64_t last_step_ns);
+  /// Whether the two are known up to different times, or moved at different ones; else they are decided at the step's end.
+  bool are_on_common_time(std::uint32_t first, std::uint32_t second) const;
+  /// Two such objects, on all time that is newly known of both, in pieces that end at the poses of both: the same for
+  /// whatever steps it comes in.
+  void decide_on_common_time(std::uint32_t first, std::uint32_t second);
+  /// Two balls that certainly do not meet on their ways: most candidates, told from what lies in one place.
+  bool stay_apart(std::uint32_t first, std::uint32_t second) const;
+  /// Another pair may be tested, and found.
+  bool has_room() const;
+
+ private:
+  // decisions.cpp: from what is found to the ledger
+  void report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
+  void report_doubt(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
+  void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
+  void set_bracket_of_moves(FoundContact& found) const;
+  BodyWay::PointVelocity velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const;
+  void decide_unfound();
+  void decide_where_known(std::uint32_t first, std::uint32_t second);
+  double seconds_ago(std::int64_t time_ns) const;
+  bool is_timed(std::uint32_t slot) const;
+
+  // scene_decisions.cpp
+  void touch_scene(const Placed& a, const StaticScene& scene);
+  void touch_scene_with_mesh(const Placed& a, const StaticScene& scene);
+  void sweep_through(std::uint32_t mover, const StaticScene& scene);
+  void sweep_parts(std::uint32_t mover, const StaticScene& scene);
+  void sweep_sphere_parts(const MovingSphere& way, const ObjectInfo& mover, const StaticScene& scene);
+  bool is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const;
+  SweptTouch& part_sweep(std::uint32_t part);
+
+  // pair_decisions.cpp
+  std::optional<SweptTouch> sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover);
+  std::optional<SweptTouch> sweep_sphere(std::uint32_t mover, std::uint32_t other);
+  SweptTouch sweep_bodies(std::uint32_t first, std::uint32_t second);
+  SweepOptions sweep_options(std::uint32_t mover) const;
+
+  // common_time.cpp: pairs of several publishers
+  PairWindow window_of(std::uint32_t first, std::uint32_t second) const;
+  void cut(std::uint32_t first, std::uint32_t second, const PairWindow& window);
+  bool decide_piece(const PairPiece& piece);
+  bool balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const;
+  void begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window);
+  bool decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted);
+  Touch touch_at_end(const PairPiece& piece);
+  SweptTouch sweep_piece(const PairPiece& piece);
+  std::optional<SweptTouch> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere);
+  bool surely_stay_apart(const PairPiece& piece) const;
+  void begin_on_way(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep);
+  ContactEnd parting(const PairPiece& piece);
+  FoundContact found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
+                        const Contact& contact, double time) const;
+  struct PieceBracket {
+    double low_s = 0;  // before the step's world time
+    double high_s = 0;
+  };
+  PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
+  std::int64_t clock_error_ns(std::uint32_t a, std::uint32_t b) const;
+  bool may_begin();
+  void doubt_piece(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep);
+
+  // kept_apart.cpp: meshes that need no test for a while
+  double gap_wanted_m(std::uint32_t slot) const;
+  void look_for_gap(std::uint32_t first, std::uint32_t second);
+  void look_for_gap(std::uint32_t mover, const StaticScene& scene, std::uint32_t partner);
+  void remember_gap(std::uint32_t slot, std::uint32_t partner, double gap_m, bool there_is);
+
+  bool is_bare_mesh(std::uint32_t slot) const { return engine::is_bare_mesh(*rows_.info(slot)); }
+  Placed placed(std::uint32_t slot) const {
+    return {.info = rows_.info(slot), .frame = &rows_[slot].frame, .bounds = rows_[slot].bounds};
+  }
+  /// A scene's number where SeparationCache wants a slot.
+  static std::uint32_t partner_of(std::size_t scene) {
+    return wire_contract::kNoTriangle - static_cast<std::uint32_t>(scene);
+  }
+
+  const StepView& step_;
+  const ObjectRows& rows_;
+  const StepMotion& motion_;
+  ContactLedger& ledger_;
+  SeparationCache& apart_;
+  DecisionLists& lists_;
+  StepCost& cost_;
+  WalkCost walk_;
+};
+
+}  // namespace collided::engine

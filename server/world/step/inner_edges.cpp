@@ -1,0 +1,196 @@
+#include "server/world/step/inner_edges.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <variant>
+
+#include "server/exact_phase/arithmetic/value.hpp"
+#include "server/exact_phase/distance/convex.hpp"
+
+namespace collided::engine {
+namespace {
+
+using kernel::Convex;
+using wire_contract::kNoTriangle;
+
+constexpr std::size_t kMostPrimitives = 16;
+constexpr std::size_t kMostContacts = 64;
+/// Of unit normals: nearer than that they are one, and up to that beyond a right angle they do not oppose each other.
+constexpr double kSameNormal = 1e-12;
+
+bool has_faces(const Primitive& primitive) {
+  return std::holds_alternative<Box>(primitive) || std::holds_alternative<Hull>(primitive) ||
+         std::holds_alternative<HalfSpace>(primitive);
+}
+
+bool has_faces(const ObjectInfo& info) {
+  if (info.scene_part != kNoScenePart || info.mesh) return true;
+  return info.primitives.size() <= kMostPrimitives &&
+         std::any_of(info.primitives.begin(), info.primitives.end(), [](const Primitive& p) { return has_faces(p); });
+}
+
+/// A contact as one of its two bodies, the mover, has it.
+struct Side {
+  ObjectId mover = 0;
+  std::size_t number = 0;  // of the open contact
+  ObjectId body = 0;       // the other one
+  std::uint32_t triangle = kNoTriangle;
+  Vec3 normal = Vec3::Zero();  // from the mover
+  bool is_covered = false;
+};
+
+class Correction {
+ public:
+  Correction(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes, ContactLedger& ledger)
+      : rows_(rows), scenes_(scenes), ledger_(ledger) {}
+
+  void run() {
+    collect();
+    corrected_.clear();
+    for (std::size_t first = 0; first < sides_.size();) {
+      std::size_t end = first + 1;
+      while (end < sides_.size() && sides_[end].mover == sides_[first].mover) ++end;
+      if (end - first >= 2 && end - first <= kMostContacts) look_at(first, end);
+      first = end;
+    }
+    for (const auto& [number, contact] : corrected_) ledger_.correct(number, contact);
+    if (!corrected_.empty()) ledger_.retell_corrected();
+  }
+
+ private:
+  const ObjectInfo& info(ObjectId id) const { return *rows_.info(slot_of(id)); }
+
+  void collect() {
+    sides_.clear();
+    for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
+      const OpenContact& open = ledger_.open()[i];
+      if (open.doubt != wire_contract::Doubt::none) continue;  // it has no normal
+      // Most contacts of a large world are of two balls, and that is told from what the step has just read.
+      if (rows_[slot_of(open.a)].lone_sphere && rows_[slot_of(open.b)].lone_sphere) continue;
+      const ObjectInfo& a = info(open.a);
+      const ObjectInfo& b = info(open.b);
+      if (a.moving && has_faces(b)) sides_.push_back({open.a, i, open.b, open.b_triangle, open.contact.normal, false});
+      if (b.moving && has_faces(a)) sides_.push_back({open.b, i, open.a, open.a_triangle, -open.contact.normal, false});
+    }
+    std::sort(sides_.begin(), sides_.end(), [](const Side& x, const Side& y) {
+      return x.mover != y.mover ? x.mover < y.mover : x.body < y.body;
+    });
+  }
+
+  void look_at(std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      sides_[i].is_covered = false;
+      for (std::size_t k = first; k < end && !sides_[i].is_covered; ++k) {
+        sides_[i].is_covered = k != i && !is_same(sides_[k], sides_[i]) && covers(sides_[k], sides_[i]);
+      }
+    }
+    for (std::size_t i = first; i < end; ++i) {
+      if (!sides_[i].is_covered || !ledger_.found(sides_[i].number)) continue;
+      if (const Side* face = face_for(sides_[i], first, end)) take_normal(sides_[i], *face);
+    }
+  }
+
+  /// Of the contacts that stand for themselves, the one whose normal is nearest; null where one has the same.
+  const Side* face_for(const Side& side, std::size_t first, std::size_t end) const {
+    const Side* best = nullptr;
+    for (std::size_t k = first; k < end; ++k) {
+      const Side& other = sides_[k];
+      if (other.is_covered) continue;
+      if (is_same(other, side)) return nullptr;
+      const bool nearer = best == nullptr || other.normal.dot(side.normal) > best->normal.dot(side.normal);
+      if (nearer && covers(other, side)) best = &other;
+    }
+    return best;
+  }
+
+  static bool is_same(const Side& a, const Side& b) { return a.normal.dot(b.normal) >= 1 - kSameNormal; }
+
+  /// Along the one's normal the other body comes no nearer to the mover.
+  bool covers(const Side& one, const Side& other) const {
+    if (one.normal.dot(other.normal) < -kSameNormal) return false;
+    const Vec3 towards = -one.normal;
+    const Vec3& origin = ledger_.open()[one.number].contact.point;
+    const Bounded reach = reach_of(one, towards, origin);
+    const Bounded others = reach_of(other, towards, origin);
+    return std::isfinite(reach.high()) && others.high() <= reach.high() + rounding_m(one.body) + rounding_m(other.body) &&
+           std::isfinite(others.low());
+  }
+
+  double rounding_m(ObjectId id) const {
+    const ObjectInfo& own = info(id);
+    if (own.scene_part != kNoScenePart) return 0;
+    const Aabb& bounds = rows_[slot_of(id)].bounds;
+    const Vec3 size = bounds.high - bounds.low;
+    const double slack_m = placement_slack(rows_[slot_of(id)].frame, 0, size.lpNorm<1>());
+    return std::isfinite(slack_m) ? slack_m : 0;
+  }
+
+  /// How far the touched part of the side's body reaches.
+  Bounded reach_of(const Side& side, const Vec3& along, const Vec3& origin) const {
+    if (const std::optional<Triangle> triangle = touched_triangle(side)) {
+      return kernel::reach_value(Convex(*triangle), along, +1, origin);
+    }
+    std::optional<Bounded> most;
+    for (const Primitive& own : info(side.body).primitives) {
+      const Primitive placed = place(rows_[slot_of(side.body)].frame, own);
+      const Bounded reach = std::visit([&](const auto& shape) { return reach_of(shape, along, origin); }, placed);
+      most = most ? max(*most, reach) : reach;
+    }
+    return most.value_or(Bounded(std::numeric_limits<double>::infinity()));
+  }
+  template <class Shape>
+  static Bounded reach_of(const Shape& shape, const Vec3& along, const Vec3& origin) {
+    return kernel::reach_value(Convex(shape), along, +1, origin);
+  }
+  /// Endless but along its own normal.
+  static Bounded reach_of(const HalfSpace& half_space, const Vec3& along, const Vec3& origin) {
+    if (kernel::unit(half_space.normal) != along) return Bounded(std::numeric_limits<double>::infinity());
+    return kernel::reach_value(Convex(Sphere{half_space.point, 0}), along, +1, origin);
+  }
+
+  std::optional<Triangle> touched_triangle(const Side& side) const {
+    if (side.triangle == kNoTriangle) return std::nullopt;
+    const ObjectInfo& own = info(side.body);
+    if (own.mesh) return place(rows_[slot_of(side.body)].frame, own.mesh->mesh->triangle(side.triangle));
+    for (const auto& scene : scenes_) {
+      if (own.scene_part >= scene->parts.size() || scene->part_objects[own.scene_part] != side.body) continue;
+      return scene->mesh.triangle(scene->parts[own.scene_part].first_triangle + side.triangle);
+    }
+    return std::nullopt;
+  }
+
+  void take_normal(const Side& side, const Side& from) {
+    const OpenContact& open = ledger_.open()[side.number];
+    const Contact& face = ledger_.open()[from.number].contact;
+    const Vec3 towards = -from.normal;
+    // The mover reaches as far along the normal in both contacts.
+    const Bounded depth = Bounded(face.depth_m, face.depth_error_m) +
+                          (reach_of(side, towards, face.point) - reach_of(from, towards, face.point));
+    Contact contact = open.contact;
+    contact.normal = side.mover == open.a ? from.normal : Vec3(-from.normal);
+    contact.depth_m = std::max(depth.value, 0.0);
+    contact.depth_error_m = depth.bound() + (contact.depth_m - depth.value);
+    corrected_.emplace_back(side.number, contact);
+  }
+
+  const ObjectRows& rows_;
+  const std::vector<std::shared_ptr<const StaticScene>>& scenes_;
+  ContactLedger& ledger_;
+  // Their memory goes from step to step.
+  static thread_local std::vector<Side> sides_;
+  static thread_local std::vector<std::pair<std::size_t, Contact>> corrected_;
+};
+
+thread_local std::vector<Side> Correction::sides_;
+thread_local std::vector<std::pair<std::size_t, Contact>> Correction::corrected_;
+
+}  // namespace
+
+void correct_inner_edges(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes,
+                         ContactLedger& ledger) {
+  Correction(rows, scenes, ledger).run();
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,44 @@
+#include "server/world/objects/scene_touch.hpp"
+#include "server/world/step/decisions.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// A gap is looked for that is used up after so many steps like this one, so that looking for it pays.
+constexpr double kGapInSteps = 16;
+
+}  // namespace
+
+/// Of both together; not where one of them does not go on as it went.
+double Decisions::gap_wanted_m(std::uint32_t slot) const {
+  return kGapInSteps * motion_.longest_way_m(slot, rows_.info(slot)->mesh->radius_m);
+}
+
+void Decisions::remember_gap(std::uint32_t slot, std::uint32_t partner, double gap_m, bool there_is) {
+  if (there_is) apart_.remember(slot, partner, gap_m);
+  else apart_.looked_in_vain(slot, partner);
+}
+
+void Decisions::look_for_gap(std::uint32_t first, std::uint32_t second) {
+  const double gap_m = gap_wanted_m(first) + gap_wanted_m(second);
+  if (!(gap_m > 0) || !apart_.is_worth_looking(first, second)) return;
+  bool there_is = true;
+  const auto candidate = [&](std::uint32_t, std::uint32_t) { return there_is = false; };
+  walk_mesh_pairs(placed(first), placed(second), candidate, walk_, gap_m);
+  remember_gap(first, second, gap_m, there_is);
+}
+
+void Decisions::look_for_gap(std::uint32_t mover, const StaticScene& scene, std::uint32_t partner) {
+  const double gap_m = gap_wanted_m(mover);
+  if (!(gap_m > 0) || !apart_.is_worth_looking(mover, partner)) return;
+  const ObjectInfo& info = *rows_.info(mover);
+  bool there_is = true;
+  const auto visit = [&](std::uint32_t triangle, const Triangle&, std::uint32_t, const Triangle&) {
+    there_is = !may_meet(info.filter, scene.parts[scene.part_of(triangle)].filter);
+    return there_is;
+  };
+  visit_scene_pairs(scene, *info.mesh, rows_[mover].frame, walk_, visit, gap_m);
+  remember_gap(mover, partner, gap_m, there_is);
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,95 @@
+#include <algorithm>
+#include <utility>
+
+#include "server/exact_phase/motion/ball_way_filter.hpp"
+#include "server/world/step/decisions.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// Looks at parts that the sweep of one pair may take: some 20 ms, that the others wait for.
+constexpr std::uint32_t kSweepLooks = 10'000;
+
+}  // namespace
+
+void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
+  ++cost_.candidate_pairs;
+  // Lower id first: the contact's normal points from a to b.
+  if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
+  const bool are_meshes = is_bare_mesh(first) && is_bare_mesh(second);
+  if (are_meshes && apart_.holds(first, second)) {
+    ++cost_.kept_apart;
+    return;
+  }
+  const Placed a = placed(first);
+  const Placed b = placed(second);
+  Touch touch;
+  touch.wanted = step_.step_options.contacts;
+  if (overlaps(a.bounds, b.bounds)) touch_objects(a, b, touch, walk_);
+  cost_.exact_tests += touch.exact_tests;
+  std::optional<SweptTouch> sweep;
+  std::uint32_t mover = first;
+  if (!ledger_.holds(a.info->id, b.info->id)) sweep = sweep_between(first, second, mover);
+  report(a.info->id, b.info->id, touch, sweep ? &*sweep : nullptr, rows_.has_moved(mover) ? mover : first + second - mover);
+  if (are_meshes && touch.exact_tests == 0 && overlaps(a.bounds, b.bounds)) look_for_gap(first, second);
+}
+
+SweepOptions Decisions::sweep_options(std::uint32_t mover) const {
+  const double way_s = static_cast<double>(rows_[mover].posed_ns - rows_[mover].posed_before_ns) * 1e-9;
+  return {.width = std::clamp(step_.options.sweep_width_s / way_s, 1e-12, 1e-3),
+          .contacts = step_.step_options.contacts,
+          .most_looks = kSweepLooks};
+}
+
+/// Two balls that certainly do not meet on their ways: most candidates, told from what lies in one place. The same way
+/// as in sweep_between, which is exact for the rest.
+bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
+  if (motion_.ball(first).radius_m < 0 || motion_.ball(second).radius_m < 0) return false;
+  if (rows_.has_lower_id(second, first)) std::swap(first, second);
+  const BallWay& a = motion_.ball(first);
+  const BallWay& b = motion_.ball(second);
+  MovingSphere way{.start = a.end, .end = a.end, .radius_m = a.radius_m};
+  if (rows_.motion(first) != Motion::placed && rows_.motion(second) != Motion::placed) {
+    if (rows_.motion(first) == Motion::moved) way.start = a.start;
+    if (rows_.motion(second) == Motion::moved) way.start += b.displacement;
+  }
+  return kernel::surely_apart(way, {.center = b.end, .radius_m = b.radius_m});
+}
+
+/// A lone sphere is swept exactly past anything that does not turn.
+std::optional<SweptTouch> Decisions::sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover) {
+  if (rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed) return std::nullopt;
+  if (!motion_.turns(first) && !motion_.turns(second)) {
+    if (std::optional<SweptTouch> found = sweep_sphere(first, second)) return found;
+    mover = second;
+    if (const std::optional<SweptTouch> found = sweep_sphere(second, first)) return turned_round(*found);
+  }
+  mover = motion_.is_swept(first) ? first : second;
+  if (!motion_.is_swept(mover)) return std::nullopt;
+  return sweep_bodies(first, second);
+}
+
+SweptTouch Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second) {
+  SweptTouch touch;
+  const SweptBody a(*rows_.info(first), motion_.body_way(first));
+  const SweptBody b(*rows_.info(second), motion_.body_way(second));
+  sweep(a, b, sweep_options(motion_.is_swept(first) ? first : second), walk_, touch);
+  return touch;
+}
+
+/// The mover's way as seen from the other object, which keeps its last orientation: its displacement is taken off.
+std::optional<SweptTouch> Decisions::sweep_sphere(std::uint32_t mover, std::uint32_t other) {
+  const std::optional<Sphere>& sphere = rows_[mover].lone_sphere;
+  if (!sphere) return std::nullopt;
+  const bool other_moved = rows_.motion(other) == Motion::moved;
+  const Frame& before = rows_.motion(mover) == Motion::moved ? rows_[mover].frame_before : rows_[mover].frame;
+  SphereSweep sweep{.mover = {.start = place(before, sphere->center),
+                        .end = place(rows_[mover].frame, sphere->center),
+                        .radius_m = sphere->radius_m},
+              .width = step_.options.sweep_width};
+  if (other_moved) sweep.mover.start += rows_[other].frame.position - rows_[other].frame_before.position;
+  sweep_object(sweep, placed(other), walk_);
+  return sweep.found;
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,114 @@
+#include <algorithm>
+
+#include "server/world/objects/scene_touch.hpp"
+#include "server/world/step/decisions.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::kNoTriangle;
+
+}  // namespace
+
+void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
+  if (is_bare_mesh(mover) && apart_.holds(mover, partner_of(scene_number))) {
+    ++cost_.kept_apart;
+    return;
+  }
+  const StaticScene& scene = *step_.scenes[scene_number];
+  const Placed a = placed(mover);
+  touch_scene(a, scene);
+  sweep_through(mover, scene);
+  for (PartTouch& found : lists_.part_touches.list()) {
+    cost_.exact_tests += found.touch.exact_tests;
+    const auto sweep = std::find_if(lists_.part_sweeps.begin(), lists_.part_sweeps.end(),
+                                    [&](const PartSweep& of) { return of.part == found.part; });
+    report(a.info->id, scene.part_objects[found.part], found.touch,
+           sweep != lists_.part_sweeps.end() ? &sweep->touch : nullptr, mover);
+  }
+  if (lists_.part_touches.list().empty() && is_bare_mesh(mover)) look_for_gap(mover, scene, partner_of(scene_number));
+}
+
+/// Into part_touches: the parts that it touches where it is.
+void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
+  const auto allowed = [&](std::uint32_t part) { return may_meet(a.info->filter, scene.parts[part].filter); };
+  lists_.part_touches.clear(step_.step_options.contacts);
+  const auto test = [&](const auto& part_of_a, std::uint32_t a_triangle) {
+    visit_scene(scene, bounds(part_of_a), walk_, allowed, [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
+      Touch& touch = lists_.part_touches.of(part);
+      if (!touch.done()) touch_parts(part_of_a, a_triangle, b, triangle - scene.parts[part].first_triangle, touch);
+      return true;
+    });
+  };
+  for (const Primitive& primitive : a.info->primitives) {
+    std::visit([&](const auto& own) { test(place(*a.frame, own), kNoTriangle); }, primitive);
+  }
+  if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) touch_scene_with_mesh(a, scene);
+}
+
+/// Into part_sweeps: the parts that it meets on its way. Those that are not met at its end need a place in part_touches too.
+void Decisions::sweep_through(std::uint32_t mover, const StaticScene& scene) {
+  lists_.part_sweeps.clear();
+  if (const std::optional<MovingSphere> way = motion_.sphere_way(mover)) {
+    sweep_sphere_parts(*way, *rows_.info(mover), scene);
+  } else if (motion_.is_swept(mover)) {
+    sweep_parts(mover, scene);
+  }
+  for (const PartSweep& sweep : lists_.part_sweeps) lists_.part_touches.of(sweep.part);
+}
+
+/// Contacts that hold need no time.
+bool Decisions::is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const {
+  const ObjectId id = scene.part_objects[part];
+  return may_meet(mover.filter, scene.parts[part].filter) && !ledger_.holds(std::min(mover.id, id), std::max(mover.id, id));
+}
+
+SweptTouch& Decisions::part_sweep(std::uint32_t part) {
+  if (lists_.part_sweeps.empty() || lists_.part_sweeps.back().part != part) {
+    const auto found = std::find_if(lists_.part_sweeps.begin(), lists_.part_sweeps.end(),
+                                    [&](const PartSweep& sweep) { return sweep.part == part; });
+    if (found != lists_.part_sweeps.end()) return found->touch;
+    lists_.part_sweeps.push_back({.part = part, .touch = {}});
+  }
+  return lists_.part_sweeps.back().touch;
+}
+
+void Decisions::sweep_sphere_parts(const MovingSphere& way, const ObjectInfo& mover, const StaticScene& scene) {
+  SphereSweep sweep{.mover = way, .width = step_.options.sweep_width};
+  visit_scene(scene, bounds(way), walk_, [&](std::uint32_t part) { return is_sweepable(mover, scene, part); },
+              [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
+                sweep.found = part_sweep(part);
+                sweep_part(sweep, corners, triangle - scene.parts[part].first_triangle);
+                part_sweep(part) = sweep.found;
+                return true;
+              });
+}
+
+void Decisions::sweep_parts(std::uint32_t mover, const StaticScene& scene) {
+  const ObjectInfo& info = *rows_.info(mover);
+  const auto touch_of = [&](std::uint32_t triangle) {
+    const std::uint32_t part = scene.part_of(triangle);
+    return is_sweepable(info, scene, part) ? &part_sweep(part) : nullptr;
+  };
+  const SweptBody body(info, motion_.body_way(mover));
+  if (!sweep_scene(body, SweptBody(scene), sweep_options(mover), walk_, touch_of)) ++cost_.sweeps_skipped;
+  for (PartSweep& sweep : lists_.part_sweeps) sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
+}
+
+void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene) {
+  std::size_t open_parts = 0;
+  for (const Part& part : scene.parts) open_parts += may_meet(a.info->filter, part.filter) ? 1 : 0;
+  const auto visit = [&](std::uint32_t triangle, const Triangle& b, std::uint32_t a_triangle, const Triangle& own) {
+    const std::uint32_t number = scene.part_of(triangle);
+    const Part& part = scene.parts[number];
+    if (!may_meet(a.info->filter, part.filter)) return true;
+    Touch& touch = lists_.part_touches.of(number);
+    if (touch.done()) return true;
+    touch_parts(own, a_triangle, b, triangle - part.first_triangle, touch);
+    if (touch.done()) --open_parts;
+    return open_parts > 0;
+  };
+  visit_scene_pairs(scene, *a.info->mesh, *a.frame, walk_, visit);
+}
+
+}  // namespace collided::engine

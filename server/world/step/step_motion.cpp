@@ -1,0 +1,144 @@
+#include "server/world/step/step_motion.hpp"
+
+#include <algorithm>
+
+#include "server/world/objects/touch.hpp"
+
+namespace collided::engine {
+
+BodyWay way_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now) {
+  if (!lone_sphere) return {before, now};
+  BodyWay way{now, now};
+  const Vec3& center = lone_sphere->center;
+  way.from.position = place(before, center) - (place(now, center) - now.position);
+  way.travel = way.to.position - way.from.position;
+  return way;
+}
+
+WayTimes way_times(const ObjectRow& row, bool is_new, const Source* source) {
+  const std::int64_t settled_ns = source != nullptr ? source->settled_of(row.said_before_ns) : row.posed_before_ns;
+  const std::int64_t since_ns = std::max({row.posed_before_ns, row.born_ns, settled_ns});
+  const std::int64_t to_ns = std::max(row.posed_ns, is_new || source == nullptr ? row.born_ns : settled_ns + 1);
+  return {.from_ns = row.has_way && since_ns < to_ns ? since_ns : to_ns, .to_ns = to_ns};
+}
+
+void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
+  bounds_.resize(rows_.size());
+  balls_.resize(rows_.size());
+  swept_.resize(rows_.size());
+  open_.resize(rows_.size());
+  for (const std::uint32_t slot : widened_) {
+    if (!rows_.has_moved(slot)) bounds_[slot] = rows_[slot].bounds;
+  }
+  widened_.assign(rows_.moved().begin(), rows_.moved().end());
+  for (const std::uint32_t slot : rows_.moved()) {
+    const ObjectRow& row = rows_[slot];
+    const std::optional<MovingSphere> way = sphere_way(slot);
+    swept_[slot] = needs_sweep(slot) ? 1 : 0;
+    bounds_[slot] = row.bounds;
+    if (way) {
+      bounds_[slot].extend(engine::bounds(*way));
+    } else if (is_swept(slot)) {
+      bounds_[slot] = quick_bounds(*rows_.info(slot), row.frame_before, row.frame, row.bounds, row.reach_m);
+    }
+    set_ball(slot, way);
+    count_way(slot, apart);
+    if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
+    if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
+    if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr) remember(slot, sources[rows_.source(slot)]);
+  }
+  if (sources.is_any_over_floor_again()) begin_anew(sources);
+  for (const std::uint32_t slot : young_) open_[slot] = 1;
+  for (const std::uint32_t slot : history_.travelling()) {
+    open_[slot] = 1;
+    if (!rows_.has_moved(slot)) widened_.push_back(slot);
+    bounds_[slot].extend(history_.bounds(slot));
+  }
+}
+
+/// Who was passed by the floor is looked at with everybody once more.
+void StepMotion::begin_anew(const Sources& sources) {
+  for (std::uint32_t slot = 0; slot < rows_.size(); ++slot) {
+    const std::uint32_t source = rows_.source(slot);
+    if (source != Sources::kResting && sources.is_over_floor_again(sources[source])) young_.push_back(slot);
+  }
+}
+
+void StepMotion::end_step(std::int64_t floor_ns) {
+  for (const std::uint32_t slot : rows_.moved()) swept_[slot] = 0;
+  for (const std::uint32_t slot : young_) open_[slot] = 0;
+  for (const std::uint32_t slot : history_.travelling()) open_[slot] = 0;
+  std::erase_if(young_, [&](std::uint32_t slot) {
+    return rows_.info(slot) == nullptr || rows_[slot].born_ns <= floor_ns;
+  });
+  history_.forget_up_to(floor_ns);
+}
+
+void StepMotion::remember(std::uint32_t slot, const Source& source) {
+  const ObjectRow& row = rows_[slot];
+  const WayTimes times = way_times(row, rows_.is_new(slot), &source);
+  MotionSegment segment{.from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before, .to = row.frame, .bounds = row.bounds};
+  if (!segment.is_jump()) {
+    const BodyWay way = way_between(row.lone_sphere, row.frame_before, row.frame);
+    segment.from = way.from;
+    segment.to = way.to;
+    segment.bounds = engine::bounds(*rows_.info(slot), way, row.reach_m);
+  } else {
+    segment.bounds.extend(bounds_of(*rows_.info(slot), row.frame_before));
+  }
+  history_.add(slot, segment);
+}
+
+bool StepMotion::turns(std::uint32_t slot) const {
+  return is_swept(slot) && rows_[slot].frame_before.rotation != rows_[slot].frame.rotation;
+}
+
+std::optional<MovingSphere> StepMotion::sphere_way(std::uint32_t slot) const {
+  const ObjectRow& row = rows_[slot];
+  if (!row.lone_sphere || rows_.motion(slot) != Motion::moved) return std::nullopt;
+  return MovingSphere{.start = place(row.frame_before, row.lone_sphere->center),
+                      .end = place(row.frame, row.lone_sphere->center),
+                      .radius_m = row.lone_sphere->radius_m};
+}
+
+bool StepMotion::needs_sweep(std::uint32_t slot) const {
+  const ObjectRow& row = rows_[slot];
+  if (rows_.motion(slot) != Motion::moved || row.lone_sphere) return false;
+  return row.frame_before.position != row.frame.position || row.frame_before.rotation != row.frame.rotation;
+}
+
+BodyWay StepMotion::body_way(std::uint32_t slot) const {
+  const ObjectRow& row = rows_[slot];
+  return way_between(row.lone_sphere, rows_.motion(slot) == Motion::moved ? row.frame_before : row.frame, row.frame);
+}
+
+double StepMotion::longest_way_m(std::uint32_t slot, double reach_m) const {
+  if (rows_.motion(slot) != Motion::moved) return 0;
+  return engine::longest_way_m(rows_[slot].frame_before, rows_[slot].frame, reach_m);
+}
+
+void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way) {
+  const ObjectRow& row = rows_[slot];
+  BallWay& ball = balls_[slot];
+  ball.radius_m = row.lone_sphere ? row.lone_sphere->radius_m : -1;
+  if (!row.lone_sphere) return;
+  ball.end = way ? way->end : place(row.frame, row.lone_sphere->center);
+  if (!way) return;
+  ball.start = way->start;
+  ball.displacement = row.frame.position - row.frame_before.position;
+}
+
+/// What is remembered of meshes hangs on how far they go; that of a placed triangle is off by a rounding at either end.
+void StepMotion::count_way(std::uint32_t slot, SeparationCache& apart) const {
+  const ObjectInfo* info = rows_.info(slot);
+  if (info == nullptr || !is_bare_mesh(*info)) return;
+  if (rows_.motion(slot) != Motion::moved) {
+    apart.placed(slot);
+    return;
+  }
+  const double reach_m = info->mesh->radius_m;
+  apart.moved(slot, longest_way_m(slot, reach_m) * (1 + 0x1p-40) + placement_slack(rows_[slot].frame_before, 0, reach_m) +
+                        placement_slack(rows_[slot].frame, 0, reach_m));
+}
+
+}  // namespace collided::engine

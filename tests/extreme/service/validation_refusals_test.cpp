@@ -1,0 +1,188 @@
+// The list of everything that the border refuses, each with its reason: what is not on it must be answered, and a check
+// that NaN slips through lets it into every comparison behind.
+#include <gtest/gtest.h>
+
+#include "server/service/questions/ask.hpp"
+#include "server/service/questions/validation.hpp"
+#include "tests/extreme/worlds.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::Answer;
+using wire_contract::QueryKind;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kTiniest = std::numeric_limits<double>::denorm_min();
+
+struct Malformed {
+  const char* why;
+  QueryKind kind;
+  std::vector<double> numbers;
+};
+
+const Malformed kMalformed[] = {
+    {"a direction of zero", QueryKind::ray, {0, 0, 0, 0, 0, 0, 1}},
+    {"a direction of minus zero", QueryKind::ray, {0, 0, 0, -0.0, 0, -0.0, 1}},
+    {"NaN in the origin", QueryKind::ray, {kNaN, 0, 0, 1, 0, 0, 1}},
+    {"infinity in the origin", QueryKind::ray, {0, -kInfinite, 0, 1, 0, 0, 1}},
+    {"NaN in the direction", QueryKind::ray, {0, 0, 0, 0, kNaN, 1, 1}},
+    {"infinity in the direction", QueryKind::ray, {0, 0, 0, kInfinite, 0, 0, 1}},
+    {"a length of NaN", QueryKind::ray, {0, 0, 0, 1, 0, 0, kNaN}},
+    {"a length below zero", QueryKind::ray, {0, 0, 0, 1, 0, 0, -kTiniest}},
+    {"a length of minus infinity", QueryKind::ray, {0, 0, 0, 1, 0, 0, -kInfinite}},
+    {"NaN in the centre", QueryKind::sphere, {0, 0, kNaN, 1}},
+    {"infinity in the centre", QueryKind::sphere, {kInfinite, 0, 0, 1}},
+    {"a radius below zero", QueryKind::sphere, {0, 0, 0, -kTiniest}},
+    {"a radius of NaN", QueryKind::sphere, {0, 0, 0, kNaN}},
+    {"a radius without end", QueryKind::sphere, {0, 0, 0, kInfinite}},
+    {"a half size below zero", QueryKind::box, {0, 0, 0, 1, -1, 1, 1, 0, 0, 0}},
+    {"a half size of NaN", QueryKind::box, {0, 0, 0, 1, 1, kNaN, 1, 0, 0, 0}},
+    {"a half size without end", QueryKind::box, {0, 0, 0, kInfinite, 1, 1, 1, 0, 0, 0}},
+    {"a quaternion of zeros", QueryKind::box, {0, 0, 0, 1, 1, 1, 0, 0, 0, 0}},
+    {"a quaternion of length 2", QueryKind::box, {0, 0, 0, 1, 1, 1, 2, 0, 0, 0}},
+    {"a quaternion of NaN", QueryKind::box, {0, 0, 0, 1, 1, 1, kNaN, 0, 0, 0}},
+    {"a quaternion that overflows", QueryKind::box, {0, 0, 0, 1, 1, 1, 1e200, 0, 0, 0}},
+    {"NaN in the box's centre", QueryKind::box, {kNaN, 0, 0, 1, 1, 1, 1, 0, 0, 0}},
+    {"NaN in the asked point", QueryKind::near, {0, kNaN, 0, 1}},
+    {"a reach below zero", QueryKind::near, {0, 0, 0, -1}},
+    {"a reach of NaN", QueryKind::near, {0, 0, 0, kNaN}},
+};
+
+TEST(ExtremeBorderRefusals, EachMalformedQuestionIsInvalidForItself) {
+  extreme::Stage stage;
+  stage.ball("ball", {0, 0, 0}, 1);
+  stage.step();
+  for (const Malformed& bad : kMalformed) {
+    // A good question on either side is answered all the same.
+    std::vector<double> good = bad.kind == QueryKind::ray   ? std::vector<double>{-3, 0, 0, 1, 0, 0, kInfinite}
+                               : bad.kind == QueryKind::box ? std::vector<double>{0, 0, 0, 1, 1, 1, 1, 0, 0, 0}
+                                                            : std::vector<double>{0, 0, 0, 1};
+    std::vector<double> numbers = good;
+    numbers.insert(numbers.end(), bad.numbers.begin(), bad.numbers.end());
+    numbers.insert(numbers.end(), good.begin(), good.end());
+    const Answers answers = stage.ask(bad.kind, numbers);
+    EXPECT_EQ(answers.answers, (std::vector{Answer::hit, Answer::invalid, Answer::hit})) << bad.why;
+    EXPECT_EQ(answers.hit_counts.at(1), 0u) << bad.why;
+  }
+}
+
+void expect_pose_refused(std::vector<double> numbers, const std::string& reason) {
+  const auto checked = service::checked_pose(numbers);
+  ASSERT_TRUE(std::holds_alternative<Refusal>(checked)) << reason;
+  EXPECT_EQ(std::get<Refusal>(checked).reason, reason);
+}
+
+TEST(ExtremeBorderRefusals, PosesWithTheirReasons) {
+  expect_pose_refused({0, 0, 0, 1, 0, 0}, "a pose of 6 numbers; 7 are needed");
+  expect_pose_refused({}, "a pose of 0 numbers; 7 are needed");
+  expect_pose_refused({0, kNaN, 0, 1, 0, 0, 0}, "a pose with nan");
+  expect_pose_refused({kInfinite, 0, 0, 1, 0, 0, 0}, "a pose with inf");
+  expect_pose_refused({0, 0, 0, 1, 0, 0, -kInfinite}, "a pose with -inf");
+  expect_pose_refused({0, 0, 0, 0, 0, 0, 0}, "quaternion norm 0, allowed 1 +- 1e-06");
+  expect_pose_refused({0, 0, 0, 0.87, 0, 0, 0}, "quaternion norm 0.87, allowed 1 +- 1e-06");
+  expect_pose_refused({0, 0, 0, 1.000002, 0, 0, 0}, "quaternion norm 1.000002, allowed 1 +- 1e-06");
+  expect_pose_refused({0, 0, 0, 1e200, 1e200, 0, 0}, "quaternion norm inf, allowed 1 +- 1e-06");
+  expect_pose_refused({0, 0, 0, kTiniest, 0, 0, 0}, "quaternion norm 0, allowed 1 +- 1e-06");
+}
+
+TEST(ExtremeBorderRefusals, NamesThatAreNotText) {
+  EXPECT_FALSE(service::is_good_name(""));
+  EXPECT_FALSE(service::is_good_name(std::string(256, 'a')));
+  EXPECT_FALSE(service::is_good_name("a\nb"));
+  EXPECT_FALSE(service::is_good_name(std::string_view("a\0b", 3)));
+  EXPECT_FALSE(service::is_good_name("\x1b[31m")) << "terminals obey it";
+  EXPECT_FALSE(service::is_good_name("\xc0\xaf")) << "overlong";
+  EXPECT_FALSE(service::is_good_name("\xed\xa0\x80")) << "half a surrogate pair";
+  EXPECT_FALSE(service::is_good_name("\xff"));
+  EXPECT_TRUE(service::is_good_name(std::string(255, 'a')));
+  EXPECT_TRUE(service::is_good_name("Kran \xc3\xbc/7"));
+}
+
+/// A chunk of one good ray; each case spoils one thing.
+class ExtremeBorderChunk : public testing::Test {
+ protected:
+  ExtremeBorderChunk() {
+    query.kind = static_cast<std::uint8_t>(QueryKind::ray);
+    query.chunk_count = 1;
+    query.max_hits = 1;
+    query.numbers._buffer = numbers.data();
+    query.numbers._length = query.numbers._maximum = 7;
+  }
+  void expect_refused(const std::string& reason) {
+    EXPECT_EQ(service::why_refused(query).value_or("(accepted)"), reason);
+  }
+  std::vector<double> numbers = std::vector<double>(7'007, 1.0);
+  wire::Query query{};
+};
+
+TEST_F(ExtremeBorderChunk, TheGoodOneIsTaken) { EXPECT_FALSE(service::why_refused(query)); }
+
+TEST_F(ExtremeBorderChunk, Counts) {
+  query.numbers._length = 6;
+  expect_refused("6 numbers for ray questions; 7 are needed for each");
+  query.numbers._length = 0;
+  expect_refused("0 numbers for ray questions; 7 are needed for each");
+  query.numbers._length = 7'007;
+  expect_refused("a chunk of 1001 questions; allowed 1000");
+  query.numbers._length = 7;
+  query.first_question = 100'000;
+  expect_refused("question 100000 and 1 more; a request has at most 100000");
+  query.first_question = 0xffffffff;
+  expect_refused("question 4294967295 and 1 more; a request has at most 100000");
+}
+
+TEST_F(ExtremeBorderChunk, Chunks) {
+  query.chunk_count = 0;
+  expect_refused("a request of 0 chunks; allowed 1 to 100000");
+  query.chunk_count = 2;
+  query.chunk_index = 2;
+  expect_refused("chunk number 2 of 2 chunks; they count from 0");
+}
+
+TEST_F(ExtremeBorderChunk, Codes) {
+  query.kind = 7;
+  expect_refused("question kind 7 is not known; allowed 0 to 6");
+  query.kind = 1;
+  query.mode = 3;
+  expect_refused("ray mode 3 is not known; allowed 0 to 2");
+}
+
+TEST_F(ExtremeBorderChunk, Limits) {
+  query.max_hits = 0;
+  expect_refused("max_hits 0; allowed 1 to 8192");
+  query.max_hits = 8'193;
+  expect_refused("max_hits 8193; allowed 1 to 8192");
+  query.max_hits = 1;
+  query.deadline_ns = -1;
+  expect_refused("deadline -1 ns; allowed 0 (none) and more");
+  query.deadline_ns = 0;
+  query.error_asked_m = -1;
+  expect_refused("error asked -1 m; allowed 0 and more");
+  query.error_asked_m = kNaN;
+  expect_refused("error asked nan m; allowed 0 and more");
+  query.error_asked_m = 0;
+  query.only[0] = '\n';
+  expect_refused("the name pattern '?' is not text");
+}
+
+TEST(ExtremeBorderRefusals, TheWorldsOwn) {
+  World world{WorldOptions{.max_objects = 2}};
+  const auto define = [&](const std::string& name) {
+    ObjectDefinition body;
+    body.name = name;
+    body.shape = extreme::ball_shape(1);
+    const auto defined = world.define(body);
+    return std::holds_alternative<Refusal>(defined) ? std::get<Refusal>(defined).reason : "";
+  };
+  EXPECT_EQ(define("a"), "");
+  EXPECT_EQ(define("a"), "the name 'a' is taken; names are unique in a world. Nothing was added");
+  EXPECT_EQ(define("b"), "");
+  EXPECT_EQ(define("c"), "object 'c' is one more than the limit of 2 objects (max_objects). Nothing was added");
+  EXPECT_FALSE(world.move(0xdeadbeef, {}, 1, false)) << "no such object";
+  EXPECT_FALSE(world.remove(0xdeadbeef, wire_contract::EndReason::removed));
+}
+
+}  // namespace
+}  // namespace collided::engine

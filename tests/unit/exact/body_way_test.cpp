@@ -1,0 +1,241 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "server/exact_phase/distance/general_shapes.hpp"
+#include "server/exact_phase/motion/moving_features.hpp"
+#include "server/exact_phase/motion/moving_solids.hpp"
+#include "server/exact_phase/motion/part_on_way.hpp"
+#include "server/exact_phase/overlap/overlap.hpp"
+#include "server/geometry/aabb.hpp"
+#include "tests/oracle/random_shapes.hpp"
+#include "tests/oracle/seed.hpp"
+
+namespace collided::engine {
+namespace {
+
+using oracle::Family;
+using oracle::RandomShapes;
+
+/// Unit-sized parts and ways of a few units with any turn.
+class Sweeps {
+ public:
+  explicit Sweeps(std::mt19937_64& generator) : generator_(generator), shapes_(generator, Family::random) {}
+
+  ConvexPart part() {
+    switch (std::uniform_int_distribution<int>(0, 7)(generator_)) {
+      case 0: return shapes_.sphere();
+      case 1: return shapes_.box();
+      case 2: return shapes_.capsule();
+      case 3: return shapes_.cylinder();
+      case 4: return shapes_.cone();
+      case 5: return shapes_.ellipsoid();
+      case 6: return shapes_.hull();
+      default: return shapes_.triangle();
+    }
+  }
+  Frame frame() {
+    const Quat turn(number(), number(), number(), number());
+    return frame_of({.position = Vec3(number(), number(), number()) * 2, .rotation = turn.normalized()});
+  }
+  BodyWay way() {
+    const Frame from = frame();
+    Frame to = frame();
+    const int kind = std::uniform_int_distribution<int>(0, 3)(generator_);
+    if (kind == 0) return BodyWay::resting(from);
+    if (kind == 1) to.rotation = from.rotation;
+    if (kind == 2) to.position = from.position;
+    return {from, to};
+  }
+  double number() { return std::uniform_real_distribution<double>(-1, 1)(generator_); }
+
+ private:
+  std::mt19937_64& generator_;
+  RandomShapes shapes_;
+};
+
+/// The slow twin: pose by pose, no motion bounds. Parts whose bounds are apart are not tested.
+bool touch_at(const PartOnWay& a, const PartOnWay& b, double t) {
+  const ConvexPart x = a.at(t);
+  const ConvexPart y = b.at(t);
+  const auto box = [](const auto& shape) { return bounds(shape); };
+  if (!overlaps(std::visit(box, x), std::visit(box, y))) return false;
+  return std::visit([](const auto& p, const auto& q) { return overlaps(p, q).yes(); }, x, y);
+}
+
+int asked_sweeps(int fallback) {
+  const char* asked = std::getenv("COLLIDED_SWEEPS");
+  return asked != nullptr ? std::atoi(asked) : fallback;
+}
+
+TEST(ExactBodyWay, TenThousandPosesOfAWayShowNoContactBeforeTheFirst) {
+  constexpr int kSamples = 10'000;
+  std::mt19937_64 generator = oracle::seeded(401);
+  Sweeps make(generator);
+  const int sweeps = asked_sweeps(300);
+  int hits = 0, misses = 0, undecided = 0;
+  double widest = 0;
+  for (int i = 0; i < sweeps; ++i) {
+    const BodyWay way_a = make.way();
+    const BodyWay way_b = make.way();
+    const PartOnWay a(make.part(), way_a);
+    const PartOnWay b(make.part(), way_b);
+    TimeBracket bracket;
+    const Verdict verdict = first_contact(a, b, {0, 1}, 1e-6, bracket);
+    undecided += verdict.decision == Decision::undecided;
+    (verdict.yes() ? hits : misses) += 1;
+    if (verdict.yes()) {
+      ASSERT_TRUE(touch_at(a, b, bracket.high)) << "sweep " << i;
+      ASSERT_LE(bracket.low, bracket.high);
+      widest = std::max(widest, bracket.high - bracket.low);
+    }
+    const double clear = verdict.yes() ? (bracket.high == 0 ? -1 : bracket.low) : 1;
+    for (int sample = 0; sample <= clear * kSamples; ++sample) {
+      if (verdict.decision == Decision::undecided) break;
+      ASSERT_FALSE(touch_at(a, b, static_cast<double>(sample) / kSamples)) << "sweep " << i << " at " << sample;
+    }
+  }
+  std::printf("%d sweeps, %d hits, %d undecided, widest bracket %.3g\n", sweeps, hits, undecided, widest);
+  EXPECT_GT(hits, sweeps / 8);
+  EXPECT_GT(misses, sweeps / 5);
+  EXPECT_EQ(undecided, 0);
+  EXPECT_LE(widest, 1e-6);
+}
+
+// An arm swings a ball past the lid of a box, a few roundings above or below, a thousand kilometres out.
+TEST(ExactBodyWay, WhatIsFreeMeetsNothingAtAnyFrameOfTheWay) {
+  std::mt19937_64 generator = oracle::seeded(402);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int free = 0, met = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double far_m = std::exp2(20 * (1 + uniform(generator)));
+    const Vec3 hub(far_m * uniform(generator), far_m * uniform(generator), far_m * uniform(generator));
+    const double half_turn = 0.5 + 0.4 * uniform(generator);
+    const auto turned = [&](double angle) {
+      return frame_of({hub, Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))});
+    };
+    const BodyWay way(turned(M_PI / 2 - half_turn), turned(M_PI / 2 + half_turn));
+    const PartOnWay ball(Sphere{{1, 0, 0}, 0.25}, way);
+    const double gap = uniform(generator) * std::exp2(-46 + 4 * uniform(generator)) * far_m;
+    const BodyWay rest;
+    const PartOnWay lid(Box{.center = hub + Vec3(0, 2.25 + gap, 0), .half_m = {1, 1, 1}}, rest);
+    TimeBracket bracket;
+    const Verdict verdict = first_contact(ball, lid, {0, 1}, 1e-9, bracket);
+    met += verdict.yes();
+    if (verdict.decision != Decision::no) continue;
+    ++free;
+    for (int sample = -500; sample <= 500; ++sample) {
+      const double t = 0.5 + sample * 1e-10;
+      ASSERT_FALSE(touch_at(ball, lid, t)) << i << " " << gap << " " << far_m;
+    }
+  }
+  std::printf("%d free, %d met of 400\n", free, met);
+  EXPECT_GT(met, 20);
+  EXPECT_GT(free, 20);
+}
+
+// What goes straight past a triangle has an exact answer of its own.
+TEST(ExactBodyWay, StraightWaysAgreeWithTheExactTimes) {
+  std::mt19937_64 generator = oracle::seeded(403);
+  Sweeps make(generator);
+  RandomShapes shapes(generator, Family::random);
+  int hits = 0;
+  for (int i = 0; i < 600; ++i) {
+    const Frame from{Mat3::Identity(), Vec3::Zero()};
+    const Frame to{Mat3::Identity(), Vec3(make.number(), make.number(), make.number()) * 4};
+    const BodyWay way(from, to);
+    const BodyWay rest;
+    const Triangle other = shapes.triangle();
+    const PartOnWay resting(other, rest);
+    TimeBracket exact, found;
+    Verdict truth, verdict;
+    if (i % 3 == 0) {
+      const Box own = shapes.box();
+      truth = first_contact(Translated<Box>{own, from.position, to.position}, other, 1e-9, exact);
+      verdict = first_contact(PartOnWay(own, way), resting, {0, 1}, 1e-9, found);
+    } else if (i % 3 == 1) {
+      const Capsule own = shapes.capsule();
+      truth = first_contact(Translated<Capsule>{own, from.position, to.position}, other, 1e-9, exact);
+      verdict = first_contact(PartOnWay(own, way), resting, {0, 1}, 1e-9, found);
+    } else {
+      const Triangle own = shapes.triangle();
+      const Vec3& d = to.position;
+      truth = first_contact(MovingTriangle{{own.a, own.a + d}, {own.b, own.b + d}, {own.c, own.c + d}},
+                            MovingTriangle{{other.a, other.a}, {other.b, other.b}, {other.c, other.c}}, 1e-9, exact);
+      verdict = first_contact(PartOnWay(own, way), resting, {0, 1}, 1e-9, found);
+    }
+    ASSERT_EQ(verdict.decision, truth.decision) << i;
+    if (!truth.yes()) continue;
+    ++hits;
+    ASSERT_LE(found.low, exact.high + 1e-14);
+    ASSERT_GE(found.high + 1e-14, exact.low);
+  }
+  EXPECT_GT(hits, 100);
+}
+
+TEST(ExactBodyWay, TheSpanIsRespectedAndATouchingStartIsItsOwnBracket) {
+  const BodyWay way(Frame{}, {Mat3::Identity(), {8, 0, 0}});
+  const BodyWay rest;
+  const PartOnWay cube(Box{.center = Vec3::Zero(), .half_m = {1, 1, 1}}, way);
+  const PartOnWay post(Cylinder{{5, 0, -4}, {5, 0, 4}, 0.5}, rest);
+  TimeBracket bracket;
+  ASSERT_TRUE(first_contact(cube, post, {0, 1}, 1e-9, bracket).yes());
+  EXPECT_LE(bracket.low, 3.5 / 8);
+  EXPECT_GE(bracket.high, 3.5 / 8);
+  EXPECT_LE(bracket.high - bracket.low, 1e-9);
+  EXPECT_EQ(first_contact(cube, post, {0, 0.4375 - 1e-6}, 1e-9, bracket).decision, Decision::no);
+  ASSERT_TRUE(first_contact(cube, post, {0.5, 1}, 1e-9, bracket).yes());
+  EXPECT_EQ(bracket.low, 0.5);
+  EXPECT_EQ(bracket.high, 0.5);
+}
+
+// A wheel that turns a hundredth of its radius above the ground: each step of a bound by its speed would be tiny.
+TEST(ExactBodyWay, ATurningWheelNearTheGroundIsFree) {
+  const Mat3 turned = Eigen::AngleAxisd(3, Vec3::UnitY()).toRotationMatrix();
+  const BodyWay way(Frame{}, {turned, {1, 0, 0}});
+  const BodyWay rest;
+  const PartOnWay wheel(Cylinder{{0, -0.1, 0}, {0, 0.1, 0}, 0.3}, way);
+  for (const double gap : {1e-2, 1e-3, 1e-5}) {
+    const PartOnWay ground(Box{.center = {0, 0, -1.3 - gap}, .half_m = {9, 9, 1}}, rest);
+    TimeBracket bracket;
+    EXPECT_EQ(first_contact(wheel, ground, {0, 1}, 1e-6, bracket).decision, Decision::no) << gap;
+  }
+}
+
+// By differences of places in between: a body that turns and goes, and a point whose time is known to a hundredth of the way.
+TEST(BodyWay, TheVelocityOfAPointIsWithinItsBound) {
+  std::mt19937_64 random = oracle::seeded(14);
+  std::uniform_real_distribution<double> part(-1, 1);
+  const auto vector = [&] { return Vec3(part(random), part(random), part(random)); };
+  for (int i = 0; i < 2'000; ++i) {
+    const Frame from{Eigen::AngleAxisd(3 * part(random), vector().normalized()).toRotationMatrix(), 10 * vector()};
+    const Frame to{Mat3(Eigen::AngleAxisd(1.5 * part(random), vector().normalized()).toRotationMatrix() * from.rotation), from.position + vector()};
+    const BodyWay way(from, to);
+    const double time = 0.2 + 0.3 * (1 + part(random)), way_s = 0.01;
+    const Vec3 own = vector();
+    const Vec3 told_at = place(way.at(time), own);
+    const double slack = i % 2 == 0 ? 0 : 0.01;
+    const BodyWay::PointVelocity velocity = way.velocity(told_at, time, way_s, slack * way_s);
+    for (const double off : {-1.0, 0.0, 1.0}) {
+      // The same point of space at another time within the slack: another point of the body is there.
+      const double then = time + off * slack;
+      constexpr double kStep = 1e-4;
+      const Frame at = way.at(then);
+      const Vec3 body_point = at.rotation.transpose() * (told_at - at.position);
+      const Vec3 truth = (place(way.at(then + kStep), body_point) - place(way.at(then - kStep), body_point)) / (2 * kStep * way_s);
+      // The differences are off by a square of their step, and by the roundings of places over it.
+      const double differences = 20 * kStep * kStep / way_s + 1e-13 / (kStep * way_s);
+      ASSERT_LE((velocity.mps - truth).norm(), velocity.error_mps + differences) << i;
+    }
+    if (slack == 0) {
+      EXPECT_LE(velocity.error_mps, 1e-10) << "a bound that tells nothing";
+    } else {
+      EXPECT_LE(velocity.error_mps, 0.03 * 3 * 6 / way_s) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collided::engine

@@ -1,0 +1,88 @@
+// The process that reads foreign files: what it needs it may do, and nothing else.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include "server/programs/import/sandbox.hpp"
+
+namespace collided::engine {
+namespace {
+
+/// How a process ended that entered the sandbox and then did this with its output.
+int status_after(const std::function<int(int output)>& work) {
+  char path[] = "/tmp/sandbox_XXXXXX";
+  const int output = ::mkstemp(path);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (!enter_sandbox(output).empty()) ::_exit(99);
+    ::_exit(work(output));
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ::close(output);
+  ::unlink(path);
+  return status;
+}
+
+bool is_killed(const std::function<int(int output)>& work) {
+  const int status = status_after(work);
+  return WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS;
+}
+
+TEST(IntakeSandbox, ReadingThreadsMemoryAndItsOutputAreAllowed) {
+  const int status = status_after([](int output) {
+    std::ifstream file("/etc/hostname");
+    std::string word;
+    file >> word;
+    std::vector<double> much(1 << 20, 1.0);
+    double sum = 0;
+    std::thread([&] {
+      for (const double value : much) sum += value;
+    }).join();
+    return file && sum == 1 << 20 && ::write(output, "abc", 3) == 3 && ::fsync(output) == 0 ? 0 : 1;
+  });
+  ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST(IntakeSandbox, EverythingElseEndsIt) {
+  if (!kSandboxLimitsCalls) GTEST_SKIP() << "sanitizers make calls of their own, so calls are not limited";
+  EXPECT_TRUE(is_killed([](int) { return ::open("/tmp/sandbox_other", O_WRONLY | O_CREAT, 0600); }));
+  EXPECT_TRUE(is_killed([](int) { return ::open("/tmp", O_RDWR | O_TMPFILE, 0600); }));
+  EXPECT_TRUE(is_killed([](int) { return ::unlink("/tmp/sandbox_other"); }));
+  EXPECT_TRUE(is_killed([](int) { return ::rename("/tmp/sandbox_other", "/tmp/sandbox_another"); }));
+  EXPECT_TRUE(is_killed([](int) { return ::mkdir("/tmp/sandbox_folder", 0700); }));
+  EXPECT_TRUE(is_killed([](int) { return ::chmod("/tmp/sandbox_other", 0777); }));
+  EXPECT_TRUE(is_killed([](int) { return ::socket(AF_INET, SOCK_DGRAM, 0); }));
+  EXPECT_TRUE(is_killed([](int) { return ::socket(AF_UNIX, SOCK_STREAM, 0); }));
+  EXPECT_TRUE(is_killed([](int) { return ::execl("/bin/true", "true", nullptr); }));
+  EXPECT_TRUE(is_killed([](int) { return ::fork() < 0 ? 1 : 0; }));
+  EXPECT_TRUE(is_killed([](int) { return ::kill(::getppid(), 0); }));
+  EXPECT_TRUE(is_killed([](int output) { return ::dup2(output, 0) < 0 ? 1 : 0; }));
+  EXPECT_TRUE(is_killed([](int) { return ::setuid(0); }));
+}
+
+// A file that would take all the memory there is takes that process's.
+TEST(IntakeSandbox, MemoryHasAnEnd) {
+  if (!kSandboxLimitsCalls) GTEST_SKIP() << "sanitizers map terabytes";
+  const int status = status_after([](int) {
+    void* too_much = std::malloc(std::size_t{9} << 30);
+    return too_much == nullptr ? 7 : 0;
+  });
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+}
+
+}  // namespace
+}  // namespace collided::engine

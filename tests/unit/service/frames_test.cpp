@@ -1,0 +1,210 @@
+// What travels of events, contacts, readings and answers: each column has the value of its own field.
+#include "server/service/events/frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include "server/service/questions/reply_columns.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+using Names = std::vector<std::string>;
+
+Names split(const std::vector<std::uint8_t>& bytes) {
+  Names names;
+  std::string name;
+  for (const std::uint8_t byte : bytes) {
+    if (byte != 0) {
+      name += static_cast<char>(byte);
+      continue;
+    }
+    names.push_back(name);
+    name.clear();
+  }
+  EXPECT_TRUE(name.empty()) << "the last name has no end";
+  return names;
+}
+
+class ServiceFrames : public testing::Test {
+ protected:
+  ObjectId define(const std::string& name, const Vec3& at, bool moving = true) {
+    ObjectDefinition definition;
+    definition.name = name;
+    definition.shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 0.5});
+    definition.pose.position = at;
+    definition.moving = moving;
+    return std::get<ObjectId>(world.define(definition));
+  }
+  static OpenContact contact_of(ObjectId a, ObjectId b) {
+    return {.a = a, .b = b, .a_triangle = 3, .b_triangle = 5, .episode = 11, .began_ns = 13,
+            .contact = {.point = {1, 2, 3}, .normal = {4, 5, 6}, .depth_m = 7, .depth_error_m = 8}};
+  }
+  World world{WorldOptions{}};
+  NameBook book;
+};
+
+TEST_F(ServiceFrames, AnEventTravelsWithEveryFieldInItsPlace) {
+  const ObjectId a = define("left", {0, 0, 0});
+  const ObjectId b = define("right", {3, 0, 0});
+  const Event event{.kind = wire_contract::EventKind::ended, .reason = wire_contract::EndReason::teleported, .sequence = 21,
+                    .of = contact_of(a, b), .bracket_low_s = 9, .bracket_high_s = 10, .relative_velocity = {11, 12, 13}, .velocity_error = 14};
+  book.note(event.of, world);
+  EventColumns columns;
+  columns.add(event, book);
+  Event second = event;
+  second.sequence = 22;
+  second.kind = wire_contract::EventKind::began;
+  columns.add(second, book);
+  columns.named.fill([&](ObjectId id) { return book.name(id); });
+  EXPECT_EQ(columns.first_sequence, 21U);
+  EXPECT_EQ(columns.size(), 2U);
+  EXPECT_EQ(columns.kinds, (std::vector<std::uint8_t>{2, 0}));
+  EXPECT_EQ(columns.reasons, (std::vector<std::uint8_t>{4, 4}));
+  EXPECT_EQ(columns.shards, std::vector<std::uint8_t>(2, wire_contract::contact_shard(a, b)));
+  EXPECT_EQ(columns.a, std::vector<std::uint64_t>(2, a));
+  EXPECT_EQ(columns.b, std::vector<std::uint64_t>(2, b));
+  EXPECT_EQ(columns.a_triangles, std::vector<std::uint32_t>(2, 3));
+  EXPECT_EQ(columns.b_triangles, std::vector<std::uint32_t>(2, 5));
+  EXPECT_EQ(columns.episodes, std::vector<std::uint64_t>(2, 11));
+  ASSERT_EQ(columns.numbers.size(), 2U * wire_contract::kEventNumbers);
+  for (std::size_t i = 0; i < wire_contract::kEventNumbers; ++i) EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
+  EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{a, b})) << "each once";
+  EXPECT_EQ(split(columns.named.names), (Names{"left", "right"}));
+  columns.clear();
+  columns.add(second, book);
+  EXPECT_EQ(columns.first_sequence, 22U) << "the next frame starts where this one ended";
+  EXPECT_EQ(columns.numbers.size(), std::size_t{wire_contract::kEventNumbers});
+}
+
+TEST_F(ServiceFrames, AContactTravelsWithEveryFieldInItsPlace) {
+  const ObjectId a = define("left", {0, 0, 0});
+  const ObjectId b = define("right", {3, 0, 0});
+  book.note(contact_of(a, b), world);
+  ContactColumns columns;
+  columns.add(contact_of(a, b), book);
+  columns.named.fill([&](ObjectId id) { return book.name(id); });
+  EXPECT_EQ(columns.a, std::vector<std::uint64_t>{a});
+  EXPECT_EQ(columns.b, std::vector<std::uint64_t>{b});
+  EXPECT_EQ(columns.a_triangles, std::vector<std::uint32_t>{3});
+  EXPECT_EQ(columns.b_triangles, std::vector<std::uint32_t>{5});
+  EXPECT_EQ(columns.episodes, std::vector<std::uint64_t>{11});
+  EXPECT_EQ(columns.began_ns, std::vector<std::int64_t>{13});
+  EXPECT_EQ(columns.numbers, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(split(columns.named.names), (Names{"left", "right"}));
+  EXPECT_EQ(columns.bytes(), 5U * 8 + 8 * 8 + 2 * 8 + sizeof "left" + sizeof "right");
+}
+
+// Two contacts of one object: its name stays until both are over, and is its own when its slot is used again.
+TEST_F(ServiceFrames, ANameIsKnownAsLongAsAContactOfItsObjectIsToldOf) {
+  const ObjectId a = define("left", {0, 0, 0});
+  const ObjectId b = define("right", {3, 0, 0});
+  const ObjectId c = define("third", {6, 0, 0});
+  book.note(contact_of(a, b), world);
+  book.note(contact_of(a, c), world);
+  world.remove(a, wire_contract::EndReason::removed);
+  world.step(1, 1, {});
+  book.forget(contact_of(a, b));
+  EXPECT_EQ(book.name(a), "left");
+  EXPECT_EQ(book.name(b), "");
+  EXPECT_EQ(book.name(c), "third");
+  book.forget(contact_of(a, c));
+  EXPECT_EQ(book.name(a), "");
+  const ObjectId again = define("again", {0, 0, 0});
+  ASSERT_EQ(slot_of(again), slot_of(a));
+  book.note(contact_of(again, c), world);
+  EXPECT_EQ(book.name(again), "again");
+  EXPECT_EQ(book.name(a), "");
+}
+
+TEST_F(ServiceFrames, AHitOnWhatIsNotInTheStateHasNoNameBesideIt) {
+  define("left", {0, 0, 0});
+  world.step(1, 1, {});
+  const auto state = world.newest();
+  const ObjectId beyond = state->objects->size();
+  Answers answers;
+  answers.answers = {wire_contract::Answer::hit};
+  answers.reasons = {wire_contract::UndecidedReason::none};
+  answers.levels = {0};
+  answers.hit_counts = {1};
+  answers.nodes = answers.exact_tests = {0};
+  answers.hits = {{.object = beyond, .triangle = 5}};
+  std::vector<std::uint64_t> named_in;
+  named_in.reserve(state->objects->size() + 1);
+  std::uint64_t reply_number = 0;
+  ReplyFiller filler(*state, answers, named_in, reply_number);
+  ReplyColumns columns;
+  ASSERT_TRUE(filler.fill(columns));
+  EXPECT_EQ(columns.objects, std::vector<std::uint64_t>{beyond});
+  EXPECT_EQ(columns.triangles, std::vector<std::uint32_t>{5});
+  EXPECT_TRUE(columns.named.ids.empty());
+}
+
+TEST_F(ServiceFrames, AReadingTravelsWithEveryFieldInItsPlace) {
+  const ObjectId head = define("head", {0, 0, 3});
+  const ObjectId wall = define("wall", {0, 0, 0});
+  ProbeColumns columns;
+  columns.add("nozzle", {.object = head, .state = wire_contract::ProbeState::collision, .clearance_m = 1, .error_m = 2, .met = wall,
+                         .triangle = 5, .point = {3, 4, 5}, .normal = {6, 7, 8}});
+  columns.add("other", {.object = head, .state = wire_contract::ProbeState::nothing});
+  columns.add("none", {.state = wire_contract::ProbeState::absent});
+  columns.named.fill([&](ObjectId id) { return world.info(id)->name; });
+  EXPECT_EQ(columns.states, (std::vector<std::uint8_t>{4, 1, 0}));
+  EXPECT_EQ(columns.objects, (std::vector<std::uint64_t>{head, head, 0}));
+  EXPECT_EQ(columns.met, (std::vector<std::uint64_t>{wall, 0, 0}));
+  EXPECT_EQ(columns.triangles[0], 5U);
+  EXPECT_EQ(columns.triangles[1], wire_contract::kNoTriangle);
+  EXPECT_EQ(std::vector<double>(columns.numbers.begin(), columns.numbers.begin() + 8), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(columns.numbers.size(), 24U);
+  EXPECT_EQ(split(columns.probe_names), (Names{"nozzle", "other", "none"}));
+  EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{head, wall}));
+  EXPECT_EQ(split(columns.named.names), (Names{"head", "wall"}));
+}
+
+// A reply's columns have the answers' values; a name comes with the first hit of its object in each reply.
+TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
+  const ObjectId a = define("left", {0, 0, 0});
+  const ObjectId b = define("right", {3, 0, 0});
+  world.step(1, 1, {});
+  using wire_contract::Answer;
+  using wire_contract::UndecidedReason;
+  Answers answers;
+  answers.answers = {Answer::hit, Answer::miss, Answer::undecided, Answer::invalid};
+  answers.reasons = {UndecidedReason::none, UndecidedReason::none, UndecidedReason::not_covered, UndecidedReason::none};
+  answers.levels = {2, 0, 1, 0};
+  answers.hit_counts = {2, 0, 2, 0};
+  answers.nodes = {10, 11, 12, 13};
+  answers.exact_tests = {20, 21, 22, 23};
+  const AnswerHit hit{.object = b, .triangle = 5, .flags = wire_contract::kInside, .distance_m = 1, .error_m = 2, .exit_m = 3,
+                      .point = {4, 5, 6}, .point_error_m = 13, .normal = {7, 8, 9}, .weights = {10, 11, 12}};
+  answers.hits = {hit, {.object = a, .distance_m = 4}, {.object = b, .flags = wire_contract::kStale},
+                  {.flags = wire_contract::kUncovered, .distance_m = 6}};
+  std::vector<std::uint64_t> named_in;
+  std::uint64_t reply_number = 0;
+  for (int reply = 0; reply < 2; ++reply) {
+    const auto state = world.newest();
+    ReplyFiller filler(*state, answers, named_in, reply_number);
+    ReplyColumns columns;
+    ASSERT_TRUE(filler.fill(columns));
+    EXPECT_EQ(filler.first(), 0U);
+    EXPECT_EQ(filler.undecided(), 1U);
+    EXPECT_EQ(columns.answers, (std::vector<std::uint8_t>{1, 0, 2, 3}));
+    EXPECT_EQ(columns.reasons, (std::vector<std::uint8_t>{0, 0, 6, 0}));
+    EXPECT_EQ(columns.levels, (std::vector<std::uint8_t>{2, 0, 1, 0}));
+    EXPECT_EQ(columns.hit_counts, (std::vector<std::uint32_t>{2, 0, 2, 0}));
+    EXPECT_EQ(columns.nodes, (std::vector<std::uint32_t>{10, 11, 12, 13}));
+    EXPECT_EQ(columns.exact_tests, (std::vector<std::uint32_t>{20, 21, 22, 23}));
+    EXPECT_EQ(columns.objects, (std::vector<std::uint64_t>{b, a, b, 0}));
+    EXPECT_EQ(columns.triangles[0], 5U);
+    EXPECT_EQ(columns.hit_flags, (std::vector<std::uint8_t>{wire_contract::kInside, 0, wire_contract::kStale, wire_contract::kUncovered}));
+    ASSERT_EQ(columns.numbers.size(), 4U * wire_contract::kHitNumbers);
+    for (std::size_t i = 0; i < wire_contract::kHitNumbers; ++i) EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
+    EXPECT_EQ(columns.numbers[wire_contract::kHitNumbers], 4);
+    EXPECT_EQ(columns.numbers[3 * wire_contract::kHitNumbers], 6);
+    EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{b, a})) << "anew in every reply";
+    EXPECT_EQ(split(columns.named.names), (Names{"right", "left"}));
+    EXPECT_FALSE(filler.fill(columns));
+  }
+}
+
+}  // namespace
+}  // namespace collided::engine::service

@@ -1,0 +1,221 @@
+#include "server/service/ingest/inbox.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <tuple>
+
+#include "server/service/ingest/listeners.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+std::unique_ptr<PoseSample> batch(std::uint64_t sequence, const std::vector<std::pair<std::uint32_t, double>>& heights,
+                                  std::uint8_t flags = 0) {
+  auto sample = std::make_unique<PoseSample>();
+  sample->publisher = 7;
+  sample->incarnation = 1;
+  sample->sequence = sequence;
+  sample->flags = flags;
+  for (const auto& [number, z] : heights) {
+    sample->object_numbers.push_back(number);
+    sample->poses.insert(sample->poses.end(), {0, 0, z, 1, 0, 0, 0});
+  }
+  return sample;
+}
+
+std::vector<Arrival> drain(Inbox& inbox) {
+  std::vector<Arrival> arrivals;
+  inbox.drain(std::chrono::steady_clock::now(), arrivals);
+  return arrivals;
+}
+
+TEST(Inbox, KeepsTheOrder) {
+  Inbox inbox;
+  inbox.push(batch(1, {{1, 1}}));
+  inbox.push(WriterNews{.publisher = 7});
+  inbox.push(batch(2, {{1, 2}}));
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 3U);
+  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[0])->sequence, 1U);
+  EXPECT_TRUE(std::holds_alternative<WriterNews>(arrivals[1]));
+  EXPECT_TRUE(drain(inbox).empty());
+}
+
+// Beyond the limit the newest pose of each object stays, the ones before it are counted, and nothing is forgotten.
+TEST(Inbox, MergesWhatIsSupersededAndCountsIt) {
+  Inbox inbox({.batches = 2, .poses = 100, .merged_objects = 3, .definition_bytes = 1'000, .jobs = 1});
+  inbox.push(batch(1, {{1, 1}}));
+  inbox.push(batch(2, {{1, 2}}));
+  inbox.push(batch(3, {{1, 3}, {2, 3}}));
+  inbox.push(batch(4, {{1, 4}}));
+  inbox.push(batch(5, {{3, 5}, {4, 5}}));  // number 4 is one too many
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 3U);
+  const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrivals[2]);
+  std::map<std::uint32_t, double> heights;
+  for (std::size_t i = 0; i < merged.object_numbers.size(); ++i)
+    heights[merged.object_numbers[i]] = merged.poses[7 * i + 2];
+  EXPECT_EQ(heights, (std::map<std::uint32_t, double>{{1, 4}, {2, 3}, {3, 5}}));
+  EXPECT_EQ(merged.sequence, 5U);
+  EXPECT_EQ(inbox.counts().poses_superseded, 1U);
+  EXPECT_EQ(inbox.counts().poses_dropped, 1U);
+}
+
+// What is left of many batches has the stamps of the newest, for each publisher its own.
+TEST(Inbox, WhatWasMergedHasTheStampsOfTheNewest) {
+  Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .definition_bytes = 1'000, .jobs = 1});
+  for (const std::uint64_t publisher : {7, 8}) {
+    for (std::uint64_t sequence = 1; sequence <= 3; ++sequence) {
+      auto sample = batch(publisher * 10 + sequence, {{1, static_cast<double>(sequence)}});
+      sample->publisher = publisher;
+      sample->incarnation = publisher * 2;
+      sample->definitions_through = sequence == 2 ? 40 : 4;
+      sample->source_time_ns = static_cast<std::int64_t>(publisher * 100 + sequence);
+      sample->received_ns = static_cast<std::int64_t>(publisher * 1'000 + sequence);
+      inbox.push(std::move(sample));
+    }
+  }
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 2U);
+  for (const Arrival& arrival : arrivals) {
+    const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrival);
+    EXPECT_EQ(merged.incarnation, merged.publisher * 2);
+    EXPECT_EQ(merged.sequence, merged.publisher * 10 + 3);
+    EXPECT_EQ(merged.definitions_through, 40U) << "the poses of the second batch may be of those";
+    EXPECT_EQ(merged.source_time_ns, static_cast<std::int64_t>(merged.publisher * 100 + 3));
+    EXPECT_EQ(merged.received_ns, static_cast<std::int64_t>(merged.publisher * 1'000 + 3));
+    EXPECT_EQ(merged.flags, 0);
+    EXPECT_EQ(merged.poses, (std::vector<double>{0, 0, 3, 1, 0, 0, 0}));
+  }
+  EXPECT_EQ(inbox.counts().poses_superseded, 4U);
+}
+
+// A program that starts again while its earlier poses wait: they are of another life.
+TEST(Inbox, ALaterLifeTakesThePlaceOfAnEarlierOne) {
+  Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 3, .definition_bytes = 1'000, .jobs = 1});
+  inbox.push(batch(50, {{1, 1}, {2, 1}}, wire_contract::kTeleported));
+  auto reborn = batch(3, {{2, 5}});
+  reborn->incarnation = 2;
+  inbox.push(std::move(reborn));
+  inbox.push(batch(51, {{1, 9}}));  // late, of the earlier life
+  auto more = batch(4, {{3, 6}, {4, 6}});
+  more->incarnation = 2;
+  inbox.push(std::move(more));
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 1U);
+  const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrivals[0]);
+  EXPECT_EQ(merged.incarnation, 2U);
+  EXPECT_EQ(merged.sequence, 4U);
+  EXPECT_EQ(merged.flags, 0) << "it was the earlier life that jumped";
+  EXPECT_EQ(merged.object_numbers, (std::vector<std::uint32_t>{2, 3, 4})) << "the room of the earlier life's is free again";
+  EXPECT_EQ(inbox.counts().poses_superseded, 3U);
+  EXPECT_EQ(inbox.counts().poses_dropped, 0U);
+}
+
+// Once some are merged, a batch that would fit again must not overtake them; after a drain nothing of that is left.
+TEST(Inbox, NothingOvertakesWhatWasMerged) {
+  Inbox inbox({.batches = 9, .poses = 2, .merged_objects = 9, .definition_bytes = 1'000, .jobs = 1});
+  inbox.push(batch(1, {{1, 1}, {2, 1}}));
+  inbox.push(batch(2, {{1, 2}}));
+  EXPECT_EQ(drain(inbox).size(), 2U);
+  inbox.push(batch(3, {{1, 3}, {2, 3}, {3, 3}}));
+  inbox.push(batch(4, {{1, 4}}));
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 1U) << "the second would have fit";
+  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[0])->poses[2], 4);
+  inbox.push(batch(5, {{2, 5}}));
+  const std::vector<Arrival> next = drain(inbox);
+  ASSERT_EQ(next.size(), 1U);
+  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(next[0])->object_numbers, std::vector<std::uint32_t>{2}) << "1 and 3 were told already";
+  EXPECT_EQ(inbox.counts().poses_superseded, 1U);
+}
+
+// A skipped teleport must not become a sweep across the room.
+TEST(Inbox, AMergedTeleportStaysOne) {
+  Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .definition_bytes = 1'000, .jobs = 1});
+  inbox.push(batch(1, {{1, 1}, {2, 1}}, wire_contract::kTeleported));
+  inbox.push(batch(2, {{1, 2}, {3, 2}}));
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 2U);
+  for (const Arrival& arrival : arrivals) {
+    const PoseSample& sample = *std::get<std::unique_ptr<PoseSample>>(arrival);
+    const bool teleported = sample.flags == wire_contract::kTeleported;
+    EXPECT_EQ(sample.object_numbers.size(), teleported ? 2U : 1U);
+  }
+}
+
+TEST(Inbox, ManyDefinitionsAreLeftWhereTheyAre) {
+  Inbox inbox({.batches = 1, .poses = 1, .merged_objects = 1, .definition_bytes = 1'000, .jobs = 1});
+  EXPECT_TRUE(inbox.has_room_for_definitions());
+  auto sample = std::make_unique<DefinitionSample>();
+  sample->shape_bytes.resize(2'000);
+  inbox.push(std::move(sample));
+  EXPECT_FALSE(inbox.has_room_for_definitions());
+  drain(inbox);
+  EXPECT_TRUE(inbox.has_room_for_definitions());
+}
+
+TEST(Inbox, JobsAreBounded) {
+  Inbox inbox({.batches = 1, .poses = 1, .merged_objects = 1, .definition_bytes = 1'000, .jobs = 2});
+  EXPECT_TRUE(inbox.push_job([] {}));
+  EXPECT_TRUE(inbox.push_job([] {}));
+  EXPECT_FALSE(inbox.push_job([] {}));
+  drain(inbox);
+  EXPECT_TRUE(inbox.push_job([] {}));
+}
+
+// The limits are of what waits: after each drain there is room for as much as at the beginning, of every kind.
+TEST(Inbox, EveryRoundHasTheWholeRoom) {
+  Inbox inbox({.batches = 2, .poses = 2, .merged_objects = 9, .definition_bytes = sizeof(DefinitionSample), .jobs = 2});
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_TRUE(inbox.push_job([] {})) << round;
+    EXPECT_TRUE(inbox.push_job([] {})) << round;
+    EXPECT_FALSE(inbox.push_job([] {})) << round;
+    const std::uint64_t first = 2 * static_cast<std::uint64_t>(round) + 1;
+    inbox.push(batch(first, {{1, 1}}));
+    inbox.push(batch(first + 1, {{1, 2}}));
+    EXPECT_TRUE(inbox.has_room_for_definitions()) << round;
+    inbox.push(std::make_unique<DefinitionSample>());
+    EXPECT_FALSE(inbox.has_room_for_definitions()) << round;
+    const std::vector<Arrival> arrivals = drain(inbox);
+    ASSERT_EQ(arrivals.size(), 5U) << round;
+    EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[2])->sequence, first);
+    EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[3])->sequence, first + 1) << "merged before there was need";
+  }
+}
+
+using News = std::vector<std::tuple<std::uint64_t, WriterKind, bool>>;
+
+News news_of(Inbox& inbox) {
+  News news;
+  for (const Arrival& arrival : drain(inbox)) {
+    const WriterNews& told = std::get<WriterNews>(arrival);
+    news.emplace_back(told.publisher, told.kind, told.alive);
+  }
+  return news;
+}
+
+// A lease that ran out may be renewed under the same handle; a writer that was deleted is gone for good.
+TEST(PublisherLiveliness, AWriterWhoseLeaseRanOutIsKnownWhenItComesBackAndADeletedOneIsNot) {
+  Inbox inbox;
+  PublisherLiveliness table(inbox, WriterKind::object);
+  table.heard(70, 7);
+  table.liveliness({.alive = 1, .not_alive = 0, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), (News{{7, WriterKind::object, true}}));
+  table.liveliness({.alive = 0, .not_alive = 1, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), (News{{7, WriterKind::object, false}}));
+  table.liveliness({.alive = 1, .not_alive = 0, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), (News{{7, WriterKind::object, true}})) << "back under its handle";
+  table.liveliness({.alive = 0, .not_alive = 0, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), (News{{7, WriterKind::object, false}}));
+  table.liveliness({.alive = 1, .not_alive = 0, .last_writer = 70});
+  EXPECT_EQ(news_of(inbox), News{}) << "deleted, so the handle is nobody's";
+  table.liveliness({.alive = 2, .not_alive = 0, .last_writer = 71});
+  EXPECT_EQ(news_of(inbox), News{}) << "not heard of yet";
+  table.lost(9);
+  EXPECT_EQ(news_of(inbox), (News{{9, WriterKind::object, false}}));
+}
+
+}  // namespace
+}  // namespace collided::engine::service

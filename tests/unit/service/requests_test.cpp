@@ -1,0 +1,453 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <unistd.h>
+
+#include "server/service/durability/epoch.hpp"
+#include "server/service/ingest/sequence_watermark.hpp"
+#include "server/service/ingest/source_clock.hpp"
+#include "server/service/questions/reply_columns.hpp"
+#include "server/service/questions/snapshot_leases.hpp"
+#include "server/service/questions/write_barriers.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+TEST(SequenceWatermark, TwoTopicsOneSeries) {
+  SequenceWatermark mark;
+  mark.apply_definition(1, 0);
+  mark.apply_definition(2, 0);
+  mark.apply_pose(4, 0);  // 3 may still be under way on the object topic
+  EXPECT_EQ(mark.through(), 2U);
+  mark.apply_definition(3, 0);
+  EXPECT_EQ(mark.through(), 4U);
+}
+
+// Each topic is in order, so a number that both have passed will never come.
+TEST(SequenceWatermark, WhatBothTopicsHavePassedNeverComes) {
+  SequenceWatermark mark;
+  mark.apply_definition(1, 0);
+  mark.apply_pose(10, 0);
+  mark.apply_definition(9, 0);
+  EXPECT_EQ(mark.through(), 10U);
+}
+
+TEST(SequenceWatermark, AGapIsGivenUpInTheEnd) {
+  SequenceWatermark mark;
+  mark.apply_pose(1, 0);
+  mark.apply_pose(3, 0);
+  mark.settle(SequenceWatermark::kGapPatienceNs - 1);
+  EXPECT_EQ(mark.through(), 1U);
+  mark.settle(SequenceWatermark::kGapPatienceNs);
+  EXPECT_EQ(mark.through(), 3U);
+  for (std::uint64_t sequence = 5; sequence < 500; ++sequence) mark.apply_pose(sequence, 0);
+  EXPECT_EQ(mark.through(), 499U) << "a long run beyond a gap must not be kept";
+}
+
+// As many batches as a publisher has under way may overtake a definition.
+TEST(SequenceWatermark, ALateDefinitionIsWaitedForWhateverIsUnderWay) {
+  constexpr std::uint64_t kUnderWay = wire_contract::kPoseTopic.keep_last;
+  SequenceWatermark mark;
+  mark.apply_definition(1, 0);
+  for (std::uint64_t sequence = 3; sequence < 3 + kUnderWay; ++sequence) mark.apply_pose(sequence, 0);
+  EXPECT_EQ(mark.through(), 1U);
+  mark.apply_definition(2, 0);
+  EXPECT_EQ(mark.through(), 2 + kUnderWay);
+}
+
+// What is lost is given up so long after it was missed, however much comes behind it meanwhile.
+TEST(SequenceWatermark, AGapIsAsOldAsItsBeginning) {
+  SequenceWatermark mark;
+  mark.apply_pose(1, 0);
+  constexpr std::int64_t kTenth = SequenceWatermark::kGapPatienceNs / 10;
+  for (std::uint64_t i = 0; i < 10; ++i) mark.apply_pose(3 + i, static_cast<std::int64_t>(i) * kTenth);
+  mark.settle(10 * kTenth - 1);
+  EXPECT_EQ(mark.through(), 1U);
+  mark.settle(10 * kTenth);
+  EXPECT_EQ(mark.through(), 12U);
+  // The next gap is another one, with its own patience.
+  mark.apply_pose(14, 12 * kTenth);
+  mark.settle(21 * kTenth);
+  EXPECT_EQ(mark.through(), 12U);
+  mark.settle(22 * kTenth);
+  EXPECT_EQ(mark.through(), 14U);
+}
+
+// World time is what publishers say; how long a batch was under way does not show.
+TEST(SourceClock, AStampIsTakenAsItIs) {
+  SourceClock clock;
+  EXPECT_EQ(clock.stamp(1'000'000, 5'000'000).time_ns, 1'000'000);
+  EXPECT_EQ(clock.stamp(2'000'000, 406'700'000).time_ns, 2'000'000) << "however late it comes";
+  EXPECT_EQ(clock.stamp(2'000'000, 406'700'000).kind, StampKind::good) << "a second batch of one instant";
+}
+
+TEST(SourceClock, WhatGoesBackIsLateAndALongWayBackIsAJump) {
+  SourceClock clock;
+  const std::int64_t start = 1'000'000'000'000;
+  EXPECT_EQ(clock.stamp(start, start).kind, StampKind::good);
+  const WorldStamp late = clock.stamp(start - 1, start + 10);
+  EXPECT_EQ(late.kind, StampKind::late);
+  EXPECT_EQ(late.time_ns, start + 1) << "where things are now is news all the same";
+  const WorldStamp jumped = clock.stamp(start - SourceClock::kMostOffNs - 1, start + 20);
+  EXPECT_EQ(jumped.kind, StampKind::jumped);
+  EXPECT_GT(jumped.time_ns, late.time_ns) << "what was said stays said";
+  EXPECT_EQ(clock.stamp(start + 2'000'000'000, start + 30).kind, StampKind::jumped) << "ahead, faster than time";
+}
+
+TEST(SourceClock, WhatANetworkHeldBackIsNoJump) {
+  SourceClock clock;
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::int64_t start = 1'700'000'000 * kSecond;
+  clock.stamp(start, start);
+  EXPECT_EQ(clock.stamp(start + kSecond / 10, start + 3 * kSecond).kind, StampKind::good) << "held back for 3 s";
+  EXPECT_EQ(clock.stamp(start + 3 * kSecond, start + 3 * kSecond + 1).kind, StampKind::good) << "the next was not sent for as long";
+  EXPECT_EQ(clock.stamp(start + 4 * kSecond, start + 3 * kSecond + 2).kind, StampKind::jumped) << "a second that is to come";
+  SourceClock simulated;
+  simulated.stamp(start, start);
+  for (int i = 1; i <= 20; ++i) simulated.stamp(start + i * kSecond / 4, start + i * kSecond / 40);
+  EXPECT_EQ(simulated.stamp(start + 6 * kSecond, start + 2 * kSecond).kind, StampKind::good) << "ahead already, and paused";
+}
+
+// Nanoseconds since boot count from where the first batch came, and go on as the publisher's clock does.
+TEST(SourceClock, AClockOfAnotherEpochKeepsItsOwnSteps) {
+  SourceClock clock;
+  const std::int64_t now = 1'700'000'000'000'000'000;
+  EXPECT_EQ(clock.stamp(77'000'000'000, now).time_ns, now);
+  EXPECT_EQ(clock.stamp(77'010'000'000, now + 13'000'000).time_ns, now + 10'000'000);
+}
+
+TEST(SourceClock, WithoutStampsTheReceptionCounts) {
+  SourceClock clock;
+  EXPECT_EQ(clock.stamp(0, 8'000'000).time_ns, 8'000'000);
+  EXPECT_EQ(clock.stamp(0, 7'000'000).time_ns, 8'000'000) << "time does not go back";
+  EXPECT_EQ(clock.stamp(-5, 9'000'000).kind, StampKind::none);
+}
+
+TEST(SourceClock, ItIsAsFarBehindAsTheQuickestBatchOfLateSays) {
+  SourceClock clock;
+  constexpr std::int64_t kMs = 1'000'000;
+  const std::int64_t start = 1'700'000'000'000'000'000;
+  EXPECT_EQ(clock.behind_ns(), std::nullopt);
+  clock.stamp(start, start + 9 * kMs);
+  EXPECT_EQ(clock.behind_ns(), 9 * kMs);
+  clock.stamp(start + 100 * kMs, start + 103 * kMs);
+  clock.stamp(start + 200 * kMs, start + 240 * kMs);
+  EXPECT_EQ(clock.behind_ns(), 3 * kMs) << "others were longer under way";
+  clock.stamp(start + 1'100 * kMs, start + 1'107 * kMs);
+  EXPECT_EQ(clock.behind_ns(), 3 * kMs) << "the second before counts";
+  clock.stamp(start + 2'200 * kMs, start + 2'206 * kMs);
+  EXPECT_EQ(clock.behind_ns(), 6 * kMs) << "and the one before that does not";
+  clock.stamp(start + 9'000 * kMs, start + 8'700 * kMs);
+  EXPECT_EQ(clock.behind_ns(), -300 * kMs) << "it is ahead";
+  SourceClock since_boot;
+  since_boot.stamp(77'000'000'000, start);
+  EXPECT_EQ(since_boot.behind_ns(), std::nullopt) << "nobody knows";
+}
+
+class LeaseBookTest : public ::testing::Test {
+ protected:
+  void step() { ASSERT_TRUE(world.step(++time_ns, 1, {})); }
+  std::optional<std::uint64_t> version(std::uint64_t request, std::uint32_t chunk, std::uint32_t count,
+                                       std::int64_t now_ns = 0, std::uint64_t least_version = 0) {
+    const std::optional<SnapshotRing::Lease> lease = book.take(1, request, chunk, count, least_version, now_ns);
+    return lease ? std::optional((*lease)->version) : std::nullopt;
+  }
+  World world{WorldOptions{}};
+  SnapshotLeases book{world};
+  std::int64_t time_ns = 0;
+};
+
+TEST_F(LeaseBookTest, AllChunksOfARequestSeeOneState) {
+  const auto first = version(1, 0, 3);
+  step();
+  EXPECT_EQ(version(1, 1, 3), first);
+  EXPECT_NE(version(2, 0, 2), first);
+  EXPECT_EQ(version(1, 2, 3), first);
+  EXPECT_EQ(book.size(), 1U) << "the last chunk lets the state go";
+  EXPECT_FALSE(version(1, 1, 3)) << "a chunk after the last one has no state";
+  EXPECT_FALSE(version(9, 1, 3)) << "nor has one whose first chunk never came";
+}
+
+// Requests are counted by each client for itself: the same number is another request.
+TEST_F(LeaseBookTest, RequestsOfTwoClientsWithOneNumberAreTwo) {
+  const auto version_for = [&](std::uint64_t client, std::uint32_t chunk) {
+    const std::optional<SnapshotRing::Lease> lease = book.take(client, 5, chunk, 2, 0, 0);
+    return lease ? (*lease)->version : 0;
+  };
+  const std::uint64_t first = version_for(1, 0);
+  step();
+  const std::uint64_t second = version_for(2, 0);
+  EXPECT_EQ(second, first + 1);
+  EXPECT_EQ(book.size(), 2U);
+  step();
+  EXPECT_EQ(version_for(1, 1), first);
+  EXPECT_EQ(version_for(2, 1), second);
+  EXPECT_EQ(book.size(), 0U);
+}
+
+// Who opens requests and never ends them must not stop the world.
+TEST_F(LeaseBookTest, OpenRequestsNeverHoldAllStates) {
+  for (std::uint64_t request = 1; request < 100; ++request) {
+    version(request, 0, 2, 1'000'000'000 * static_cast<std::int64_t>(request));
+    step();
+  }
+  EXPECT_LE(book.size(), SnapshotLeases::kMostStates);
+  EXPECT_FALSE(version(1, 1, 2));
+  book.expire(1'000'000'000'000);
+  EXPECT_EQ(book.size(), 0U);
+}
+
+// A busy machine may need long for a large request; each chunk that comes buys it time, but not for ever.
+TEST_F(LeaseBookTest, PatienceCountsFromTheNewestChunk) {
+  constexpr std::int64_t kStep = SnapshotLeases::kPatienceNs * 3 / 4;
+  const auto first = version(1, 0, 100, 0);
+  std::uint32_t chunk = 1;
+  std::int64_t now_ns = kStep;
+  for (; now_ns <= SnapshotLeases::kLongestNs; now_ns += kStep) {
+    book.expire(now_ns);
+    EXPECT_EQ(version(1, chunk++, 100, now_ns), first);
+    step();
+  }
+  book.expire(now_ns);
+  EXPECT_FALSE(version(1, chunk, 100, now_ns));
+  EXPECT_TRUE(version(2, 0, 3, now_ns));
+  book.expire(now_ns + SnapshotLeases::kPatienceNs + 1);
+  EXPECT_FALSE(version(2, 1, 3, now_ns + SnapshotLeases::kPatienceNs + 1));
+}
+
+TEST_F(LeaseBookTest, ManyAtOnceShareYoungStates) {
+  for (std::uint64_t request = 1; request <= 50; ++request) {
+    version(request, 0, 2, static_cast<std::int64_t>(request));
+    step();
+  }
+  EXPECT_EQ(book.size(), 50U);
+  for (std::uint64_t request = 1; request <= 50; ++request) EXPECT_TRUE(version(request, 1, 2)) << request;
+}
+
+// Who was told of a state is never answered on an older one, however many requests are under way.
+TEST_F(LeaseBookTest, SharingAStateNeverGoesBack) {
+  std::uint64_t newest = 0;
+  for (std::uint64_t request = 1; request <= 100; ++request) {
+    step();
+    newest = world.newest()->version;
+    version(request, 0, 2, static_cast<std::int64_t>(request));
+  }
+  step();
+  EXPECT_EQ(version(101, 0, 2, 101, 0), version(100, 1, 2, 101)) << "who knows of nothing newer shares";
+  EXPECT_EQ(version(102, 0, 2, 102, newest + 1), newest + 1) << "who does gets what is as new";
+}
+
+AskPointer fenced(std::uint64_t request, std::uint64_t sequence) {
+  auto ask = std::make_unique<Ask>();
+  ask->query->request = request;
+  ask->query->fence_publisher = 7;
+  ask->query->fence_sequence = sequence;
+  return ask;
+}
+
+TEST(WriteBarriers, LetPassInOrderOnceTheSampleIsIn) {
+  WriteBarriers write_barriers;
+  AskPointer first = fenced(1, 5);
+  AskPointer second = fenced(2, 4);
+  AskPointer third = fenced(3, 9);
+  EXPECT_EQ(write_barriers.pass(first), WriteBarriers::Outcome::parked);
+  EXPECT_EQ(write_barriers.pass(second), WriteBarriers::Outcome::parked);
+  EXPECT_EQ(write_barriers.pass(third), WriteBarriers::Outcome::parked);
+  write_barriers.update({{3, 100}, {7, 5}});
+  const std::vector<AskPointer> ready = write_barriers.take_ready();
+  ASSERT_EQ(ready.size(), 2U);
+  EXPECT_EQ(ready[0]->query->request, 1U);
+  EXPECT_EQ(ready[1]->query->request, 2U);
+  AskPointer fourth = fenced(4, 5);
+  EXPECT_EQ(write_barriers.pass(fourth), WriteBarriers::Outcome::passed);
+  EXPECT_EQ(write_barriers.take_overdue(WriteBarriers::kPatienceNs + 1).size(), 1U);
+  EXPECT_TRUE(write_barriers.empty());
+}
+
+// Both ends of what is allowed are answered, what lies beyond is refused by name.
+TEST(AskLimits, AreThoseThatTheRefusalNames) {
+  const std::vector<double> ray{0, 0, 0, 0, 0, 1, 1};
+  const auto refusal = [&](const std::function<void(wire::Query&)>& change) {
+    Ask ask;
+    wire::Query& query = *ask.query;
+    query.kind = static_cast<std::uint8_t>(wire_contract::QueryKind::ray);
+    query.chunk_count = 1;
+    query.max_hits = 1;
+    dds::borrow(query.numbers, ray);
+    change(query);
+    return why_refused(query).value_or("");
+  };
+  using wire_contract::kMaxHitsPerChunk;
+  using wire_contract::kMaxQuestionsPerRequest;
+  EXPECT_EQ(refusal([](wire::Query&) {}), "");
+  EXPECT_EQ(refusal([](wire::Query& q) { q.chunk_count = 4, q.chunk_index = 3; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = 4, q.chunk_index = 4; }).find("they count from 0"), std::string::npos);
+  EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = 0; }), "");
+  EXPECT_EQ(refusal([](wire::Query& q) { q.chunk_count = kMaxQuestionsPerRequest; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.chunk_count = kMaxQuestionsPerRequest + 1; }), "");
+  EXPECT_EQ(refusal([](wire::Query& q) { q.first_question = kMaxQuestionsPerRequest - 1; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.first_question = kMaxQuestionsPerRequest; }), "");
+  EXPECT_EQ(refusal([](wire::Query& q) { q.max_hits = kMaxHitsPerChunk; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.max_hits = kMaxHitsPerChunk + 1; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.max_hits = 0; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.deadline_ns = -1; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.error_asked_m = -1e-300; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.error_asked_m = std::numeric_limits<double>::quiet_NaN(); }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.kind = 7; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.mode = 3; }), "");
+}
+
+/// Answers of `questions` spheres that all meet the same `objects`.
+class ReplyFilling : public ::testing::Test {
+ protected:
+  void fill(std::uint32_t objects, std::uint32_t questions, std::size_t name_bytes) {
+    for (std::uint32_t i = 0; i < objects; ++i) {
+      Shape ball;
+      ball.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 1});
+      std::string name = std::to_string(i);
+      name.resize(std::max(name.size(), name_bytes), '_');
+      ObjectDefinition definition;
+      definition.name = name;
+      definition.shape = ball;
+      definition.moving = false;
+      ASSERT_TRUE(std::holds_alternative<ObjectId>(world.define(definition)));
+    }
+    world.step(1, 1, {});
+    std::vector<double> numbers;
+    for (std::uint32_t i = 0; i < questions; ++i) numbers.insert(numbers.end(), {0, 0, 0, 1});
+    QueryScratch scratch;
+    Questions asked;
+    asked.kind = wire_contract::QueryKind::sphere;
+    asked.max_hits = 0xffffffff;
+    asked.numbers = numbers;
+    const auto state = world.newest();
+    answer(*state, asked, answers, scratch);
+    ReplyFiller filler(*state, answers, named_in, reply_number);
+    ReplyColumns columns;
+    while (filler.fill(columns)) {
+      EXPECT_EQ(filler.first(), answered);
+      EXPECT_LE(columns.objects.size(), wire_contract::kMaxHitsPerChunk);
+      const std::size_t bytes = columns.numbers.size() * 8 + columns.objects.size() * 13 + columns.named.names.size() +
+                                columns.named.ids.size() * 8 + columns.answers.size() * 15;
+      EXPECT_LT(bytes, wire_contract::kMaxMessageBytes);
+      EXPECT_EQ(static_cast<std::size_t>(std::count(columns.named.names.begin(), columns.named.names.end(), 0)),
+                columns.named.ids.size());
+      answered += columns.answers.size();
+      hits += columns.objects.size();
+      ++replies;
+      for (const std::uint8_t reason : columns.reasons)
+        truncated += reason == static_cast<std::uint8_t>(wire_contract::UndecidedReason::truncated);
+    }
+  }
+  World world{WorldOptions{}};
+  Answers answers;
+  std::vector<std::uint64_t> named_in;
+  std::uint64_t reply_number = 0;
+  std::size_t answered = 0, hits = 0, replies = 0, truncated = 0;
+};
+
+TEST_F(ReplyFilling, OneReplyWhereItFits) {
+  fill(3, 100, 1);
+  EXPECT_EQ(answered, 100U);
+  EXPECT_EQ(hits, 300U);
+  EXPECT_EQ(replies, 1U);
+}
+
+// A name is told once in a reply, so what is met again costs its hit alone: with long names a reply is nearly full here,
+// and a byte more for each of 8,000 hits would cut it.
+TEST_F(ReplyFilling, AQuestionThatMeetsTheSameObjectsAgainHasRoom) {
+  constexpr std::uint32_t kObjects = 320;
+  fill(kObjects, 1, wire_contract::kMaxNameBytes);
+  ASSERT_EQ(answers.hits.size(), kObjects);
+  while (answers.hits.size() < wire_contract::kMaxHitsPerChunk) answers.hits.push_back(answers.hits[answers.hits.size() % kObjects]);
+  answers.hit_counts[0] = static_cast<std::uint32_t>(answers.hits.size());
+  const auto state = world.newest();
+  ReplyFiller filler(*state, answers, named_in, reply_number);
+  ReplyColumns columns;
+  ASSERT_TRUE(filler.fill(columns));
+  EXPECT_EQ(columns.objects.size(), wire_contract::kMaxHitsPerChunk);
+  EXPECT_EQ(columns.named.ids.size(), kObjects);
+  EXPECT_EQ(columns.reasons, std::vector<std::uint8_t>{static_cast<std::uint8_t>(answers.reasons[0])});
+  EXPECT_EQ(filler.undecided(), 0U);
+  EXPECT_FALSE(filler.fill(columns));
+}
+
+TEST_F(ReplyFilling, SplitsBetweenQuestions) {
+  fill(1'000, 20, 1);
+  EXPECT_EQ(answered, 20U);
+  EXPECT_EQ(hits, 20'000U);
+  EXPECT_EQ(replies, 3U);
+  EXPECT_EQ(truncated, 0U);
+}
+
+// What no reply has room for is left out, and the answer says so.
+TEST_F(ReplyFilling, TruncatesAloudWhereOneQuestionIsTooMuch) {
+  fill(6'000, 2, 250);
+  EXPECT_EQ(answered, 2U);
+  EXPECT_EQ(truncated, 2U);
+  EXPECT_LT(hits, 12'000U);
+  EXPECT_GT(hits, 4'000U);
+}
+
+class EpochFile : public ::testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove_all(folder); }
+  Epoch next(const std::string& dir) {
+    return next_epoch(dir, 3, "a/b", [](const char*) -> const char* { return nullptr; });
+  }
+  const std::string folder =
+      (std::filesystem::temp_directory_path() / ("collided_epoch_" + std::to_string(getpid()))).string();
+};
+
+TEST_F(EpochFile, GrowsWithEachStart) {
+  Epoch first = next(folder);
+  EXPECT_EQ(first.kept_in, folder + "/3-a-b.epoch");
+  EXPECT_EQ(next(folder).rival_pid, getpid()) << "the first one still runs";
+  first.lock.reset();
+  EXPECT_GT(next(folder).value, first.value);
+  std::ofstream(first.kept_in) << "99999999999\n";
+  EXPECT_EQ(next(folder).value, 100'000'000'000U);
+}
+
+// The lock's file was that of a process with a longer number.
+TEST_F(EpochFile, TheLocksFileNamesItsHolderAndNobodyElse) {
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/3-a-b.epoch.lock") << "123456789012\n";
+  const Epoch epoch = next(folder);
+  std::ifstream in(folder + "/3-a-b.epoch.lock");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), std::to_string(getpid()) + "\n");
+}
+
+TEST_F(EpochFile, WhoDidNotEndInOrderHasCrashed) {
+  std::string kept_in;
+  {
+    const Epoch first = next(folder);
+    kept_in = first.kept_in;
+    EXPECT_FALSE(first.crashed) << "there was none before";
+    EXPECT_EQ(first.problem, "");
+  }
+  {
+    const Epoch second = next(folder);
+    EXPECT_TRUE(second.crashed);
+    close_epoch(second);
+  }
+  const Epoch third = next(folder);
+  EXPECT_FALSE(third.crashed);
+  std::ifstream in(kept_in);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), std::to_string(third.value) + " running\n");
+}
+
+TEST_F(EpochFile, FallsBackToTheClockAndSaysSo) {
+  const Epoch epoch = next("/proc/nowhere");
+  EXPECT_TRUE(epoch.kept_in.empty());
+  EXPECT_FALSE(epoch.problem.empty());
+  EXPECT_GT(epoch.value, 1'700'000'000U);
+}
+
+}  // namespace
+}  // namespace collided::engine::service

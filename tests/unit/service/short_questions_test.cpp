@@ -1,0 +1,55 @@
+#include <gtest/gtest.h>
+
+#include "idl/topics.hpp"
+#include "server/service/questions/short_questions.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+using wire_contract::QueryKind;
+
+class ShortQuestionsTest : public ::testing::Test {
+ protected:
+  ShortQuestionsTest() {
+    query_.chunk_count = 1;
+    set(QueryKind::ray, wire_contract::kRayNumbers);
+  }
+  void set(QueryKind kind, std::uint32_t numbers) {
+    query_.kind = static_cast<std::uint8_t>(kind);
+    query_.numbers._length = numbers;
+  }
+
+  wire::Query query_{};
+  ShortQuestions questions_;
+};
+
+TEST_F(ShortQuestionsTest, OneQuestionIsShortAndMoreAreNot) {
+  EXPECT_TRUE(questions_.is_short(query_, 0));
+  set(QueryKind::ray, 2 * wire_contract::kRayNumbers);
+  EXPECT_FALSE(questions_.is_short(query_, 0));
+  set(QueryKind::near, wire_contract::kNearNumbers);
+  EXPECT_TRUE(questions_.is_short(query_, 0));
+  query_.chunk_count = 2;
+  EXPECT_FALSE(questions_.is_short(query_, 0));
+}
+
+TEST_F(ShortQuestionsTest, CommandsAndGreetingsAreNot) {
+  for (const QueryKind kind : {QueryKind::command, QueryKind::hello}) {
+    set(kind, 0);
+    EXPECT_FALSE(questions_.is_short(query_, 0));
+  }
+}
+
+TEST_F(ShortQuestionsTest, TwoLongOnesInARowEndItForATenthOfASecond) {
+  questions_.took(0, 60'000);
+  EXPECT_TRUE(questions_.is_short(query_, 60'000));
+  questions_.took(60'000, 61'000);
+  questions_.took(61'000, 120'000);
+  EXPECT_TRUE(questions_.is_short(query_, 120'000));
+  questions_.took(120'000, 200'000);
+  EXPECT_FALSE(questions_.is_short(query_, 200'000));
+  EXPECT_TRUE(questions_.is_short(query_, 100'200'000));
+}
+
+}  // namespace
+}  // namespace collided::engine::service

@@ -1,0 +1,205 @@
+// What a lost publisher's object may have reached since it was seen last is not called free.
+#include "server/world/query/stale_reach.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/query/pair_report.hpp"
+#include "server/world/world.hpp"
+#include "tests/oracle/seed.hpp"
+
+namespace collided::engine {
+namespace {
+
+using wire_contract::Answer;
+using wire_contract::QueryKind;
+using wire_contract::RayMode;
+using wire_contract::UndecidedReason;
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+ObjectDefinition ball(const std::string& name, const Vec3& position, double radius_m = 0.5) {
+  Shape shape;
+  shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = radius_m});
+  return {.name = name, .scene = {}, .shape = shape, .pose = {.position = position}, .filter = {}, .moving = true,
+          .lost_policy = wire_contract::LostPolicy::freeze, .publisher = 1};
+}
+
+/// A ball that went from `from` to `to` within a second, and whose publisher was lost then.
+struct LostBall {
+  LostBall(const Vec3& from, const Vec3& to) {
+    id = std::get<ObjectId>(world.define(ball("lost", from)));
+    step(10 * kSecond);
+    world.move(id, {.position = to}, 11 * kSecond, false);
+    step(11 * kSecond);
+    world.set_stale(id, true);
+    step(11 * kSecond);
+  }
+  void step(std::int64_t time_ns) { ASSERT_TRUE(world.step(time_ns, 1, {})); }
+  Answers ask(QueryKind kind, std::vector<double> numbers, RayMode mode = RayMode::closest, const ObjectInfo* mover = nullptr) {
+    Answers answers;
+    answer(*world.newest(), {.kind = kind, .mode = mode, .numbers = numbers, .mover = mover}, answers, scratch);
+    return answers;
+  }
+  World world{WorldOptions{}};
+  ObjectId id = 0;
+  QueryScratch scratch;
+};
+
+void expect_stale(const Answers& answers) {
+  EXPECT_EQ(answers.answers[0], Answer::undecided);
+  EXPECT_EQ(answers.reasons[0], UndecidedReason::stale_object);
+}
+
+// 1 m/s for 10 s and half a second: everything from -10.5 to 12.5 m and the ball's own half metre.
+TEST(StaleReach, AMissWithinReachIsUndecidedAndOneBeyondIsNot) {
+  LostBall lost({0, 0, 0}, {1, 0, 0});
+  lost.step(21 * kSecond);
+  expect_stale(lost.ask(QueryKind::ray, {-11.5 + 2, 5, -50, 0, 0, 1, 100}));
+  EXPECT_EQ(lost.ask(QueryKind::ray, {12.6, 0, -50, 0, 0, 1, 100}).answers[0], Answer::miss);
+  expect_stale(lost.ask(QueryKind::ray, {0, 0, -50, 0, 0, 1, 40}));
+  EXPECT_EQ(lost.ask(QueryKind::ray, {0, 0, -50, 0, 0, 1, 38}).answers[0], Answer::miss) << "the ray ends before";
+  expect_stale(lost.ask(QueryKind::sphere, {0, 0, 12, 1}));
+  EXPECT_EQ(lost.ask(QueryKind::sphere, {0, 0, 13, 1}).answers[0], Answer::miss);
+  expect_stale(lost.ask(QueryKind::box, {0, 0, 12, 1, 1, 1, 1, 0, 0, 0}));
+  EXPECT_EQ(lost.ask(QueryKind::box, {0, 0, 13, 1, 1, 1, 1, 0, 0, 0}).answers[0], Answer::miss);
+  expect_stale(lost.ask(QueryKind::near, {0, 0, 20, 9.1}));
+  EXPECT_EQ(lost.ask(QueryKind::near, {0, 0, 20, 8.9}).answers[0], Answer::miss);
+}
+
+// Apart is where it cannot have come to the other; where it was when it was heard of last shows, and is marked.
+TEST(StaleReach, APairIsApartOnlyWhereTheLostOneCannotHaveComeToTheOther) {
+  LostBall lost({0, 0, 0}, {1, 0, 0});
+  const ObjectId near = std::get<ObjectId>(lost.world.define(ball("near", {0, 0, 11.4})));
+  const ObjectId far = std::get<ObjectId>(lost.world.define(ball("far", {0, 0, 14})));
+  const ObjectId met = std::get<ObjectId>(lost.world.define(ball("met", {1.5, 0, 0})));
+  lost.step(11 * kSecond);
+  EXPECT_EQ(report_pair(*lost.world.newest(), lost.id, near, {}).touches, Decision::no) << "no time has gone by";
+  lost.step(21 * kSecond);
+  for (const bool turned : {false, true}) {
+    const auto report = [&](ObjectId other) {
+      return report_pair(*lost.world.newest(), turned ? other : lost.id, turned ? lost.id : other, {.certificate = true});
+    };
+    EXPECT_EQ(report(near).touches, Decision::undecided);
+    EXPECT_TRUE(report(near).is_stale);
+    EXPECT_FALSE(report(near).proof);
+    EXPECT_EQ(report(far).touches, Decision::no);
+    EXPECT_TRUE(report(far).is_stale) << "its distance is of where it was";
+    EXPECT_NEAR(report(far).separation.distance_m, std::sqrt(197.0) - 1, 1e-12);
+    EXPECT_EQ(report(met).touches, Decision::yes);
+    EXPECT_TRUE(report(met).is_stale);
+  }
+  EXPECT_FALSE(report_pair(*lost.world.newest(), near, far, {}).is_stale);
+  LostBall still({1, 0, 0}, {1, 0, 0});
+  const ObjectId beside = std::get<ObjectId>(still.world.define(ball("beside", {2.5, 0, 0})));
+  still.step(21 * kSecond);
+  EXPECT_EQ(report_pair(*still.world.newest(), still.id, beside, {}).touches, Decision::no) << "what stood still is where it was";
+  EXPECT_FALSE(report_pair(*still.world.newest(), still.id, beside, {}).is_stale);
+}
+
+TEST(StaleReach, TheReachGrowsWithTheAge) {
+  LostBall lost({0, 0, 0}, {1, 0, 0});
+  const std::vector<double> ray{5, 0, -50, 0, 0, 1, 100};
+  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Answer::miss);
+  lost.step(12 * kSecond);
+  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Answer::miss);
+  lost.step(15 * kSecond);
+  expect_stale(lost.ask(QueryKind::ray, ray));
+  lost.world.set_stale(lost.id, false);
+  lost.step(15 * kSecond);
+  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Answer::miss) << "its publisher is back";
+}
+
+TEST(StaleReach, WhatStoodStillIsWhereItWas) {
+  LostBall lost({1, 0, 0}, {1, 0, 0});
+  lost.step(1'000 * kSecond);
+  EXPECT_EQ(lost.ask(QueryKind::ray, {5, 0, -50, 0, 0, 1, 100}).answers[0], Answer::miss);
+  const Answers hit = lost.ask(QueryKind::ray, {1, 0, -50, 0, 0, 1, 100});
+  EXPECT_EQ(hit.answers[0], Answer::hit);
+  EXPECT_EQ(hit.hits[0].flags & wire_contract::kStale, wire_contract::kStale);
+}
+
+// Hits stay where nothing could be nearer, or any will do; the nearest one is in doubt where it lies behind.
+TEST(StaleReach, OnlyWhatCouldChangeIsInDoubt) {
+  LostBall lost({0, 0, 0}, {1, 0, 0});
+  static_cast<void>(lost.world.define(ball("wall", {0, 0, 30})));
+  lost.step(21 * kSecond);
+  EXPECT_EQ(lost.ask(QueryKind::ray, {0, 0, 50, 0, 0, -1, 100}).answers[0], Answer::hit) << "the wall comes first";
+  const Answers behind = lost.ask(QueryKind::ray, {6, 0, -50, -6, 0, 80, 1'000});
+  expect_stale(behind);
+  ASSERT_EQ(behind.hit_counts[0], 1U) << "what is known is told";
+  EXPECT_EQ(lost.ask(QueryKind::ray, {6, 0, -50, -6, 0, 80, 1'000}, RayMode::any).answers[0], Answer::hit);
+  EXPECT_EQ(lost.ask(QueryKind::sphere, {0, 0, 30, 25}).answers[0], Answer::hit) << "it meets something in any case";
+  Questions masked{.kind = QueryKind::ray, .skip = "lost", .numbers = {}};
+  const std::vector<double> ray{3, 0, -50, 0, 0, 1, 100};
+  masked.numbers = ray;
+  Answers answers;
+  answer(*lost.world.newest(), masked, answers, lost.scratch);
+  EXPECT_EQ(answers.answers[0], Answer::miss) << "who does not ask about it need not care";
+}
+
+/// Numbers of a question near the origin.
+std::vector<double> any_question(QueryKind kind, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> coordinate(-30, 30);
+  std::uniform_real_distribution<double> size(0, 5);
+  const auto point = [&] { return Vec3(coordinate(random), coordinate(random), coordinate(random)); };
+  const Vec3 p = point();
+  const Vec3 q = point();
+  switch (kind) {
+    case QueryKind::ray: return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), 40 * size(random)};
+    case QueryKind::sphere: return {p.x(), p.y(), p.z(), size(random)};
+    case QueryKind::box: return {p.x(), p.y(), p.z(), size(random), size(random), size(random), 0.6, 0, 0.8, 0};
+    case QueryKind::near: return {p.x(), p.y(), p.z(), 4 * size(random)};
+    default: return {p.x(), p.y(), p.z(), 1, 0, 0, 0, q.x(), q.y(), q.z(), 0.6, 0, 0.8, 0};
+  }
+}
+
+// The slow twin puts the ball to many places that it can have reached: wherever that changes an answer, the answer given
+// without knowing was in doubt.
+TEST(StaleReach, NoPlaceWithinReachContradictsWhatWasAnswered) {
+  std::mt19937_64 random = oracle::seeded(41);
+  std::normal_distribution<double> normal;
+  Shape shape;
+  shape.primitives.emplace_back(Sphere{.center = {0, 0, 0}, .radius_m = 1});
+  const ObjectInfo mover = without_world(shape);
+  constexpr QueryKind kKinds[] = {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep};
+  int doubted = 0;
+  int changed = 0;
+  for (int round = 0; round < 300; ++round) {
+    const Vec3 from(normal(random), normal(random), normal(random));
+    const Vec3 to(normal(random), normal(random), normal(random));
+    LostBall lost(from, to);
+    static_cast<void>(lost.world.define(ball("wall", {0, 0, 20}, 3)));
+    const std::int64_t age_ns = static_cast<std::int64_t>(random() % 10) * kSecond;
+    lost.step(11 * kSecond + age_ns);
+    const double reach_m = (to - from).norm() * 1e-9 * static_cast<double>(age_ns);
+    LostBall there(from, to);
+    const ObjectId elsewhere = there.id;
+    there.world.set_stale(elsewhere, false);
+    static_cast<void>(there.world.define(ball("wall", {0, 0, 20}, 3)));
+    for (const QueryKind kind : kKinds) {
+      const std::vector<double> numbers = any_question(kind, random);
+      const Answers given = lost.ask(kind, numbers, RayMode::closest, &mover);
+      doubted += given.reasons[0] == UndecidedReason::stale_object ? 1 : 0;
+      for (int place = 0; place < 20; ++place) {
+        const Vec3 out = Vec3(normal(random), normal(random), normal(random)).normalized() * reach_m;
+        there.world.move(elsewhere, {.position = to + out * std::cbrt(std::uniform_real_distribution<double>()(random))}, 12 * kSecond, true);
+        there.step(12 * kSecond);
+        const Answers truth = there.ask(kind, numbers, RayMode::closest, &mover);
+        const bool names_it = !given.hits.empty() && given.hits[0].object == lost.id;
+        const bool differs = truth.answers[0] != given.answers[0] ||
+                             (!truth.hits.empty() && kind != QueryKind::sphere && kind != QueryKind::box &&
+                              truth.hits[0].distance_m + truth.hits[0].error_m < given.hits[0].distance_m - given.hits[0].error_m);
+        if (given.answers[0] == Answer::undecided || names_it || !differs) continue;
+        ++changed;
+      }
+    }
+  }
+  EXPECT_EQ(changed, 0);
+  EXPECT_GT(doubted, 100);
+}
+
+}  // namespace
+}  // namespace collided::engine
