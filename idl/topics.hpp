@@ -23,7 +23,7 @@ inline const char* name_of(QueryKind kind) {
   return kNames[static_cast<std::uint8_t>(kind)];
 }
 enum class RayMode : std::uint8_t { closest, any, all };
-enum class Answer : std::uint8_t { miss, hit, undecided, invalid };
+enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 /// not_covered: what was asked reaches out of the space in which the loaded geometry was said to be complete.
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 enum class ReplyStatus : std::uint8_t { ok, refused, progress };

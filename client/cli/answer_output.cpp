@@ -176,28 +176,28 @@ Exit exit_of(const Answer& answer) {
   return Exit::refused;
 }
 
-std::string_view name_of(Undecided reason) {
+std::string_view name_of(UndecidedReason reason) {
   switch (reason) {
-    case Undecided::none: return "none";
-    case Undecided::numeric: return "numeric";
-    case Undecided::stale_object: return "stale_object";
-    case Undecided::recovering: return "recovering";
-    case Undecided::truncated: return "truncated";
-    case Undecided::not_covered: return "not_covered";
-    case Undecided::deadline: break;
+    case UndecidedReason::none: return "none";
+    case UndecidedReason::numeric: return "numeric";
+    case UndecidedReason::stale_object: return "stale_object";
+    case UndecidedReason::recovering: return "recovering";
+    case UndecidedReason::truncated: return "truncated";
+    case UndecidedReason::not_covered: return "not_covered";
+    case UndecidedReason::deadline: break;
   }
   return "deadline";
 }
 
-std::string_view explain(Undecided reason) {
+std::string_view explain(UndecidedReason reason) {
   switch (reason) {
-    case Undecided::none: return "the server gave no reason";
-    case Undecided::numeric: return "numeric; both answers are consistent with the input";
-    case Undecided::stale_object: return "stale_object; an object that decides has not been heard of lately";
-    case Undecided::recovering: return "recovering; the server has not yet heard of every object";
-    case Undecided::truncated: return "truncated; there is more than the answer may hold (--max-hits)";
-    case Undecided::not_covered: return "not_covered; it reaches out of what the server's geometry covers";
-    case Undecided::deadline: break;
+    case UndecidedReason::none: return "the server gave no reason";
+    case UndecidedReason::numeric: return "numeric; both answers are consistent with the input";
+    case UndecidedReason::stale_object: return "stale_object; an object that decides has not been heard of lately";
+    case UndecidedReason::recovering: return "recovering; the server has not yet heard of every object";
+    case UndecidedReason::truncated: return "truncated; there is more than the answer may hold (--max-hits)";
+    case UndecidedReason::not_covered: return "not_covered; it reaches out of what the server's geometry covers";
+    case UndecidedReason::deadline: break;
   }
   return "deadline; the server had no time left (--deadline)";
 }

@@ -29,8 +29,8 @@ void print_refused(Printer& printer, const AnswerView& view, const RawJson& id, 
 Exit exit_of(const Answer& answer);
 
 /// "numeric: ..." as people read it.
-std::string_view explain(Undecided reason);
-std::string_view name_of(Undecided reason);
+std::string_view explain(UndecidedReason reason);
+std::string_view name_of(UndecidedReason reason);
 
 /// "41 us: 7 nodes, 2 exact tests; world 18204, poses 2.1 ms old"
 std::string cost_line(const Answers& answers, const Answer& answer);

@@ -8,27 +8,27 @@
 namespace collided::cli {
 namespace {
 
-std::string_view name_of(What what) {
+std::string_view name_of(EventKind what) {
   switch (what) {
-    case What::open: return "open";
-    case What::began: return "began";
-    case What::persisted: return "persisted";
-    case What::ended: break;
+    case EventKind::open: return "open";
+    case EventKind::began: return "began";
+    case EventKind::persisted: return "persisted";
+    case EventKind::ended: break;
   }
   return "ended";
 }
 
-std::string_view name_of(Why why) {
+std::string_view name_of(EndReason why) {
   switch (why) {
-    case Why::none: return "";
-    case Why::separated: return "separated";
-    case Why::removed: return "removed";
-    case Why::publisher_lost: return "publisher_lost";
-    case Why::teleported: return "teleported";
-    case Why::geometry_changed: return "geometry_changed";
-    case Why::server_stopping: return "server_stopping";
-    case Why::decided: return "decided";
-    case Why::server_restarted: break;
+    case EndReason::none: return "";
+    case EndReason::separated: return "separated";
+    case EndReason::removed: return "removed";
+    case EndReason::publisher_lost: return "publisher_lost";
+    case EndReason::teleported: return "teleported";
+    case EndReason::geometry_changed: return "geometry_changed";
+    case EndReason::server_stopping: return "server_stopping";
+    case EndReason::decided: return "decided";
+    case EndReason::server_restarted: break;
   }
   return "server_restarted";
 }
@@ -52,16 +52,16 @@ Value triangle_value(std::uint32_t triangle) {
 
 Record event_record(const Event& event) {
   const bool is_doubt = event.doubt != Doubt::none;
-  const bool touches = event.what != What::ended && !is_doubt;
-  const bool is_told = event.what == What::began || event.what == What::persisted;
+  const bool touches = event.kind != EventKind::ended && !is_doubt;
+  const bool is_told = event.kind == EventKind::began || event.kind == EventKind::persisted;
   const Value none = std::monostate{};
   const auto at = [&](double seconds_before) { return event.world_time.count() - std::llround(seconds_before * 1e9); };
-  const bool has_bracket = event.what == What::began || event.what == What::ended;
+  const bool has_bracket = event.kind == EventKind::began || event.kind == EventKind::ended;
   return {{"time", seconds_of(event.world_time)},
           {"time_ns", std::int64_t{event.world_time.count()}},
           {"first_ns", has_bracket ? Value(std::int64_t{at(event.bracket_low_s)}) : none},
           {"last_ns", has_bracket ? Value(std::int64_t{at(event.bracket_high_s)}) : none},
-          {"what", name_of(event.what)},
+          {"what", name_of(event.kind)},
           {"a", std::string_view(event.a)},
           {"b", std::string_view(event.b)},
           {"depth", touches ? Value(event.depth_m) : none},
@@ -70,8 +70,8 @@ Record event_record(const Event& event) {
           {"normal", touches ? MaybeVector(event.normal) : MaybeVector()},
           {"a_triangle", triangle_value(event.a_triangle)},
           {"b_triangle", triangle_value(event.b_triangle)},
-          {"after", event.what == What::ended ? Value(seconds_of(lasted(event))) : none},
-          {"why", event.why == Why::none ? none : Value(name_of(event.why))},
+          {"after", event.kind == EventKind::ended ? Value(seconds_of(lasted(event))) : none},
+          {"why", event.reason == EndReason::none ? none : Value(name_of(event.reason))},
           {"doubt", is_doubt ? Value(name_of(event.doubt)) : none},
           {"resync", event.resync ? Value(true) : none},
           {"sequence", event.sequence},
@@ -86,10 +86,10 @@ Record event_record(const Event& event) {
 std::string event_line(const Printer& printer, const Event& event) {
   const std::string pair = fmt::format("{} x {}", printable(event.a), printable(event.b));
   const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt));
-  if (event.what == What::open) return fmt::format("{:<8} {}  since {}{}", "open", pair, clock_text(event.began), doubt);
-  const Paint paint = event.what == What::began ? Paint::bad : Paint::faint;
-  std::string line = fmt::format("{} {}  {}", clock_text(happened(event)), printer.paint(paint, name_of(event.what)), pair);
-  if (event.what == What::ended) line += fmt::format("  after {}  ({})", format_duration(lasted(event)), name_of(event.why));
+  if (event.kind == EventKind::open) return fmt::format("{:<8} {}  since {}{}", "open", pair, clock_text(event.began), doubt);
+  const Paint paint = event.kind == EventKind::began ? Paint::bad : Paint::faint;
+  std::string line = fmt::format("{} {}  {}", clock_text(happened(event)), printer.paint(paint, name_of(event.kind)), pair);
+  if (event.kind == EventKind::ended) line += fmt::format("  after {}  ({})", format_duration(lasted(event)), name_of(event.reason));
   else if (event.doubt == Doubt::none) line += fmt::format("  depth {} at {}", format_length(event.depth_m), format_vector(event.point));
   line += doubt + fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include <collided/client.hpp>
@@ -72,7 +73,7 @@ void print_hint(Io& io, const Globals& globals, std::string_view text);
 template <class T>
 T take(Result<T> result) {
   if (!result) throw as_failure(result.error());
-  return std::move(*result);
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
 }  // namespace collided::cli

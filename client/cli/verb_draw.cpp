@@ -158,7 +158,7 @@ class DrawCommand : public Command {
     const auto deadline = Clock::now() + std::chrono::seconds(1);
     while (heard < count && Clock::now() < deadline) {
       const std::optional<Event> event = watch.next(std::chrono::milliseconds(50));
-      if (!event || event->what != What::open) continue;
+      if (!event || event->kind != EventKind::open) continue;
       ++heard;
       if (names.contains(event->a) && names.contains(event->b)) pairs.emplace(event->a, event->b);
     }

@@ -65,9 +65,9 @@ void print_text(Printer& printer, const PairAnswer& pair) {
                              format_bound(pair.error_m), format_vector(pair.on_a), format_vector(pair.on_b)));
     if (pair.contained != Containment::none) printer.line(fmt::format("  {} lies within the other", word_of(pair.contained)));
   } else {
-    const Vec3 way = pair.depth_m * pair.normal;
+    const Vec3 displacement = pair.depth_m * pair.normal;
     printer.line(fmt::format("{}  depth {} ±{}  at {}  apart by {}", printer.paint(Paint::bad, "touching"), format_length(pair.depth_m),
-                             format_bound(pair.error_m), format_vector(pair.point), format_vector(way)));
+                             format_bound(pair.error_m), format_vector(pair.point), format_vector(displacement)));
     for (const ManifoldPoint& p : pair.manifold) {
       printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m), format_bound(p.error_m)));
     }

@@ -65,9 +65,9 @@ class PublishCommand : public Command {
   }
 
   Kind kind_of_run() {
-    const int ways = !file_.empty() + given("--spheres") + given("--path") + given("--waypoints");
-    if (ways == 0) throw bad_use("what? a file of poses, --spheres N, --path FILE or --waypoints \"X,Y,Z X,Y,Z\"");
-    if (ways > 1) throw bad_use("a file, --spheres, --path and --waypoints exclude each other");
+    const int motions = !file_.empty() + given("--spheres") + given("--path") + given("--waypoints");
+    if (motions == 0) throw bad_use("what? a file of poses, --spheres N, --path FILE or --waypoints \"X,Y,Z X,Y,Z\"");
+    if (motions > 1) throw bad_use("a file, --spheres, --path and --waypoints exclude each other");
     if (given("--spheres")) return Kind::spheres;
     if (file_.empty()) return Kind::path;
     return file_.ends_with(".bvh") ? Kind::recording : Kind::poses;
@@ -100,8 +100,8 @@ class PublishCommand : public Command {
     if (given("--layers")) objects.layers = parse_bits(text("--layers"));
     if (given("--mask")) objects.mask = parse_bits(text("--mask"));
     const std::string& lost = text("--when-lost");
-    if (lost == "freeze") objects.when_lost = WhenLost::freeze;
-    else if (lost == "hold") objects.when_lost = WhenLost::hold;
+    if (lost == "freeze") objects.lost_policy = LostPolicy::freeze;
+    else if (lost == "hold") objects.lost_policy = LostPolicy::hold;
     else if (!lost.empty() && lost != "remove") throw bad_use(fmt::format("--when-lost '{}'; allowed: remove, freeze, hold", lost));
     return objects;
   }

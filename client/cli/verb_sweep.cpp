@@ -66,9 +66,9 @@ class SweepCommand : public Command {
     if (from_.empty() || to_.empty()) throw bad_use("a way takes --from X Y Z and --to X Y Z");
     const std::vector<std::string> words(shape_.begin() + 1, shape_.end());
     const ShapePart part = make_shape(shape_.front(), parse_numbers(words, Measure::length));
-    const SweepQuestion way{parse_pose(from_, rpy_, {}), parse_pose(to_, to_rpy_.empty() ? rpy_ : to_rpy_, {})};
+    const SweepQuestion motion{parse_pose(from_, rpy_, {}), parse_pose(to_, to_rpy_.empty() ? rpy_ : to_rpy_, {})};
     const AskOptions options = ask_options_of(texts_, globals);
-    const Answers answers = take(session.client(globals).sweep({part}, std::span(&way, 1), options));
+    const Answers answers = take(session.client(globals).sweep({part}, std::span(&motion, 1), options));
     if (answers.answers.size() != 1) throw Failure(Exit::refused, "the server's answer does not fit the question");
     Printer printer = make_printer(session.io, globals);
     print_sweep(printer, answers.answers.front());

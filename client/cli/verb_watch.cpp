@@ -113,7 +113,7 @@ class WatchCommand : public Command {
       tell_of_silence(session, globals, watch);
       if (!event) continue;
       print(printer, *event, session.io);
-      if (manifold_ && event->what == What::began) print_manifold(session, globals, printer, *event);
+      if (manifold_ && event->kind == EventKind::began) print_manifold(session, globals, printer, *event);
       if (shell_) run_shell(*shell_, *event);
       ++count;
     }
@@ -134,7 +134,7 @@ class WatchCommand : public Command {
   static std::string age_of(const Event& event) {
     const auto age = std::chrono::system_clock::now().time_since_epoch() - happened(event);
     const bool one_clock = age >= std::chrono::seconds(0) && age < std::chrono::hours(1);
-    return one_clock && event.what == What::began ? "  age " + format_duration(age) : std::string();
+    return one_clock && event.kind == EventKind::began ? "  age " + format_duration(age) : std::string();
   }
 
   /// As the two stand when they are asked about: they may have gone on, or parted.
@@ -147,7 +147,7 @@ class WatchCommand : public Command {
         continue;
       }
       Event point = event;
-      point.what = What::persisted;
+      point.kind = EventKind::persisted;
       point.point = p.point;
       point.normal = pair->normal;
       point.depth_m = p.depth_m;

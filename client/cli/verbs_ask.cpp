@@ -6,7 +6,7 @@
 #include "client/cli/command.hpp"
 #include "client/cli/number.hpp"
 #include "client/cli/pace.hpp"
-#include "client/cli/standing.hpp"
+#include "client/cli/repeated_question.hpp"
 
 namespace collided::cli {
 namespace {
@@ -42,7 +42,7 @@ class AskCommand : public Command {
     }
     Questions question = no_questions(view_.kind);
     add_question(question, numbers());
-    if (watch_) return run_standing(session, globals, question, standing_options(options));
+    if (watch_) return run_repeated(session, globals, question, repeated_options(options));
     return ask_once_or_more(session, globals, question, options);
   }
 
@@ -76,12 +76,12 @@ class AskCommand : public Command {
     return kNames[static_cast<std::size_t>(view_.kind)];
   }
 
-  StandingOptions standing_options(const AskOptions& options) const {
-    StandingOptions standing{.ask = options, .kind = view_.kind};
-    if (!most_changes_.empty()) standing.most_changes = parse_count(most_changes_, 1);
-    if (!most_time_.empty()) standing.most_time = parse_duration(most_time_);
-    if (!every_.empty()) standing.every = parse_duration(every_);
-    return standing;
+  RepeatedQuestionOptions repeated_options(const AskOptions& options) const {
+    RepeatedQuestionOptions repeated{.ask = options, .kind = view_.kind};
+    if (!most_changes_.empty()) repeated.most_changes = parse_count(most_changes_, 1);
+    if (!most_time_.empty()) repeated.most_time = parse_duration(most_time_);
+    if (!every_.empty()) repeated.every = parse_duration(every_);
+    return repeated;
   }
 
   Exit ask_once_or_more(Session& session, const Globals& globals, const Questions& question, const AskOptions& options) {
@@ -127,8 +127,8 @@ class RayCommand : public AskCommand {
   }
   void adjust(AskOptions& options) override {
     if (all_ && any_) throw bad_use("--all and --any exclude each other");
-    if (all_) options.pick = Pick::all;
-    if (any_) options.pick = Pick::any;
+    if (all_) options.mode = HitMode::all;
+    if (any_) options.mode = HitMode::any;
     view_.several = all_;
   }
   Numbers numbers() const override {

@@ -108,7 +108,7 @@ std::optional<Error> AnswerCollector::check(const wire::Reply& reply) const {
   const auto answers = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);
   if (std::any_of(answers.begin(), answers.end(), [](auto a) { return a > static_cast<int>(Verdict::invalid); }) ||
-      std::any_of(reasons.begin(), reasons.end(), [](auto r) { return r > static_cast<int>(Undecided::not_covered); })) {
+      std::any_of(reasons.begin(), reasons.end(), [](auto r) { return r > static_cast<int>(UndecidedReason::not_covered); })) {
     return nonsense("an answer of an unknown kind");
   }
   if (answered_ > 0 && (reply.epoch != result_.epoch || reply.version != result_.version)) {
@@ -165,7 +165,7 @@ std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
     if (seen_[question] == 0) {
       Answer& answer = result_.answers[question];
       answer.verdict = static_cast<Verdict>(verdicts[i]);
-      answer.reason = static_cast<Undecided>(reasons[i]);
+      answer.reason = static_cast<UndecidedReason>(reasons[i]);
       answer.cost = {nodes[i], exact_tests[i], levels[i]};
       answer.hits.resize(hit_counts[i]);
       for (std::size_t hit = 0; hit < answer.hits.size(); ++hit) {

@@ -59,7 +59,7 @@ void fill_header(wire::Query& query, const Request& request, const AskOptions& o
   query.chunk_count =
       static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
   query.kind = static_cast<std::uint8_t>(request.kind);
-  query.mode = wire_contract::mode_byte(static_cast<wire_contract::RayMode>(options.pick),
+  query.mode = wire_contract::mode_byte(static_cast<wire_contract::RayMode>(options.mode),
                                         static_cast<wire_contract::QuestionClass>(options.importance));
   query.mask = options.mask;
   query.max_hits = options.max_hits;
@@ -186,18 +186,18 @@ template Result<Answers> ask(Connection&, std::span<const SphereQuestion>, const
 template Result<Answers> ask(Connection&, std::span<const BoxQuestion>, const AskOptions&, Answers&&);
 template Result<Answers> ask(Connection&, std::span<const NearQuestion>, const AskOptions&, Answers&&);
 
-Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> ways,
+Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> motions,
                       const AskOptions& options) {
   using Wire = QuestionWire<SweepQuestion>;
-  if (auto error = fault_of(ways)) {
+  if (auto error = fault_of(motions)) {
     return *error;
   }
   const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, Vec3::Ones(), Wire::noun);
   if (!bytes) {
     return bytes.error();
   }
-  const Request request{Wire::kind, Wire::noun,  Wire::number_count,          ways.size(),
-                        ways.data(), &encode_some<SweepQuestion>, *bytes};
+  const Request request{Wire::kind, Wire::noun,  Wire::number_count,          motions.size(),
+                        motions.data(), &encode_some<SweepQuestion>, *bytes};
   Result<Answers> answers = run(connection, request, options, {});
   if (!answers) {
     return answers;

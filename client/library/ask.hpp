@@ -15,7 +15,7 @@ Result<Answers> ask(Connection& connection, std::span<const Question> questions,
                     Answers&& earlier = {});
 
 /// The same for ways of one shape, which travels with each chunk.
-Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> ways,
+Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> motions,
                       const AskOptions& options);
 
 }  // namespace collided::client

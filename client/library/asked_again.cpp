@@ -12,7 +12,7 @@
 namespace collided::client {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::kHitNumbers;
 using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
@@ -52,10 +52,10 @@ struct Hits {
   std::size_t count = 0;
 };
 
-std::string words_of(Answer answer, std::uint8_t reason, const Hits& hits, std::size_t first, std::size_t count) {
+std::string words_of(Verdict verdict, std::uint8_t reason, const Hits& hits, std::size_t first, std::size_t count) {
   constexpr const char* kAnswers[] = {"miss", "hit", "undecided", "invalid"};
   constexpr const char* kReasons[] = {"", " (numeric)", " (stale object)", " (recovering)", " (truncated)", " (deadline)", " (not covered)"};
-  std::string words = kAnswers[std::min<std::size_t>(static_cast<std::size_t>(answer), 3)];
+  std::string words = kAnswers[std::min<std::size_t>(static_cast<std::size_t>(verdict), 3)];
   if (reason < std::size(kReasons)) words += kReasons[reason];
   if (count > 0) words += ' ' + hits.name(first) + ' ' + client::words(hits.numbers[first * kHitNumbers]);
   if (count > 1) words += " and " + std::to_string(count - 1) + " more";
@@ -81,7 +81,7 @@ bool ComparedAnswers::add(const wire::Reply& reply) {
     ComparedAnswer& answer = answers_[std::uint64_t{reply.first_question} + i];
     answer.bytes = {static_cast<char>(verdicts[i]), static_cast<char>(reasons[i])};
     for (const std::string& bytes : each) answer.bytes += bytes;
-    answer.words = words_of(static_cast<Answer>(verdicts[i]), reasons[i], hits, at, counts[i]);
+    answer.words = words_of(static_cast<Verdict>(verdicts[i]), reasons[i], hits, at, counts[i]);
     answer.by_clock = reasons[i] == static_cast<std::uint8_t>(UndecidedReason::deadline) ||
                       reasons[i] == static_cast<std::uint8_t>(UndecidedReason::recovering) ||
                       reasons[i] == static_cast<std::uint8_t>(UndecidedReason::stale_object);

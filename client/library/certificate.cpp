@@ -9,22 +9,22 @@ namespace collided {
 namespace {
 
 using namespace client;
-using Kind = CertifiedPart::Beside;
+using Kind = CertifiedPart::Summand;
 
 /// n . (x - p) <= 0 (strictly: < 0) for every x of the part: r + sqrt(q / d) <= 0 for the r of each of its points.
 bool lies_behind(const CertifiedPart& s, const ExactVector& n, const ExactVector& p, bool strictly) {
-  const bool is_disc = s.beside == Kind::disc;
+  const bool is_disc = s.summand == Kind::disc;
   const ExactVector axis = is_disc ? exact(s.points.at(1)) - exact(s.points.at(0)) : exact(s.axes[0]);
   if (s.points.empty() || zero(n) || (is_disc && (zero(axis) || s.points.size() > 2))) return false;
-  if (s.beside == Kind::half_space && !(zero(cross(n, axis)) && dot(n, axis).above_zero())) return false;
+  if (s.summand == Kind::half_space && !(zero(cross(n, axis)) && dot(n, axis).above_zero())) return false;
   for (std::size_t i = 0; i < s.points.size(); ++i) {
     ExactSum r = dot(n, exact(s.points[i]) - p), q = 0, d = is_disc ? square(axis) : 1;
-    for (int k = 0; k < 3 && (s.beside == Kind::box || s.beside == Kind::ellipsoid); ++k) {
+    for (int k = 0; k < 3 && (s.summand == Kind::box || s.summand == Kind::ellipsoid); ++k) {
       const ExactSum reach = s.half_m[k] * dot(n, exact(s.axes[k]));
-      if (s.beside == Kind::box) r = reach.below_zero() ? r - reach : r + reach;
+      if (s.summand == Kind::box) r = reach.below_zero() ? r - reach : r + reach;
       else q = q + reach * reach;
     }
-    if (s.beside == Kind::ball || (is_disc && (i == 1 || !s.tapers))) q = square(s.radius_m * (is_disc ? cross(n, axis) : n));
+    if (s.summand == Kind::ball || (is_disc && (i == 1 || !s.tapers))) q = square(s.radius_m * (is_disc ? cross(n, axis) : n));
     const ExactSum rest = q - r * r * d;
     if (!(strictly ? r.below_zero() && rest.below_zero() : r.at_most_zero() && rest.at_most_zero())) return false;
   }
@@ -33,7 +33,7 @@ bool lies_behind(const CertifiedPart& s, const ExactVector& n, const ExactVector
 
 /// The point x / w is in the part: beside a mix of its points by no more than the part allows.
 bool holds(const CertifiedPart& s, const ExactVector& x, const ExactSum& w, const Certificate::Mix& mix) {
-  if (s.beside == Kind::half_space) return w.above_zero() && dot(exact(s.axes[0]), x - w * exact(s.points.at(0))).at_most_zero();
+  if (s.summand == Kind::half_space) return w.above_zero() && dot(exact(s.axes[0]), x - w * exact(s.points.at(0))).at_most_zero();
   ExactSum total, of_discs, squares;
   ExactVector sum;
   for (const auto& [i, terms] : mix) {
@@ -46,16 +46,16 @@ bool holds(const CertifiedPart& s, const ExactVector& x, const ExactSum& w, cons
   if (!total.above_zero() || !w.above_zero()) return false;
   const ExactVector v = total * x - w * sum;  // total * w times as long as the way from the mix to the point
   const auto within = [](const ExactSum& square_of, const ExactSum& root) { return (square_of - root * root).at_most_zero(); };
-  if (s.beside == Kind::nothing || s.beside == Kind::ball) return within(square(v), (s.beside == Kind::ball ? s.radius_m : 0) * total * w);
-  if (s.beside == Kind::disc) return s.points.size() == 2 && dot(v, exact(s.points[1]) - exact(s.points[0])).zero() && within(square(v), s.radius_m * of_discs * w);
+  if (s.summand == Kind::nothing || s.summand == Kind::ball) return within(square(v), (s.summand == Kind::ball ? s.radius_m : 0) * total * w);
+  if (s.summand == Kind::disc) return s.points.size() == 2 && dot(v, exact(s.points[1]) - exact(s.points[0])).zero() && within(square(v), s.radius_m * of_discs * w);
   const ExactVector axes[3] = {exact(s.axes[0]), exact(s.axes[1]), exact(s.axes[2])};
   const ExactSum volume = dot(axes[0], cross(axes[1], axes[2])) * total * w;
   for (int k = 0; k < 3; ++k) {
     const ExactSum along = dot(v, cross(axes[(k + 1) % 3], axes[(k + 2) % 3]));
-    if (s.beside == Kind::box && !within(along * along, s.half_m[k] * volume)) return false;
+    if (s.summand == Kind::box && !within(along * along, s.half_m[k] * volume)) return false;
     squares = squares + square(s.half_m[(k + 1) % 3] * ExactVector{s.half_m[(k + 2) % 3] * along});
   }
-  return (volume.above_zero() || volume.below_zero()) && (s.beside == Kind::box || within(squares, s.half_m[0] * volume * s.half_m[1] * s.half_m[2]));
+  return (volume.above_zero() || volume.below_zero()) && (s.summand == Kind::box || within(squares, s.half_m[0] * volume * s.half_m[1] * s.half_m[2]));
 }
 
 /// The steps from number `at` on prove these ranges apart; `at` is then behind them.

@@ -102,8 +102,8 @@ Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOp
   return client::ask(*state_->connection, questions, options, std::move(earlier));
 }
 
-Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> ways, const AskOptions& options) {
-  return client::sweep(*state_->connection, shape, ways, options);
+Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> motions, const AskOptions& options) {
+  return client::sweep(*state_->connection, shape, motions, options);
 }
 
 std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion> questions, AskOptions options) {
@@ -133,7 +133,7 @@ Result<PairAnswer> Client::pair(const std::string& a, const std::string& b, cons
   return client::pair(*state_->connection, a, b, options);
 }
 
-Result<Done> Client::add_probe(const Probe& probe) { return client::add_probe(*state_->connection, probe); }
+Result<void> Client::add_probe(const Probe& probe) { return client::add_probe(*state_->connection, probe); }
 Result<std::size_t> Client::remove_probes(const std::string& name) {
   return client::remove_probes(*state_->connection, name);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
 
 #include <nlohmann/json.hpp>
 
@@ -22,7 +23,13 @@ auto read_answer(const Result<std::string>& text, const char* command, Read&& re
     return text.error();
   }
   try {
-    return read(nlohmann::json::parse(*text));
+    const nlohmann::json json = nlohmann::json::parse(*text);
+    if constexpr (std::is_void_v<decltype(read(json))>) {
+      read(json);
+      return {};
+    } else {
+      return read(json);
+    }
   } catch (const nlohmann::json::exception& unfit) {
     return Error{ErrorCode::internal, std::string(command) + ": the server's answer does not fit: " + unfit.what(),
                  "server and library may be of different versions"};

@@ -24,13 +24,13 @@ double number_of(const json& value) {
 CertifiedPart part_of(const json& value) {
   static constexpr std::array<const char*, 6> kBeside{"nothing", "ball", "box", "ellipsoid", "disc", "half_space"};
   CertifiedPart part;
-  const std::string beside = value.at("beside");
-  const auto* const found = std::find(kBeside.begin(), kBeside.end(), beside);
+  const std::string summand = value.at("beside");
+  const auto* const found = std::find(kBeside.begin(), kBeside.end(), summand);
   // What this library does not know it must not take for less than it is.
   if (found == kBeside.end()) {
-    throw json::other_error::create(501, "unknown kind of part: " + beside, &value);
+    throw json::other_error::create(501, "unknown kind of part: " + summand, &value);
   }
-  part.beside = static_cast<CertifiedPart::Beside>(found - kBeside.begin());
+  part.summand = static_cast<CertifiedPart::Summand>(found - kBeside.begin());
   part.triangle = value.value("triangle", kNoTriangle);
   part.points = value.at("points").get<std::vector<Numbers>>();
   part.radius_m = value.value("radius_m", 0.0);
@@ -99,7 +99,7 @@ PairAnswer read(const json& answer) {
   const std::string word = answer.at("answer");
   pair.verdict = word == "hit" ? Verdict::hit : word == "miss" ? Verdict::miss : Verdict::undecided;
   pair.stale = answer.value("stale", false);
-  if (pair.verdict == Verdict::undecided) pair.reason = pair.stale ? Undecided::stale_object : Undecided::numeric;
+  if (pair.verdict == Verdict::undecided) pair.reason = pair.stale ? UndecidedReason::stale_object : UndecidedReason::numeric;
   pair.version = answer.at("version");
   if (pair.verdict != Verdict::undecided) {
     pair.normal = vector_of(answer.at("normal"));

@@ -47,7 +47,7 @@ bool fits(const wire::ProbeFrame& frame, std::size_t name_count) {
 
 }  // namespace
 
-Result<Done> add_probe(Connection& connection, const Probe& probe) {
+Result<void> add_probe(Connection& connection, const Probe& probe) {
   nlohmann::json arguments{{"name", probe.name},
                            {"object", probe.object},
                            {"origin", numbers(probe.origin)},
@@ -56,7 +56,7 @@ Result<Done> add_probe(Connection& connection, const Probe& probe) {
   // Infinity is no JSON number: without a reach there is no end.
   if (!std::isinf(probe.reach_m) || probe.reach_m < 0) arguments["reach_m"] = probe.reach_m;
   return read_answer(command(connection, wire_contract::command::kProbe, arguments, kTimeout), "probe",
-                     [](const nlohmann::json&) { return Done{}; });
+                     [](const nlohmann::json&) {});
 }
 
 Result<std::size_t> remove_probes(Connection& connection, const std::string& name) {

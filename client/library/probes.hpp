@@ -11,7 +11,7 @@ namespace collided {
 
 namespace client {
 
-Result<Done> add_probe(Connection& connection, const Probe& probe);
+Result<void> add_probe(Connection& connection, const Probe& probe);
 Result<std::size_t> remove_probes(Connection& connection, const std::string& name);
 Result<std::vector<ProbeReading>> read_probes(Connection& connection, const std::string& name_glob);
 

@@ -52,14 +52,14 @@ Publisher::Publisher(Publisher&&) noexcept = default;
 Publisher& Publisher::operator=(Publisher&&) noexcept = default;
 
 Result<Publisher::Object> Publisher::add(const ObjectOptions& options) { return state_->add(options); }
-Result<Done> Publisher::remove(Object object) { return state_->remove(object); }
-Result<Done> Publisher::move(Object object, const Pose& pose, bool teleport) {
+Result<void> Publisher::remove(Object object) { return state_->remove(object); }
+Result<void> Publisher::move(Object object, const Pose& pose, bool teleport) {
   return state_->move(object, pose, teleport);
 }
 Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) { return state_->flush(source_time); }
 void Publisher::stream() { state_->stream(); }
-Result<Done> Publisher::keep_alive() { return state_->keep_alive(); }
-Result<Done> Publisher::wait_applied(std::chrono::nanoseconds timeout) { return state_->wait_applied(timeout); }
+Result<void> Publisher::keep_alive() { return state_->keep_alive(); }
+Result<void> Publisher::wait_applied(std::chrono::nanoseconds timeout) { return state_->wait_applied(timeout); }
 
 Publisher::State::State(std::shared_ptr<client::Connection> connection, const std::string& name)
     : connection_(std::move(connection)),
@@ -169,7 +169,7 @@ Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
   return *object;
 }
 
-Result<Done> Publisher::State::remove(Object object) {
+Result<void> Publisher::State::remove(Object object) {
   const std::lock_guard lock(mutex_);
   if (objects_.find(object) == nullptr) {
     return unknown(object);
@@ -182,10 +182,10 @@ Result<Done> Publisher::State::remove(Object object) {
     return *error;
   }
   objects_.remove(object);
-  return Done{};
+  return {};
 }
 
-Result<Done> Publisher::State::move(Object object, const Pose& pose, bool teleport) {
+Result<void> Publisher::State::move(Object object, const Pose& pose, bool teleport) {
   const std::lock_guard lock(mutex_);
   const PublishedObject* const moved = objects_.find(object);
   if (moved == nullptr) {
@@ -203,7 +203,7 @@ Result<Done> Publisher::State::move(Object object, const Pose& pose, bool telepo
       return *error;
     }
   }
-  return Done{};
+  return {};
 }
 
 Result<std::uint64_t> Publisher::State::flush(nanoseconds source_time) {
@@ -230,7 +230,7 @@ std::optional<Error> Publisher::State::say_at_rest() {
   return is_due ? write_instant(since_1970_ns()) : std::nullopt;
 }
 
-Result<Done> Publisher::State::keep_alive() {
+Result<void> Publisher::State::keep_alive() {
   const std::lock_guard lock(mutex_);
   if (auto error = say_alive()) {
     return *error;
@@ -238,10 +238,10 @@ Result<Done> Publisher::State::keep_alive() {
   if (auto error = say_at_rest()) {
     return *error;
   }
-  return Done{};
+  return {};
 }
 
-Result<Done> Publisher::State::wait_applied(nanoseconds timeout) {
+Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
   const Clock::time_point deadline = Clock::now() + timeout;
   while (true) {
     std::uint64_t wanted = 0;
@@ -255,7 +255,7 @@ Result<Done> Publisher::State::wait_applied(nanoseconds timeout) {
     const auto view = connection_->pulse().publisher(publisher_);
     const std::uint64_t applied = view ? view->applied_sequence : 0;
     if (applied >= wanted) {
-      return Done{};
+      return {};
     }
     if (Clock::now() >= deadline) {
       return Error{ErrorCode::timeout,

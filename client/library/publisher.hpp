@@ -18,12 +18,12 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   ~State();
 
   Result<Object> add(const ObjectOptions& options);
-  Result<Done> remove(Object object);
-  Result<Done> move(Object object, const Pose& pose, bool teleport);
+  Result<void> remove(Object object);
+  Result<void> move(Object object, const Pose& pose, bool teleport);
   Result<std::uint64_t> flush(std::chrono::nanoseconds source_time);
   void stream();
-  Result<Done> keep_alive();
-  Result<Done> wait_applied(std::chrono::nanoseconds timeout);
+  Result<void> keep_alive();
+  Result<void> wait_applied(std::chrono::nanoseconds timeout);
 
  private:
   State(std::shared_ptr<client::Connection> connection, const std::string& name);

@@ -112,7 +112,7 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   definition.sequence_number = sequence_ + 1;
   definition.removed = removed;
   definition.moving = object.options.moving;
-  definition.lost_policy = static_cast<std::uint8_t>(object.options.when_lost);
+  definition.lost_policy = static_cast<std::uint8_t>(object.options.lost_policy);
   static_cast<void>(dds::set_text(definition.name, object.options.name));  // its length was checked
   definition.layers = object.options.layers;
   definition.mask = object.options.mask;

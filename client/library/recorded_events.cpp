@@ -93,7 +93,7 @@ class OpeningContacts {
       const auto* const frame = std::get_if<HeardFrame>(&message.heard);
       if (frame == nullptr || frame->from != life_) continue;
       for (const HeardFrame::Entry& entry : frame->entries) {
-        if (entry.event.what == What::ended) take_end(entry.event);
+        if (entry.event.kind == EventKind::ended) take_end(entry.event);
       }
     }
   }
@@ -139,8 +139,8 @@ class OpeningContacts {
     const auto known = held_.find({ended.a_id, ended.b_id});
     if (known == held_.end() || known->second.episode < ended.episode) {
       Event* const contact = hold(ended);
-      contact->what = What::open;
-      contact->why = Why::none;
+      contact->kind = EventKind::open;
+      contact->reason = EndReason::none;
       contact->began = contact->world_time = begin_;
       contact->bracket_low_s = contact->bracket_high_s = 0;
       ++undated_;
@@ -203,7 +203,7 @@ std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanose
   std::map<NamePair, nanoseconds> last_of_pair;  // a pair's events stay in their order, whatever their brackets say
   for (const Event& event : events) {
     const auto [last, is_first] = last_of_pair.try_emplace(std::minmax(event.a, event.b), nanoseconds::min());
-    if (event.what != What::open) last->second = std::max(last->second, happened(event));
+    if (event.kind != EventKind::open) last->second = std::max(last->second, happened(event));
     timed.push_back({last->second, &event});
   }
   std::stable_sort(timed.begin(), timed.end(), [](const Timed& a, const Timed& b) { return a.at < b.at; });
@@ -212,20 +212,20 @@ std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanose
   std::map<NamePair, const Event*> held;
   std::uint64_t sequence = 0;  // up to which the state at `from` goes
   auto next = timed.begin();
-  for (; next != timed.end() && (next->event->what == What::open || next->at < from); ++next) {
+  for (; next != timed.end() && (next->event->kind == EventKind::open || next->at < from); ++next) {
     const NamePair names = std::minmax(next->event->a, next->event->b);
     sequence = std::max(sequence, next->event->sequence);
-    if (next->event->what == What::ended) {
+    if (next->event->kind == EventKind::ended) {
       held.erase(names);
     } else {
       held.insert_or_assign(names, next->event);
     }
   }
   for (const auto& [names, contact] : held) {
-    if (contact->what == What::open && contact->began > to) continue;
+    if (contact->kind == EventKind::open && contact->began > to) continue;
     Event& open = told.emplace_back(*contact);
-    open.what = What::open;
-    open.why = Why::none;
+    open.kind = EventKind::open;
+    open.reason = EndReason::none;
     open.resync = true;
     open.sequence = sequence;
   }

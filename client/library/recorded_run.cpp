@@ -140,7 +140,7 @@ class Sorting {
     request.text[reply_->chunk_index].assign(text.begin(), text.end());
   }
 
-  static std::uint64_t told_version(const Request& request) {
+  static std::uint64_t reported_version(const Request& request) {
     std::string text;
     for (const auto& [chunk, part] : request.text) text += part;
     const nlohmann::json answer = parsed(text);
@@ -160,7 +160,7 @@ class Sorting {
         continue;
       }
       // The state that a command made or was about is in its answer; the reply's own may be a later one.
-      const StateNumber state{request.state->first, command ? told_version(request) : request.state->second};
+      const StateNumber state{request.state->first, command ? reported_version(request) : request.state->second};
       if (request.changes) {
         run_.commands[state].push_back(request.questions.begin()->second);
       } else {

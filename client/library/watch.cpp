@@ -206,9 +206,9 @@ void Watch::State::emit(const Event& event) {
     recorded_.push_back(event);
     return;
   }
-  if (event.what == What::ended) {
+  if (event.kind == EventKind::ended) {
     --open_contacts_;
-  } else if (event.what != What::persisted) {
+  } else if (event.kind != EventKind::persisted) {
     ++open_contacts_;
   }
   if (callback_) {

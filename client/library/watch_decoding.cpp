@@ -8,14 +8,13 @@ namespace collided::client {
 namespace {
 
 using std::chrono::nanoseconds;
-using wire_contract::EventKind;
 using wire_contract::kContactNumbers;
 using wire_contract::kEventNumbers;
 using wire_contract::kEventNumbersBefore;
 using wire_contract::ServerState;
 
-// The wire's code n is What's n + 1: `open` exists only on this side.
-constexpr int kFirstKind = static_cast<int>(What::began);
+// The code n on the wire is n + 1 here: `open` exists only on this side.
+constexpr int kFirstKind = static_cast<int>(EventKind::began);
 
 Vec3 vector_at(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
 
@@ -35,8 +34,8 @@ bool fits(const wire::EventFrame& frame) {
   return frame.reasons._length == count && frame.shards._length == count && frame.a._length == count &&
          frame.b._length == count && frame.a_triangles._length == count && frame.b_triangles._length == count &&
          frame.episodes._length == count && (frame.numbers._length == count * kEventNumbers || frame.numbers._length == count * kEventNumbersBefore) &&
-         std::all_of(kinds.begin(), kinds.end(), [](auto k) { return k <= static_cast<int>(EventKind::ended); }) &&
-         std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(Why::decided); });
+         std::all_of(kinds.begin(), kinds.end(), [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::ended); }) &&
+         std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(EndReason::decided); });
 }
 
 bool fits(const wire::ContactShard& shard) {
@@ -81,8 +80,8 @@ std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
   for (std::size_t i = 0; i < frame.kinds._length; ++i) {
     const double* const numbers = dds::view(frame.numbers).data() + i * stride;
     Event event = decode_pair(frame, i, stride, names);
-    event.what = static_cast<What>(dds::view(frame.kinds)[i] + kFirstKind);
-    event.why = static_cast<Why>(dds::view(frame.reasons)[i]);
+    event.kind = static_cast<EventKind>(dds::view(frame.kinds)[i] + kFirstKind);
+    event.reason = static_cast<EndReason>(dds::view(frame.reasons)[i]);
     event.world_time = nanoseconds(frame.world_time_ns);
     event.bracket_low_s = numbers[8];
     event.bracket_high_s = numbers[9];
@@ -102,7 +101,7 @@ std::optional<HeardShard> decode(const wire::ContactShard& shard, Names& names) 
   heard.contacts.reserve(shard.a._length);
   for (std::size_t i = 0; i < shard.a._length; ++i) {
     Event contact = decode_pair(shard, i, kContactNumbers, names);
-    contact.what = What::open;
+    contact.kind = EventKind::open;
     contact.began = contact.world_time = nanoseconds(dds::view(shard.began_ns)[i]);
     heard.contacts.push_back(std::move(contact));
   }

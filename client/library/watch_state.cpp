@@ -20,8 +20,8 @@ std::pair<std::string, std::string> names_of(const Event& event) { return std::m
 
 Event as_open(const Event& event) {
   Event open = event;
-  open.what = What::open;
-  open.why = Why::none;
+  open.kind = EventKind::open;
+  open.reason = EndReason::none;
   return open;
 }
 
@@ -116,9 +116,9 @@ void WatchState::note(const HeardFrame::Entry& entry) {
 }
 
 void WatchState::apply(const Event& event) {
-  if (event.what == What::began) {
+  if (event.kind == EventKind::began) {
     apply_began(event);
-  } else if (event.what == What::ended) {
+  } else if (event.kind == EventKind::ended) {
     apply_ended(event);
   }
 }
@@ -130,7 +130,7 @@ void WatchState::apply_began(const Event& event) {
       return;
     }
     doubt();
-    emit_missed(held->second, What::ended, Why::none, event.sequence);
+    emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
     release(held);
   }
   if (carry_over(event)) {
@@ -163,7 +163,7 @@ void WatchState::end_namesake(const Event& event) {
   }
   doubt();
   const auto held = held_.find(named->second);
-  emit_missed(held->second, What::ended, Why::none, event.sequence);
+  emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
   release(held);
 }
 
@@ -175,11 +175,11 @@ void WatchState::apply_ended(const Event& event) {
   if (held == held_.end() || held->second.episode != event.episode) {
     doubt();
     if (held != held_.end()) {
-      emit_missed(held->second, What::ended, Why::none, event.sequence);
+      emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
       release(held);
     }
     end_namesake(event);
-    emit_missed(event, What::began, Why::none, event.sequence);
+    emit_missed(event, EventKind::began, EndReason::none, event.sequence);
     Event contact = as_open(event);
     contact.began = happened(event);  // since when it held was missed
     hold(contact);
@@ -196,7 +196,7 @@ void WatchState::hear_persisted(const HeardFrame& frame) {
   }
   for (const HeardFrame::Entry& entry : frame.entries) {
     const auto held = held_.find(pair_of(entry.event));
-    if (entry.event.what != What::persisted || held == held_.end() || held->second.episode != entry.event.episode) {
+    if (entry.event.kind != EventKind::persisted || held == held_.end() || held->second.episode != entry.event.episode) {
       continue;
     }
     Event persisted = named_as(held->second, entry.event);
@@ -219,10 +219,10 @@ bool WatchState::carry_over(const Event& event) {
   return true;
 }
 
-void WatchState::emit_missed(const Event& contact, What what, Why why, std::uint64_t sequence) {
+void WatchState::emit_missed(const Event& contact, EventKind what, EndReason why, std::uint64_t sequence) {
   Event missed = contact;
-  missed.what = what;
-  missed.why = why;
+  missed.kind = what;
+  missed.reason = why;
   missed.resync = true;
   missed.sequence = sequence;
   missed.epoch = life_->epoch;
@@ -305,10 +305,10 @@ bool WatchState::bookmark_vouches() const {
         sequence <= shards_[entry.shard].as_of_sequence) {
       continue;
     }
-    if (entry.event.what == What::began) {
+    if (entry.event.kind == EventKind::began) {
       hash += hash_of(entry.event);
       ++count;
-    } else if (entry.event.what == What::ended) {
+    } else if (entry.event.kind == EventKind::ended) {
       hash -= hash_of(entry.event);
       --count;
     }
@@ -328,9 +328,9 @@ WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
         entry.event.sequence <= shards_[entry.shard].as_of_sequence) {
       continue;
     }
-    if (entry.event.what == What::ended) {
+    if (entry.event.kind == EventKind::ended) {
       state.erase(pair_of(entry.event));
-    } else if (entry.event.what == What::began) {
+    } else if (entry.event.kind == EventKind::began) {
       Event contact = as_open(entry.event);
       contact.began = start_of(entry.event);
       state.insert_or_assign(pair_of(entry.event), contact);
@@ -345,7 +345,7 @@ void WatchState::adopt_first() {
   for (const auto& [pair, contact] : state_at(at)) {
     end_namesake(contact);
     hold(contact);
-    emit_missed(contact, What::open, Why::none, at);
+    emit_missed(contact, EventKind::open, EndReason::none, at);
   }
   const std::deque<HeardFrame::Entry> recent = recent_;
   for (const HeardFrame::Entry& entry : recent) {
@@ -370,13 +370,13 @@ void WatchState::adopt_differences() {
     }
     Event ended = held->second;
     ended.world_time = bookmark_->world_time;
-    emit_missed(ended, What::ended, Why::none, at);
+    emit_missed(ended, EventKind::ended, EndReason::none, at);
     held = release(held);
   }
   for (const auto& [pair, contact] : state) {
     if (!held_.contains(pair) && !carry_over(contact)) {
       end_namesake(contact);
-      emit_missed(contact, What::began, Why::none, at);
+      emit_missed(contact, EventKind::began, EndReason::none, at);
       hold(contact);
     }
   }
@@ -397,7 +397,7 @@ void WatchState::end_carried() {
   for (const auto& [names, contact] : gone) {
     Event ended = contact;
     ended.world_time = bookmark_->world_time;
-    emit_missed(ended, What::ended, Why::server_restarted, applied_);
+    emit_missed(ended, EventKind::ended, EndReason::server_restarted, applied_);
   }
 }
 

@@ -95,7 +95,7 @@ class WatchState {
   void end_namesake(const Event& event);
   /// Takes a pair held over from an earlier life into this one; false when there is none of these names.
   bool carry_over(const Event& event);
-  void emit_missed(const Event& contact, What what, Why why, std::uint64_t sequence);
+  void emit_missed(const Event& contact, EventKind what, EndReason why, std::uint64_t sequence);
   void note(const HeardFrame::Entry& entry);
 
   void try_adopt();

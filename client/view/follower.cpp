@@ -47,9 +47,9 @@ void Follower::look_at_poses() {
   const Result<Poses> poses = client_.poses();
   if (!poses) return;
   look_at_objects(*poses);
-  if (poses->version == told_version_ && poses->epoch == told_epoch_) return;
-  told_version_ = poses->version;
-  told_epoch_ = poses->epoch;
+  if (poses->version == reported_version_ && poses->epoch == reported_epoch_) return;
+  reported_version_ = poses->version;
+  reported_epoch_ = poses->epoch;
   observer_.poses(*poses);
 }
 

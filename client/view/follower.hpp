@@ -61,8 +61,8 @@ class Follower {
 
   // Of the looking thread.
   std::shared_ptr<const ShownObjects> shown_;
-  std::uint64_t told_version_ = 0;
-  std::uint64_t told_epoch_ = 0;
+  std::uint64_t reported_version_ = 0;
+  std::uint64_t reported_epoch_ = 0;
   Clock::time_point next_objects_;
   Clock::time_point next_status_;
   Clock::time_point heard_;

@@ -181,7 +181,7 @@ std::string frame_transforms(const Poses& poses, const std::map<std::uint64_t, s
 std::string contact_update(std::span<const Event> events) {
   json entities = json::array();
   for (const Event& event : events) {
-    if (event.what != What::began || event.doubt != Doubt::none || !event.point.allFinite()) continue;
+    if (event.kind != EventKind::began || event.doubt != Doubt::none || !event.point.allFinite()) continue;
     const Quat turn = Quat::FromTwoVectors(Vec3::UnitX(), event.normal);
     const json arrow{{"pose", pose(event.point, turn)}, {"shaft_length", 0.2}, {"shaft_diameter", 0.02}, {"head_length", 0.08}, {"head_diameter", 0.06}, {"color", kAccent}};
     entities.push_back({{"timestamp", time(event.world_time)},
@@ -198,7 +198,7 @@ std::string contact_update(std::span<const Event> events) {
 std::string event_json(const Event& event) {
   constexpr const char* kNames[] = {"open", "began", "persisted", "ended"};
   return text_of({{"timestamp", time(event.world_time)},
-                  {"what", kNames[static_cast<std::size_t>(event.what)]},
+                  {"what", kNames[static_cast<std::size_t>(event.kind)]},
                   {"a", event.a},
                   {"b", event.b},
                   {"depth", std::isfinite(event.depth_m) ? json(event.depth_m) : json(nullptr)},

@@ -62,11 +62,11 @@ void PageFeed::events(std::span<const Event> events) {
     const std::lock_guard lock(mutex_);
     for (const Event& event : events) {
       const std::pair pair(event.a_id, event.b_id);
-      if (event.what == What::ended) contacts_.erase(pair);
+      if (event.kind == EventKind::ended) contacts_.erase(pair);
       else if (contacts_.size() < kMostContacts) contacts_.insert_or_assign(pair, event);
     }
   }
-  tell_(text_message(events_text(events, kMostEventsTold)));
+  tell_(text_message(events_text(events, kMostEventsReported)));
 }
 
 std::vector<WebMessage> PageFeed::first_words() const {
@@ -76,7 +76,7 @@ std::vector<WebMessage> PageFeed::first_words() const {
   if (shown_) words.push_back(text_message(table_text(*shown_), kTable));
   std::vector<Event> contacts;
   for (const auto& [pair, contact] : contacts_) contacts.push_back(contact);
-  words.push_back(text_message(contacts_text(contacts, kMostContactsTold)));
+  words.push_back(text_message(contacts_text(contacts, kMostContactsReported)));
   if (poses_) words.push_back({poses_, false, kPoses});
   return words;
 }

@@ -41,8 +41,8 @@ class PageFeed : public Observer {
  private:
   /// A world may hold more contacts than a page can show or a viewer should keep.
   static constexpr std::size_t kMostContacts = 20'000;
-  static constexpr std::size_t kMostContactsTold = 2'000;
-  static constexpr std::size_t kMostEventsTold = 500;
+  static constexpr std::size_t kMostContactsReported = 2'000;
+  static constexpr std::size_t kMostEventsReported = 500;
 
   struct KnownSurface {
     std::shared_ptr<const Surface> surface;

@@ -131,12 +131,12 @@ Vec3 middle(const Points& points, PointOf&& point_of) {
   return center.allFinite() ? center : Vec3::Zero();
 }
 
-std::string_view name_of(What what) {
+std::string_view name_of(EventKind what) {
   constexpr std::string_view kNames[] = {"open", "began", "persisted", "ended"};
   return kNames[static_cast<std::size_t>(what)];
 }
 
-std::string_view name_of(Why why) {
+std::string_view name_of(EndReason why) {
   constexpr std::string_view kNames[] = {"", "separated", "removed", "publisher_lost", "teleported", "geometry_changed", "server_stopping", "server_restarted", "decided"};
   return kNames[static_cast<std::size_t>(why)];
 }
@@ -151,7 +151,7 @@ std::string_view name_of(Verdict verdict) {
   return kNames[static_cast<std::size_t>(verdict)];
 }
 
-std::string_view name_of(Undecided reason) {
+std::string_view name_of(UndecidedReason reason) {
   constexpr std::string_view kNames[] = {"", "numeric", "stale_object", "recovering", "truncated", "deadline", "not_covered"};
   return kNames[static_cast<std::size_t>(reason)];
 }
@@ -161,7 +161,7 @@ double seconds(std::chrono::nanoseconds time) {
 }
 
 json event_text(const Event& event) {
-  json text{{"what", name_of(event.what)},
+  json text{{"what", name_of(event.kind)},
             {"a", event.a},
             {"b", event.b},
             {"a_slot", slot_of(event.a_id)},
@@ -169,8 +169,8 @@ json event_text(const Event& event) {
             {"time", seconds(event.world_time)},
             {"sequence", event.sequence},
             {"episode", event.episode}};
-  if (event.what == What::ended) {
-    text["why"] = name_of(event.why);
+  if (event.kind == EventKind::ended) {
+    text["why"] = name_of(event.reason);
     text["after"] = seconds(lasted(event));
   } else if (event.doubt == Doubt::none) {
     text["point"] = numbers(event.point);

@@ -55,7 +55,7 @@ class Kinds {
     const Triangle one = mesh_.triangle(triangle_of(uses[0]));
     const Triangle other = mesh_.triangle(triangle_of(uses[1]));
     const bool turned_over = table_.is_inconsistent(edge);
-    const Verdict crease =
+    const ExactResult crease =
         kernel::climb([&]<class N>() { return is_crease<N>(one, other, turned_over, view_.crease_cosine); });
     if (crease.yes()) kind |= kCreaseEdge;
     if (view_.eye) {

@@ -50,7 +50,7 @@ Aabb bounds_of_part(const ConvexPart& part) {
   return std::visit([](const auto& shape) { return bounds(shape); }, part);
 }
 
-Verdict overlaps(const ConvexPart& a, const ConvexPart& b) {
+ExactResult overlaps(const ConvexPart& a, const ConvexPart& b) {
   return std::visit(
       [](const auto& first, const auto& second) {
         using First = std::decay_t<decltype(first)>;

@@ -2,7 +2,7 @@
 
 #include <variant>
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/separation.hpp"
 #include "server/geometry/aabb.hpp"
@@ -19,7 +19,7 @@ inline const HalfSpace* half_space_of(const ConvexPart& part) {
 }
 
 /// As in overlap.hpp and contact.hpp, for whatever kinds the two hold.
-Verdict overlaps(const ConvexPart& a, const ConvexPart& b);
+ExactResult overlaps(const ConvexPart& a, const ConvexPart& b);
 Contact contact(const ConvexPart& a, const ConvexPart& b);
 Aabb bounds_of_part(const ConvexPart& part);
 

@@ -102,15 +102,15 @@ bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const 
   }
   Dyadic total;
   Dyadic of_discs;
-  Vector<Dyadic> beside = at(Vec3::Zero());
+  Vector<Dyadic> summand = at(Vec3::Zero());
   for (const auto& [corner, weight] : mix) {
     if (weight.sign() < 0) return false;
     total = total + weight;
     if (static_cast<int>(corner) >= set.first_disc) of_discs = of_discs + weight;
-    beside = beside - weight * at(set.point(static_cast<int>(corner)));
+    summand = summand - weight * at(set.point(static_cast<int>(corner)));
   }
   if (total.sign() <= 0) return false;
-  beside = c.divisor * beside + total * c.point;
+  summand = c.divisor * summand + total * c.point;
   const Dyadic scale = total * c.divisor;
   const auto at_most_square = [](const Dyadic& square_of, const Dyadic& root) { return (square_of - root * root).sign() <= 0; };
   if (set.plus != Convex::Plus::nothing) {
@@ -119,7 +119,7 @@ bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const 
     if (volume.sign() == 0) return false;
     Dyadic squares;
     for (int k = 0; k < 3; ++k) {
-      const Dyadic along = dot(beside, cross(axis[(k + 1) % 3], axis[(k + 2) % 3]));
+      const Dyadic along = dot(summand, cross(axis[(k + 1) % 3], axis[(k + 2) % 3]));
       if (set.plus == Convex::Plus::box && !at_most_square(along * along, Dyadic(set.half_m[k]) * volume * scale)) return false;
       const Dyadic part_of = along * Dyadic(set.half_m[(k + 1) % 3]) * Dyadic(set.half_m[(k + 2) % 3]);
       squares = squares + part_of * part_of;
@@ -128,10 +128,10 @@ bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const 
     return set.plus == Convex::Plus::box || at_most_square(squares, halves * volume * scale);
   }
   if (set.disc_m > 0) {
-    const bool is_across = dot(beside, at(set.carrier[1]) - at(set.carrier[0])).sign() == 0;
-    return is_across && at_most_square(square(beside), Dyadic(set.disc_m) * of_discs * c.divisor);
+    const bool is_across = dot(summand, at(set.carrier[1]) - at(set.carrier[0])).sign() == 0;
+    return is_across && at_most_square(square(summand), Dyadic(set.disc_m) * of_discs * c.divisor);
   }
-  return at_most_square(square(beside), Dyadic(set.ball_m) * scale);
+  return at_most_square(square(summand), Dyadic(set.ball_m) * scale);
 }
 
 /// The exponent of the lowest bit of any of the numbers.
@@ -162,14 +162,14 @@ bool can_be_read(const Convex& set, const Proof& proof, const ExactMix& mix) {
   long of_x = 2000;
   for (const ExactSum& x : proof.point) of_x = std::min(of_x, lowest_bit(x));
   const long of_divisor = lowest_bit(proof.divisor);
-  const long way = of_mix + std::min(of_x, of_divisor + of_points);
+  const long displacement = of_mix + std::min(of_x, of_divisor + of_points);
   const double sizes[] = {set.ball_m, set.disc_m};
   const long radius = of_mix + of_divisor + lowest_bit(sizes);
-  if (set.plus == Convex::Plus::nothing) return (set.ball_m > 0 || set.disc_m > 0 ? 2 * std::min(way, radius) : way) > kLowest;
+  if (set.plus == Convex::Plus::nothing) return (set.ball_m > 0 || set.disc_m > 0 ? 2 * std::min(displacement, radius) : displacement) > kLowest;
   const long axes = lowest_bit_of(set.axes);
   const long halves = lowest_bit_of(set.half_m);
   const bool is_box = set.plus == Convex::Plus::box;
-  const long along = way + 2 * axes + (is_box ? 0 : 2 * halves);
+  const long along = displacement + 2 * axes + (is_box ? 0 : 2 * halves);
   const long volume = of_mix + of_divisor + 3 * axes + (is_box ? 1 : 3) * halves;
   return 2 * std::min(along, volume) > kLowest;
 }
@@ -213,9 +213,9 @@ bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& trian
   }
   if (c.divisor.sign() <= 0) return false;
   const ConvexPart& other = is_a ? b : a;
-  const std::optional<Mix> beside = mix_beside(other, convex_of(other), c);
-  if (!beside) return false;
-  return is_a ? fill(a, b, c, mix, *beside, proof) : fill(a, b, c, *beside, mix, proof);
+  const std::optional<Mix> summand = mix_beside(other, convex_of(other), c);
+  if (!summand) return false;
+  return is_a ? fill(a, b, c, mix, *summand, proof) : fill(a, b, c, *summand, mix, proof);
 }
 
 bool at_point(const ConvexPart& a, const ConvexPart& b, const Candidate& c, Proof& proof) {
@@ -287,8 +287,8 @@ void append_nearest(const Convex& a, const Convex& b, std::vector<Vec3>& points)
   const Vec3 near_b = b.carrier[0] + proposal.on_b();
   // Between the two without their balls, the middle of what both balls cover.
   const double apart_m = (near_b - near_a).stableNorm();
-  const Vec3 way = apart_m > 0 ? Vec3((near_b - near_a) / apart_m) : Vec3(Vec3::Zero());
-  points.insert(points.end(), {near_a, near_b, near_a / 2 + near_b / 2, near_a + (a.ball_m + (apart_m - b.ball_m)) / 2 * way});
+  const Vec3 displacement = apart_m > 0 ? Vec3((near_b - near_a) / apart_m) : Vec3(Vec3::Zero());
+  points.insert(points.end(), {near_a, near_b, near_a / 2 + near_b / 2, near_a + (a.ball_m + (apart_m - b.ball_m)) / 2 * displacement});
 }
 
 /// Points that both sets may hold: the nearest ones of the two, and of the two drawn in, which are off the borders where
@@ -309,7 +309,7 @@ Vec3 support_of(const ConvexPart& part, const Vec3& n) {
 }
 
 PartNumbers numbers_of(const ConvexPart& part) {
-  using Beside = PartNumbers::Beside;
+  using Summand = PartNumbers::Summand;
   const Convex set = convex_of(part);
   PartNumbers numbers;
   numbers.radius_m = set.disc_m > 0 ? set.disc_m : set.ball_m;
@@ -318,14 +318,14 @@ PartNumbers numbers_of(const ConvexPart& part) {
   numbers.half_m = set.half_m;
   for (int i = 0; i < set.count(); ++i) numbers.points.push_back(set.point(i));
   if (const HalfSpace* ground = half_space_of(part)) {
-    numbers.beside = Beside::half_space;
+    numbers.summand = Summand::half_space;
     numbers.axes.col(0) = ground->normal;
   } else if (set.plus != Convex::Plus::nothing) {
-    numbers.beside = set.plus == Convex::Plus::box ? Beside::box : Beside::ellipsoid;
+    numbers.summand = set.plus == Convex::Plus::box ? Summand::box : Summand::ellipsoid;
   } else if (set.disc_m > 0) {
-    numbers.beside = Beside::disc;
+    numbers.summand = Summand::disc;
   } else if (set.ball_m > 0) {
-    numbers.beside = Beside::ball;
+    numbers.summand = Summand::ball;
   }
   return numbers;
 }

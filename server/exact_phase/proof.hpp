@@ -24,8 +24,8 @@ struct ProofStep {
 
 /// A part's numbers as CertifiedPart in collided/certificate.hpp has them.
 struct PartNumbers {
-  enum class Beside : std::uint8_t { nothing, ball, box, ellipsoid, disc, half_space };
-  Beside beside = Beside::nothing;
+  enum class Summand : std::uint8_t { nothing, ball, box, ellipsoid, disc, half_space };
+  Summand summand = Summand::nothing;
   std::vector<Vec3> points;
   double radius_m = 0;
   bool tapers = false;

@@ -22,11 +22,11 @@ struct Ball {
 /// The ball in whose border all the points are, with its centre in their hull's plane.
 Ball ball_through(const std::vector<Vec3>& points) {
   const auto count = static_cast<int>(points.size()) - 1;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> ways(3, count);
-  for (int i = 0; i < count; ++i) ways.col(i) = points[static_cast<std::size_t>(i) + 1] - points[0];
-  const Eigen::MatrixXd products = ways.transpose() * ways;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> motions(3, count);
+  for (int i = 0; i < count; ++i) motions.col(i) = points[static_cast<std::size_t>(i) + 1] - points[0];
+  const Eigen::MatrixXd products = motions.transpose() * motions;
   const Eigen::VectorXd shares = count == 0 ? Eigen::VectorXd() : Eigen::VectorXd(products.fullPivLu().solve(products.diagonal() / 2));
-  const Vec3 to_center = count == 0 ? Vec3::Zero() : Vec3(ways * shares);
+  const Vec3 to_center = count == 0 ? Vec3::Zero() : Vec3(motions * shares);
   return {points[0] + to_center, to_center.squaredNorm()};
 }
 

@@ -8,7 +8,7 @@ namespace collided::engine::service {
 using wire_contract::QueryKind;
 
 SelfTestResult self_test(const Snapshot& snapshot, std::uint32_t question_count, std::uint64_t seed) {
-  constexpr std::size_t kMostTold = 5;
+  constexpr std::size_t kMostReported = 5;
   RandomQuestions random(snapshot, seed);
   SelfTestResult result;
   Answers answers;
@@ -22,7 +22,7 @@ SelfTestResult self_test(const Snapshot& snapshot, std::uint32_t question_count,
       const std::string difference = audit(snapshot, question, answers);
       ++result.asked;
       if (difference.empty()) ++result.equal;
-      else if (result.differences.size() < kMostTold) result.differences.push_back(difference);
+      else if (result.differences.size() < kMostReported) result.differences.push_back(difference);
     }
   }
   return result;

@@ -171,8 +171,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
 
 std::unique_ptr<DurableState> Server::Parts::keep() {
   if (epoch.kept_in.empty()) return nullptr;
-  const std::filesystem::path beside = std::filesystem::path(epoch.kept_in).replace_extension(".journal");
-  auto kept = std::make_unique<DurableState>(disk_in(beside.parent_path().string()), beside.filename().string(), epoch.crashed,
+  const std::filesystem::path summand = std::filesystem::path(epoch.kept_in).replace_extension(".journal");
+  auto kept = std::make_unique<DurableState>(disk_in(summand.parent_path().string()), summand.filename().string(), epoch.crashed,
                                              [this](const std::string& sentence) { log->warn("{}", sentence); });
   if (kept->had_covers()) world.state_covers("", {});
   if (!kept->publishers_left().empty()) log->warn("waiting for {} publishers from before", kept->publishers_left().size());

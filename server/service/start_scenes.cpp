@@ -71,7 +71,7 @@ void add(World& world, const LoadedScene& loaded) {
 
 void print_plan(const World& world) {
   for (const PlanRow& row : plan_of(*world.newest(), false)) {
-    if (!row.built) fmt::print("  left out {}: {}\n", row.structure, row.why);
+    if (!row.built) fmt::print("  left out {}: {}\n", row.structure, row.reason);
   }
 }
 

@@ -11,7 +11,7 @@
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 namespace collided::vcollide {
 

@@ -61,7 +61,7 @@ void run(const Options& options, const std::string& a, const std::string& b, boo
   std::size_t undecided = 0;
   for (std::size_t i = 0; i < kPairs; ++i) {
     placed.emplace_back(in_world(first[i]), in_world(second[i]));
-    const Verdict verdict = overlaps(placed[i].first, placed[i].second);
+    const ExactResult verdict = overlaps(placed[i].first, placed[i].second);
     answers.push_back(verdict.yes());
     undecided += verdict.decision == Decision::undecided;
   }

@@ -41,7 +41,7 @@ void time_rays(const char* name, const std::vector<Ray>& rays, const Cast& cast)
     const double begin = thread_seconds();
     for (const Ray& ray : rays) {
       double error_m = 0;
-      const Verdict verdict = cast(ray, error_m);
+      const ExactResult verdict = cast(ray, error_m);
       hits += verdict.yes();
       by_double += verdict.level == Level::filter;
       worst_m = std::max(worst_m, error_m);
@@ -59,7 +59,7 @@ void time_surface(const char* name, const char* text, const std::vector<Ray>& ra
   const auto cast = [&](double relative_width) {
     return [&surface, relative_width](const Ray& ray, double& error_m) {
       ImplicitHit hit;
-      const Verdict verdict = cast_ray(ray, surface, hit, relative_width);
+      const ExactResult verdict = cast_ray(ray, surface, hit, relative_width);
       if (verdict.yes()) error_m = hit.distance_error_m;
       return verdict;
     };
@@ -74,7 +74,7 @@ void time_surface(const char* name, const char* text, const std::vector<Ray>& ra
                              rays.begin() + std::min<std::ptrdiff_t>(2000, static_cast<std::ptrdiff_t>(rays.size())));
   time_rays("rationals alone", few, [&](const Ray& ray, double& error_m) {
     ImplicitHit hit;
-    const Verdict verdict = cast_ray_by_rationals(ray, surface, hit);
+    const ExactResult verdict = cast_ray_by_rationals(ray, surface, hit);
     if (verdict.yes()) error_m = hit.distance_error_m;
     return verdict;
   });
@@ -91,7 +91,7 @@ int main() {
   std::printf("sphere of closed form\n");
   time_rays("whole ladder", at_sphere, [](const Ray& ray, double& error_m) {
     RayHit hit;
-    const Verdict verdict = cast_ray(ray, Sphere{Vec3::Zero(), 1}, hit);
+    const ExactResult verdict = cast_ray(ray, Sphere{Vec3::Zero(), 1}, hit);
     if (verdict.yes()) error_m = hit.distance_error_m;
     return verdict;
   });

@@ -82,7 +82,7 @@ class Ours final : public MeshPairPeer {
       placed_ = place(frame_, b_.triangle(j));
       placed_number_ = j;
     }
-    const Verdict verdict = overlaps(a_.triangle(i), placed_);
+    const ExactResult verdict = overlaps(a_.triangle(i), placed_);
     above_filter_ += verdict.level != Level::filter;
     if (!verdict.yes()) return true;
     yes_ = true;

@@ -209,7 +209,7 @@ void Bench::overlap(Set set, bool any, const Places& places) {
     if (any) {
       const Answers& answers =
           product_.ask(set == Set::sphere ? QueryKind::sphere : QueryKind::box, RayMode::any, numbers, 1);
-      for (std::size_t i = 0; i < count; ++i) ours[i] = answers.answers[i] == wire_contract::Answer::hit ? 1 : 0;
+      for (std::size_t i = 0; i < count; ++i) ours[i] = answers.answers[i] == wire_contract::Verdict::hit ? 1 : 0;
       return;
     }
     for (std::size_t i = 0; i < count; ++i) {

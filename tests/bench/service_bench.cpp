@@ -18,6 +18,7 @@
 #include <sstream>
 #include <string>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 #include <collided/client.hpp>
@@ -54,7 +55,7 @@ T must(collided::Result<T> result) {
     std::fprintf(stderr, "service_bench: %s\n", result.error().message.c_str());
     std::exit(1);
   }
-  return std::move(*result);
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
 int round_trips(collided::Client& client, int count) {

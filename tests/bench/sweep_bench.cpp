@@ -36,10 +36,10 @@ std::vector<Case> cases() {
 }
 
 /// From above the ground to anywhere near it, some metres on.
-std::vector<BodyWay> ways(bool turn, std::mt19937_64& random) {
+std::vector<BodyMotion> motions(bool turn, std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto any = [&] { return uniform(random); };
-  std::vector<BodyWay> made;
+  std::vector<BodyMotion> made;
   for (std::size_t i = 0; i < kWays; ++i) {
     const double x = 40 * any(), y = 40 * any();
     const Vec3 from(x, y, 6 + 2 * any());
@@ -53,9 +53,9 @@ std::vector<BodyWay> ways(bool turn, std::mt19937_64& random) {
 }
 
 /// Whether poses of the way say the same: none touches before the bracket, and that at its end does.
-bool agrees(const ObjectInfo& mover, const BodyWay& way, const StaticScene& scene, const SweptTouch& found) {
+bool agrees(const ObjectInfo& mover, const BodyMotion& motion, const StaticScene& scene, const SweptTouch& found) {
   const auto touches = [&](double t) {
-    const Frame frame = way.at(t);
+    const Frame frame = motion.at(t);
     bool yes = false;
     WalkCost cost;
     const auto every = [](std::uint32_t) { return true; };
@@ -82,7 +82,7 @@ bool agrees(const ObjectInfo& mover, const BodyWay& way, const StaticScene& scen
 }
 
 void run(const Options& options, const Case& one, const StaticScene& scene, std::mt19937_64& random) {
-  const std::vector<BodyWay> way = ways(one.turns, random);
+  const std::vector<BodyMotion> motion = motions(one.turns, random);
   if (!options.wants("terrain", one.name)) return;
   const ObjectInfo mover = without_world(one.shape);
   const SweptBody ground(scene);
@@ -92,13 +92,13 @@ void run(const Options& options, const Case& one, const StaticScene& scene, std:
     SweptTouch touch;
     WalkCost cost;
     const double start = thread_seconds();
-    sweep(SweptBody(mover, way[i]), ground, {}, cost, touch);
+    sweep(SweptBody(mover, motion[i]), ground, {}, cost, touch);
     spent_us.push_back((thread_seconds() - start) * 1e6);
     hits += touch.yes;
     tests += touch.exact_tests;
     if (i % 10 != 0) continue;
     ++compared;
-    equal += agrees(mover, way[i], scene, touch);
+    equal += agrees(mover, motion[i], scene, touch);
   }
   std::sort(spent_us.begin(), spent_us.end());
   char note[160];
@@ -107,7 +107,7 @@ void run(const Options& options, const Case& one, const StaticScene& scene, std:
   std::vector<Method> methods{{.name = "collided",
                                .run =
                                    [&] {
-                                     for (const BodyWay& on : way) {
+                                     for (const BodyMotion& on : motion) {
                                        SweptTouch touch;
                                        WalkCost cost;
                                        sweep(SweptBody(mover, on), ground, {}, cost, touch);

@@ -10,7 +10,7 @@ class Ask : public testing::Test {
  protected:
   void SetUp() override { fake::reset(); }
 
-  static Answer answer(Verdict verdict, Undecided reason = Undecided::none) {
+  static Answer answer(Verdict verdict, UndecidedReason reason = UndecidedReason::none) {
     Answer answer;
     answer.verdict = verdict;
     answer.reason = reason;
@@ -87,19 +87,19 @@ TEST_F(Ask, TheThreeAnswersAreThreeExitCodes) {
   answer_rays(answer(Verdict::miss));
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1").code, 1);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --exit-zero").code, 0);
-  answer_rays(answer(Verdict::undecided, Undecided::numeric));
+  answer_rays(answer(Verdict::undecided, UndecidedReason::numeric));
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1").code, 3);
   EXPECT_EQ(collide("--exit-zero ray 0 0 5 0 0 -1").code, 0);
 }
 
 TEST_F(Ask, UndecidedSaysWhy) {
-  answer_rays(answer(Verdict::undecided, Undecided::numeric));
+  answer_rays(answer(Verdict::undecided, UndecidedReason::numeric));
   EXPECT_EQ(at_terminal("ray 0 0 5 0 0 -1").out, "undecided: numeric; both answers are consistent with the input\n");
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --json").out, "{\"answer\":\"undecided\",\"reason\":\"numeric\"}\n");
 }
 
 TEST_F(Ask, WhatIsNotCoveredSaysWhere) {
-  Answer uncovered = answer(Verdict::undecided, Undecided::not_covered);
+  Answer uncovered = answer(Verdict::undecided, UndecidedReason::not_covered);
   uncovered.uncovered = Uncovered{.point = {0, 0, 8}, .covered_m = 3};
   answer_rays(uncovered);
   const Ran ran = at_terminal("ray 0 0 5 0 0 1");
@@ -126,7 +126,7 @@ TEST_F(Ask, OptionsReachTheServer) {
   answer_rays(shelf());
   collide("ray 0 0 5 0 0 -1 --all --only 'pallet_*' --skip p9 --mask 0x6 --within 1um --deadline 200us --timeout 3s --max-hits 7 --fresh");
   const AskOptions& options = fake::server().last_options;
-  EXPECT_EQ(options.pick, Pick::all);
+  EXPECT_EQ(options.mode, HitMode::all);
   EXPECT_EQ(options.only, "pallet_*");
   EXPECT_EQ(options.skip, "p9");
   EXPECT_EQ(options.mask, 6U);
@@ -202,7 +202,7 @@ TEST_F(Ask, AStandingQuestionPrintsOnlyWhatChanges) {
     ++asked;
     if (asked <= 3) return fake::hit_answer({fake::hit("wall", 0.01, {1, 0, 0})});
     if (asked <= 5) return fake::hit_answer({fake::hit("wall", 0.01, {1, 0, 0}), fake::hit("drone", 0.02, {0, 1, 0})});
-    if (asked == 6) return answer(Verdict::undecided, Undecided::deadline);
+    if (asked == 6) return answer(Verdict::undecided, UndecidedReason::deadline);
     return fake::hit_answer({fake::hit("drone", 0.02, {0, 1, 0})});
   };
   const Ran ran = collide("sphere 0 0 0 1 --watch --every 1ms -n 5 --fields change,object,depth,reason");

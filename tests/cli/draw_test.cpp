@@ -90,7 +90,7 @@ TEST_F(DrawVerb, OpenContactsAreRingsAsDeepAsTheyAre) {
   fake::server().status.contacts = 2;
   for (const char* other : {"floor", "not drawn"}) {
     Event event;
-    event.what = What::open;
+    event.kind = EventKind::open;
     event.a = "crate";
     event.b = other;
     fake::server().events.push_back(event);
@@ -114,7 +114,7 @@ TEST_F(DrawVerb, OpenContactsAreRingsAsDeepAsTheyAre) {
 TEST_F(DrawVerb, RaysAreAskedAndDrawn) {
   std::vector<Vec3> origins;
   fake::server().ray = [&](const RayQuestion& ray, const AskOptions& options) {
-    if (options.pick != Pick::closest) return Answer{};
+    if (options.mode != HitMode::closest) return Answer{};
     origins.push_back(ray.origin);
     return ray.direction.z() < 0 ? fake::hit_answer({fake::hit("crate", 3, {0, 0, 1})}) : Answer{};
   };

@@ -99,12 +99,12 @@ Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOp
   return answer_all(questions, options, fake::server().near);
 }
 
-Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> ways, const AskOptions& options) {
+Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> motions, const AskOptions& options) {
   std::function<Answer(const SweepQuestion&, const AskOptions&)> respond;
   if (fake::server().sweep) {
-    respond = [&](const SweepQuestion& way, const AskOptions& asked) { return fake::server().sweep(shape, way, asked); };
+    respond = [&](const SweepQuestion& motion, const AskOptions& asked) { return fake::server().sweep(shape, motion, asked); };
   }
-  return answer_all(ways, options, respond);
+  return answer_all(motions, options, respond);
 }
 
 std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion> questions, AskOptions options) {
@@ -146,9 +146,9 @@ Result<ShownObjects> Client::shapes(const ShapesOptions& options, const ShownObj
   return fake::server().shapes(options);
 }
 
-Result<Done> Client::add_probe(const Probe& probe) {
+Result<void> Client::add_probe(const Probe& probe) {
   fake::server().probes.push_back(probe);
-  return Done{};
+  return {};
 }
 Result<std::size_t> Client::remove_probes(const std::string& name) {
   return std::erase_if(fake::server().probes, [&](const Probe& probe) { return probe.name == name; });
@@ -240,16 +240,16 @@ Result<Publisher::Object> Publisher::add(const ObjectOptions& options) {
   objects[handle] = options;
   return handle;
 }
-Result<Done> Publisher::remove(Object object) {
+Result<void> Publisher::remove(Object object) {
   fake::server().publishers[state_->index].objects.erase(object);
-  return Done{};
+  return {};
 }
-Result<Done> Publisher::move(Object object, const Pose& pose, bool) {
+Result<void> Publisher::move(Object object, const Pose& pose, bool) {
   fake::server().publishers[state_->index].pending[object] = pose;
   if (fake::server().on_move) {
     if (auto error = fake::server().on_move()) return *error;
   }
-  return Done{};
+  return {};
 }
 Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) {
   fake::Published& published = fake::server().publishers[state_->index];
@@ -260,11 +260,11 @@ Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) {
   return std::uint64_t{published.batches.size()};
 }
 void Publisher::stream() { fake::server().publishers[state_->index].is_streamed = true; }
-Result<Done> Publisher::keep_alive() {
-  return Done{};
+Result<void> Publisher::keep_alive() {
+  return {};
 }
-Result<Done> Publisher::wait_applied(std::chrono::nanoseconds) {
-  return Done{};
+Result<void> Publisher::wait_applied(std::chrono::nanoseconds) {
+  return {};
 }
 
 std::string_view library_version() {

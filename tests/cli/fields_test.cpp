@@ -101,10 +101,10 @@ TEST_F(Fields, OfAPairAreThoseOfItsAnswer) {
   EXPECT_EQ(ran.out, "touching  depth 5 m ±6  at 13 14 15  apart by 5 10 15\n  bears at 18 19 20  21 m deep ±22\n");
 }
 
-Event event(What what) {
+Event event(EventKind what) {
   Event event;
-  event.what = what;
-  event.why = what == What::ended ? Why::teleported : Why::none;
+  event.kind = what;
+  event.reason = what == EventKind::ended ? EndReason::teleported : EndReason::none;
   event.resync = true;
   event.a = "x";
   event.b = "y";
@@ -129,7 +129,7 @@ Event event(What what) {
 }
 
 TEST_F(Fields, OfAnEventAreTheServersOwn) {
-  fake::server().events = {event(What::open), event(What::began), event(What::persisted), event(What::ended)};
+  fake::server().events = {event(EventKind::open), event(EventKind::began), event(EventKind::persisted), event(EventKind::ended)};
   std::vector<json> all;
   const Ran ran = collide("watch -n 4 --persisted --json");
   std::istringstream lines(ran.out);
@@ -155,10 +155,10 @@ TEST_F(Fields, OfAnEventAreTheServersOwn) {
 
 // Neither a depth nor a place is made up where it is not known whether the two touch.
 TEST_F(Fields, ADoubtIsToldWithItsReasonAndNothingThatNobodyKnows) {
-  Event began = event(What::began);
+  Event began = event(EventKind::began);
   began.doubt = Doubt::cost_limit;
-  Event ended = event(What::ended);
-  ended.why = Why::decided;
+  Event ended = event(EventKind::ended);
+  ended.reason = EndReason::decided;
   ended.doubt = Doubt::numeric;
   fake::server().events = {began, ended};
   const Ran ran = collide("watch -n 2 --json");
@@ -186,22 +186,22 @@ TEST_F(Fields, PairsInDoubtAreCountedInTheStatus) {
 }
 
 TEST_F(Fields, EveryReasonOfAnEndHasItsOwnWord) {
-  const std::vector<std::pair<Why, const char*>> words{{Why::separated, "separated"}, {Why::removed, "removed"}, {Why::publisher_lost, "publisher_lost"},
-                                                       {Why::teleported, "teleported"}, {Why::geometry_changed, "geometry_changed"},
-                                                       {Why::server_stopping, "server_stopping"}, {Why::server_restarted, "server_restarted"},
-                                                       {Why::decided, "decided"}};
+  const std::vector<std::pair<EndReason, const char*>> words{{EndReason::separated, "separated"}, {EndReason::removed, "removed"}, {EndReason::publisher_lost, "publisher_lost"},
+                                                       {EndReason::teleported, "teleported"}, {EndReason::geometry_changed, "geometry_changed"},
+                                                       {EndReason::server_stopping, "server_stopping"}, {EndReason::server_restarted, "server_restarted"},
+                                                       {EndReason::decided, "decided"}};
   for (const auto& [why, word] : words) {
-    Event ended = event(What::ended);
-    ended.why = why;
+    Event ended = event(EventKind::ended);
+    ended.reason = why;
     fake::server().events = {ended};
     EXPECT_EQ(collide("watch -n 1 --fields why").out, word + std::string("\n"));
   }
 }
 
 TEST_F(Fields, EveryReasonOfAnUndecidedAnswerHasItsOwnWord) {
-  const std::vector<std::pair<Undecided, std::string>> words{{Undecided::numeric, "numeric"}, {Undecided::stale_object, "stale_object"},
-                                                             {Undecided::recovering, "recovering"}, {Undecided::truncated, "truncated"},
-                                                             {Undecided::deadline, "deadline"}, {Undecided::not_covered, "not_covered"}};
+  const std::vector<std::pair<UndecidedReason, std::string>> words{{UndecidedReason::numeric, "numeric"}, {UndecidedReason::stale_object, "stale_object"},
+                                                             {UndecidedReason::recovering, "recovering"}, {UndecidedReason::truncated, "truncated"},
+                                                             {UndecidedReason::deadline, "deadline"}, {UndecidedReason::not_covered, "not_covered"}};
   for (const auto& [reason, word] : words) {
     fake::server().ray = [reason = reason](const RayQuestion&, const AskOptions&) {
       Answer answer;

@@ -37,15 +37,15 @@ class Options : public testing::Test {
 
 TEST_F(Options, OfAQuestionReachTheServerEachForItself) {
   const AskOptions plain = ray_options("");
-  EXPECT_EQ(plain.pick, Pick::closest);
+  EXPECT_EQ(plain.mode, HitMode::closest);
   EXPECT_EQ(plain.importance, Importance::normal);
   EXPECT_EQ(plain.mask, 0xffffffffU);
   EXPECT_EQ(plain.error_m, 0);
   EXPECT_EQ(plain.deadline.count(), 0);
   EXPECT_FALSE(plain.fresh);
   EXPECT_EQ(plain.only + plain.skip, "");
-  EXPECT_EQ(ray_options("--any").pick, Pick::any);
-  EXPECT_EQ(ray_options("--all").pick, Pick::all);
+  EXPECT_EQ(ray_options("--any").mode, HitMode::any);
+  EXPECT_EQ(ray_options("--all").mode, HitMode::all);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --all --any").code, 2);
   EXPECT_EQ(ray_options("--importance low").importance, Importance::low);
   EXPECT_EQ(ray_options("--importance high").importance, Importance::high);

@@ -7,7 +7,7 @@ namespace collided {
 namespace {
 
 CertifiedPart ball(double x, double radius_m) {
-  return {.beside = CertifiedPart::Beside::ball, .points = {{x, 0, 0}}, .radius_m = radius_m};
+  return {.summand = CertifiedPart::Summand::ball, .points = {{x, 0, 0}}, .radius_m = radius_m};
 }
 
 class PairVerb : public testing::Test {
@@ -73,10 +73,10 @@ TEST_F(PairVerb, WhatIsNotKnownOfALostObjectShows) {
   EXPECT_EQ(at_terminal("pair crate shelf").out,
             "apart  12.4 mm ±1e-13  nearest 1 0 0 | 1.0124 0 0\n  stale: one of them is where it was heard of last, and moved then\n");
   next.verdict = Verdict::undecided;
-  next.reason = Undecided::stale_object;
+  next.reason = UndecidedReason::stale_object;
   EXPECT_EQ(at_terminal("pair crate shelf").out, "undecided: stale_object; an object that decides has not been heard of lately\n");
   EXPECT_EQ(collide("pair crate shelf --fields answer,reason,stale").out, "undecided\tstale_object\ttrue\n");
-  next.reason = Undecided::numeric;
+  next.reason = UndecidedReason::numeric;
   next.stale = false;
   EXPECT_EQ(at_terminal("pair crate shelf").out, "undecided: numeric; both answers are consistent with the input\n");
 }

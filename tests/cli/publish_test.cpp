@@ -196,18 +196,18 @@ void report_contacts(fake::Published& published) {
       if (touch) now.emplace(published.objects.at(a->first).name, published.objects.at(b->first).name);
     }
   }
-  const auto send = [](What what, const std::pair<std::string, std::string>& pair) {
+  const auto send = [](EventKind what, const std::pair<std::string, std::string>& pair) {
     Event event;
-    event.what = what;
+    event.kind = what;
     event.a = pair.first;
     event.b = pair.second;
     fake::server().events.push_back(event);
   };
   for (const auto& pair : now) {
-    if (!open.contains(pair)) send(What::began, pair);
+    if (!open.contains(pair)) send(EventKind::began, pair);
   }
   for (const auto& pair : open) {
-    if (!now.contains(pair)) send(What::ended, pair);
+    if (!now.contains(pair)) send(EventKind::ended, pair);
   }
   open = now;
 }

@@ -25,9 +25,9 @@ TEST_F(SaidInFull, TheVersionOnATerminalIsThatOfTheLibrary) {
 TEST_F(SaidInFull, AnyAndAllAreEachAllowedAlone) {
   fake::server().ray = [](const RayQuestion&, const AskOptions&) { return fake::hit_answer({fake::hit("wall", 1, {0, 0, 4})}); };
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --any").code, 0);
-  EXPECT_EQ(fake::server().last_options.pick, Pick::any);
+  EXPECT_EQ(fake::server().last_options.mode, HitMode::any);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --all").code, 0);
-  EXPECT_EQ(fake::server().last_options.pick, Pick::all);
+  EXPECT_EQ(fake::server().last_options.mode, HitMode::all);
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --any --all").code, 2);
 }
 

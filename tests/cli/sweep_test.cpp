@@ -10,9 +10,9 @@ class SweepVerb : public testing::Test {
  protected:
   void SetUp() override {
     fake::reset();
-    fake::server().sweep = [](const Shape& shape, const SweepQuestion& way, const AskOptions&) {
+    fake::server().sweep = [](const Shape& shape, const SweepQuestion& motion, const AskOptions&) {
       last_shape = shape;
-      last_way = way;
+      last_motion = motion;
       return next;
     };
     Hit wall = fake::hit("wall", 0, {0.95, 0, 1});
@@ -23,7 +23,7 @@ class SweepVerb : public testing::Test {
   }
 
   static inline Shape last_shape;
-  static inline SweepQuestion last_way;
+  static inline SweepQuestion last_motion;
   static inline Answer next;
 };
 
@@ -33,8 +33,8 @@ TEST_F(SweepVerb, AContactReadsAsASentence) {
   EXPECT_EQ(ran.out, "contact  wall  at t in [0.474749, 0.474751]  point 0.95 0 1  normal -1 0 0\n");
   ASSERT_EQ(last_shape.size(), 1u);
   EXPECT_EQ(std::get<SphereShape>(last_shape[0]).radius_m, 0.1);
-  EXPECT_EQ(last_way.from.position, Vec3(0, 0, 1));
-  EXPECT_EQ(last_way.to.position, Vec3(2, 0, 1));
+  EXPECT_EQ(last_motion.from.position, Vec3(0, 0, 1));
+  EXPECT_EQ(last_motion.to.position, Vec3(2, 0, 1));
 }
 
 TEST_F(SweepVerb, ARecordHoldsTheBracket) {
@@ -45,12 +45,12 @@ TEST_F(SweepVerb, ARecordHoldsTheBracket) {
 
 TEST_F(SweepVerb, ATurnIsToldByItsEnds) {
   collide("sweep box 1 10cm 0.1 --from 0 0 0 --to 0 0 -1 --to-rpy 0 0 90deg");
-  EXPECT_EQ(last_way.from.rotation.coeffs(), Quat::Identity().coeffs());
-  EXPECT_NEAR(last_way.to.rotation.angularDistance(Quat::Identity()), M_PI / 2, 1e-15);
-  EXPECT_EQ(last_way.to.position, Vec3(0, 0, -1));
+  EXPECT_EQ(last_motion.from.rotation.coeffs(), Quat::Identity().coeffs());
+  EXPECT_NEAR(last_motion.to.rotation.angularDistance(Quat::Identity()), M_PI / 2, 1e-15);
+  EXPECT_EQ(last_motion.to.position, Vec3(0, 0, -1));
   EXPECT_EQ(std::get<BoxShape>(last_shape[0]).half_m, Vec3(0.5, 0.05, 0.05));
   collide("sweep box 1 10cm 0.1 --from 0 0 0 --to 0 0 1 --rpy 0 0 90deg");
-  EXPECT_EQ(last_way.from.rotation.coeffs(), last_way.to.rotation.coeffs()) << "without --to-rpy it does not turn";
+  EXPECT_EQ(last_motion.from.rotation.coeffs(), last_motion.to.rotation.coeffs()) << "without --to-rpy it does not turn";
 }
 
 TEST_F(SweepVerb, FreeAndUndecidedHaveTheirExitCodes) {
@@ -59,7 +59,7 @@ TEST_F(SweepVerb, FreeAndUndecidedHaveTheirExitCodes) {
   EXPECT_EQ(free.code, 1);
   EXPECT_EQ(free.out, "free  nothing is met on the way\n");
   next.verdict = Verdict::undecided;
-  next.reason = Undecided::numeric;
+  next.reason = UndecidedReason::numeric;
   EXPECT_EQ(collide("sweep sphere 0.1 --from 0 0 1 --to 2 0 1").code, 3);
 }
 

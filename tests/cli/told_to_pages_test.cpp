@@ -124,7 +124,7 @@ TEST_F(ToldToPages, FramesComeAtTheirRateHoweverLongALookTakes) {
 
 TEST_F(ToldToPages, FoxglovesContactIsAnArrowOfTwentyEightCentimetres) {
   Event event;
-  event.what = What::began;
+  event.kind = EventKind::began;
   event.a = "crate";
   event.b = "floor";
   event.world_time = 1'500ms;
@@ -147,7 +147,7 @@ TEST_F(ToldToPages, WhoComesLateIsToldStateTableContactsAndPosesInThisOrder) {
   feed.poses(Poses{});
   std::vector<Event> events(3);
   for (std::size_t i = 0; i < events.size(); ++i) {
-    events[i].what = i < 2 ? What::began : What::ended;
+    events[i].kind = i < 2 ? EventKind::began : EventKind::ended;
     events[i].a = i == 1 ? "crate" : "ball";
     events[i].a_id = i == 1 ? 2 : 1;
     events[i].b_id = 9;

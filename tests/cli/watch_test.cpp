@@ -12,7 +12,7 @@ class WatchVerb : public testing::Test {
   void SetUp() override {
     fake::reset();
     Event began;
-    began.what = What::began;
+    began.kind = EventKind::began;
     began.a = "drone_2";
     began.b = "pallet_07";
     began.sequence = 881;
@@ -23,12 +23,12 @@ class WatchVerb : public testing::Test {
     began.point = {0.93, 2, 0.5};
     began.relative_velocity = {-1.5, 0, 0.25};
     Event ended = began;
-    ended.what = What::ended;
-    ended.why = Why::separated;
+    ended.kind = EventKind::ended;
+    ended.reason = EndReason::separated;
     ended.sequence = 884;
     ended.world_time = std::chrono::milliseconds(12'455);
     Event open = began;
-    open.what = What::open;
+    open.kind = EventKind::open;
     open.a = "arm/link_5";
     open.b = "shelf_3";
     fake::server().events = {open, began, ended};

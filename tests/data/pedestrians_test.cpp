@@ -35,7 +35,7 @@ class RecordedPedestrians : public RecordedReality {
     std::vector<std::string> inside;
     std::size_t hit = 0;
     for (std::size_t i = 0; i < answers.answers.size(); ++i) {
-      EXPECT_NE(answers.answers[i], wire_contract::Answer::undecided);
+      EXPECT_NE(answers.answers[i], wire_contract::Verdict::undecided);
       const bool is_hit = answers.hit_counts[i] > 0;
       inside.push_back(is_hit ? world.info(answers.hits[hit].object)->name : "");
       hit += answers.hit_counts[i];

@@ -125,7 +125,7 @@ TEST_F(RecordedRobots, OneStateOf1400CollidesAsSpheres) {
     for (std::size_t row = first; row < end; ++row) {
       const Primitive sphere = Sphere{spheres.point(row), spheres.number(row, "r")};
       for (const auto& [name, object] : cells[spheres.text(row, "scene")]) {
-        const Verdict verdict = overlaps(sphere, object);
+        const ExactResult verdict = overlaps(sphere, object);
         ASSERT_NE(verdict.decision, Decision::undecided);
         if (verdict.yes()) hits.insert(spheres.text(row, "scene") + " " + spheres.text(row, "state") + " " + name);
       }

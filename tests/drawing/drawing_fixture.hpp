@@ -21,7 +21,7 @@ class DrawingTest : public testing_support::ServerTest {
     publisher_.emplace(publish(*client_, "scene"));
     for (ObjectOptions object : objects) {
       object.moving = false;
-      object.when_lost = WhenLost::hold;  // nobody says that the publisher lives while pictures are drawn
+      object.lost_policy = LostPolicy::hold;  // nobody says that the publisher lives while pictures are drawn
       const auto added = publisher_->add(object);
       ASSERT_TRUE(added) << added.error().message;
     }

@@ -242,8 +242,8 @@ TEST_F(DrawingLines, ThePictureHoldsEverythingAndRaysGoWhereItWasDrawn) {
     for (const Vec3& p : {Vec3(4e6 + 2, -5e5, 10), Vec3(4e6, -5e5 + 2.5, 10.25)}) {
       const draw::ImagePoint image = d.camera.project(p);
       const RayQuestion ray = d.camera.through(image.x, image.y);
-      const Vec3 way = p - ray.origin;
-      EXPECT_LT(way.cross(ray.direction).norm() / ray.direction.norm(), 1e-8);
+      const Vec3 displacement = p - ray.origin;
+      EXPECT_LT(displacement.cross(ray.direction).norm() / ray.direction.norm(), 1e-8);
     }
   }
 }

@@ -78,14 +78,14 @@ TEST_F(DrawingStyles, LinesBesideThePictureAskForNoRays) {
     segment.image_b = {bx, by};
     return segment;
   };
-  draw::ToneMap plain, beside, across;
+  draw::ToneMap plain, summand, across;
   const std::uint64_t none = rays_for({}, plain);
   EXPECT_EQ(rays_for({line(width, 5, width + 60, 5), line(width + 3, 9, width + 3, height - 1), line(-9, 5, -2, height - 1), line(5, -30, width - 5, -2),
                       line(5, height, width - 5, height), line(5, height + 3, 40, height + 60)},
-                     beside),
+                     summand),
             none);
-  EXPECT_EQ(beside.numbers, plain.numbers);
-  EXPECT_EQ(beside.light, plain.light);
+  EXPECT_EQ(summand.numbers, plain.numbers);
+  EXPECT_EQ(summand.light, plain.light);
   EXPECT_GT(rays_for({line(0, 5.5, width - 1, 5.5)}, across), none) << "a line in the picture is looked through";
 }
 

@@ -99,8 +99,8 @@ class Stage {
   std::int64_t now_ns_ = 0;
 };
 
-inline bool is_hit(const Answers& answers) { return answers.answers.at(0) == wire_contract::Answer::hit; }
-inline bool is_miss(const Answers& answers) { return answers.answers.at(0) == wire_contract::Answer::miss; }
+inline bool is_hit(const Answers& answers) { return answers.answers.at(0) == wire_contract::Verdict::hit; }
+inline bool is_miss(const Answers& answers) { return answers.answers.at(0) == wire_contract::Verdict::miss; }
 
 inline std::size_t count_of(const std::vector<Event>& events, wire_contract::EventKind kind) {
   std::size_t count = 0;

@@ -40,7 +40,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     // Double alone: what rationals cost with exponents hundreds apart is no question of the text.
     const collided::engine::PrecisionScope doubles({.highest = collided::engine::Level::filter, .error_asked_m = 0});
     collided::engine::ImplicitHit hit;
-    const collided::engine::Verdict verdict = cast_ray({{0.5, -2, 4}, {0, 0.5, -1}}, surface, hit);
+    const collided::engine::ExactResult verdict = cast_ray({{0.5, -2, 4}, {0, 0.5, -1}}, surface, hit);
     collided::fuzz::require(!verdict.yes() || (hit.low >= 0 && hit.low <= hit.high), "a bracket is one");
     collided::engine::Side side = collided::engine::Side::on;
     side_of({0.5, -2, 4}, surface, side);

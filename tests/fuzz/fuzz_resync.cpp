@@ -31,9 +31,9 @@ class Watcher {
  private:
   void emit(const Event& event) {
     const Pair pair{std::stoull(event.a), std::stoull(event.b)};
-    if (event.what == What::ended) {
+    if (event.kind == EventKind::ended) {
       fuzz::require(open_.erase(pair) == 1, "what ends has begun");
-    } else if (event.what == What::persisted) {
+    } else if (event.kind == EventKind::persisted) {
       fuzz::require(open_.contains(pair), "what persists has begun");
     } else {
       fuzz::require(open_.insert(pair).second, "nothing begins twice");

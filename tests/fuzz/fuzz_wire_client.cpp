@@ -58,9 +58,9 @@ class Listener {
   void emit(const Event& event) {
     // Numbers of objects belong to one life of a server, names outlive it.
     const std::pair<std::string, std::string> pair = std::minmax(event.a, event.b);
-    if (event.what == What::ended) {
+    if (event.kind == EventKind::ended) {
       fuzz::require(open_.erase(pair) == 1, "what ends has begun");
-    } else if (event.what != What::persisted) {
+    } else if (event.kind != EventKind::persisted) {
       fuzz::require(open_.insert(pair).second, "nothing begins twice");
     }
   }

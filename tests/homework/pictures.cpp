@@ -50,7 +50,7 @@ Arguments parse(int argc, char** argv) {
 template <class T>
 T must(Result<T> result) {
   if (!result) throw std::runtime_error(result.error().message);
-  return std::move(*result);
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
 /// The spheres as a publisher's objects, and the contacts that the server says hold.
@@ -112,14 +112,14 @@ class Simulation {
     const std::pair key{std::min(event.a, event.b), std::max(event.a, event.b)};
     const auto a = number_of_.find(event.a), b = number_of_.find(event.b);
     const bool spheres = a != number_of_.end() && b != number_of_.end();
-    const bool begins = event.what == What::began || event.what == What::open;
-    if (event.what == What::ended) {
+    const bool begins = event.kind == EventKind::began || event.kind == EventKind::open;
+    if (event.kind == EventKind::ended) {
       open_.erase(key);
     } else {
       open_[key] = event;
     }
     if (spheres && begins) bounce_.contact_began(a->second, b->second);
-    if (spheres && event.what == What::ended) bounce_.contact_ended(a->second, b->second);
+    if (spheres && event.kind == EventKind::ended) bounce_.contact_ended(a->second, b->second);
   }
 
   cli::Bounce bounce_;

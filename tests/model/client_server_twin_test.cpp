@@ -216,9 +216,9 @@ class ServerTwin : public testing_support::ServerTest {
   }
   void hear() {
     while (const std::optional<Event> event = watch_->next(0ns)) {
-      if (event->what == What::persisted) continue;
+      if (event->kind == EventKind::persisted) continue;
       const PlainBoxes::Pair pair = std::minmax(event->a, event->b);
-      held_[pair] += event->what == What::ended ? -1 : 1;
+      held_[pair] += event->kind == EventKind::ended ? -1 : 1;
       EXPECT_TRUE(held_[pair] == 0 || held_[pair] == 1) << pair.first << " and " << pair.second << " began or ended twice";
       if (held_[pair] == 0) held_.erase(pair);
     }
@@ -270,7 +270,7 @@ class ServerTwin : public testing_support::ServerTest {
     AxisRay ray{.origin = metres(place()), .axis = below(3), .sign = chance(50) ? 1 : -1, .length_m = chance(50) ? INFINITY : 2.53};
     ray.origin[ray.axis] += 0.03;
     AskOptions options = any_options();
-    options.pick = one_of(std::vector{Pick::closest, Pick::any, Pick::all});
+    options.mode = one_of(std::vector{HitMode::closest, HitMode::any, HitMode::all});
     std::map<std::string, double> entries;
     for (const auto& [name, boxes] : plain_.allowed(options)) {
       for (const PlainBox& box : boxes) {
@@ -280,16 +280,16 @@ class ServerTwin : public testing_support::ServerTest {
     }
     const Result<Answer> answer = client_->ask(RayQuestion{ray.origin, ray.sign * Vec3::Unit(ray.axis), ray.length_m}, options);
     ASSERT_TRUE(answer) << answer.error().message;
-    if (options.pick == Pick::closest) return expect_nearest(*answer, entries, INFINITY, "ray");
+    if (options.mode == HitMode::closest) return expect_nearest(*answer, entries, INFINITY, "ray");
     EXPECT_EQ(answer->verdict, entries.empty() ? Verdict::miss : Verdict::hit);
     std::map<std::string, double> told;
     for (const Hit& hit : answer->hits) told.emplace(hit.object, hit.distance_m);  // the first of each, which is its nearest
     for (const auto& [name, at] : told) {
       ASSERT_TRUE(entries.contains(name)) << name;
-      if (options.pick == Pick::any) continue;
+      if (options.mode == HitMode::any) continue;
       EXPECT_NEAR(at, entries.at(name), kTolerance_m) << name;
     }
-    EXPECT_EQ(told.size(), options.pick == Pick::any ? std::min<std::size_t>(1, entries.size()) : entries.size());
+    EXPECT_EQ(told.size(), options.mode == HitMode::any ? std::min<std::size_t>(1, entries.size()) : entries.size());
   }
   void ask_near() {
     const Vec3 point = metres(place());
@@ -335,16 +335,16 @@ class ServerTwin : public testing_support::ServerTest {
     const Vec3 half = metres({between(1, 4), between(1, 4), between(1, 4)}) + Vec3::Constant(1.0 / 64);
     const Vec3 from = metres(place()) + Vec3::Constant(1.0 / 128);
     const int axis = below(3);
-    const double way = kStep_m * between(1, 24) * (chance(50) ? 1 : -1);
+    const double motion = kStep_m * between(1, 24) * (chance(50) ? 1 : -1);
     std::map<std::string, double> times;
     for (const auto& [name, boxes] : plain_.allowed(options)) {
       for (const PlainBox& box : boxes) {
-        const std::optional<double> at = first_contact({from - half, from + half}, axis, way, box);
+        const std::optional<double> at = first_contact({from - half, from + half}, axis, motion, box);
         if (at && (!times.contains(name) || *at < times[name])) times[name] = *at;
       }
     }
-    const std::vector<SweepQuestion> ways{{{.position = from}, {.position = from + way * Vec3::Unit(axis)}}};
-    const Result<Answers> answers = client_->sweep({BoxShape{.half_m = half}}, ways, options);
+    const std::vector<SweepQuestion> motions{{{.position = from}, {.position = from + motion * Vec3::Unit(axis)}}};
+    const Result<Answers> answers = client_->sweep({BoxShape{.half_m = half}}, motions, options);
     ASSERT_TRUE(answers) << answers.error().message;
     const Answer& answer = answers->answers.at(0);
     ASSERT_EQ(answer.verdict, times.empty() ? Verdict::miss : Verdict::hit);

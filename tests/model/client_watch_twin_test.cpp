@@ -25,7 +25,7 @@ int rounds_asked() {
 }
 
 bool are_equal(const Event& told, const Event& said) {
-  return told.what == said.what && told.why == said.why && told.a == said.a && told.b == said.b && told.a_id == said.a_id &&
+  return told.kind == said.kind && told.reason == said.reason && told.a == said.a && told.b == said.b && told.a_id == said.a_id &&
          told.b_id == said.b_id && told.a_triangle == said.a_triangle && told.b_triangle == said.b_triangle &&
          told.episode == said.episode && told.world_time == said.world_time && told.bracket_low_s == said.bracket_low_s &&
          told.bracket_high_s == said.bracket_high_s && told.point == said.point && told.normal == said.normal &&
@@ -61,7 +61,7 @@ class WatchTwin : public testing::Test {
     for (std::uint64_t left = 1 + below(3); left > 0; --left) {
       const Pair pair = any_pair();
       const bool holds = server_.contacts().contains(pair);
-      HeardFrame one = decorated(holds ? server_.ended(pair, chance(0.5) ? Why::separated : Why::removed) : server_.began(pair));
+      HeardFrame one = decorated(holds ? server_.ended(pair, chance(0.5) ? EndReason::separated : EndReason::removed) : server_.began(pair));
       log_[one.first_sequence] = one.entries[0].event;
       if (frame.entries.empty()) frame = one;
       else frame.entries.push_back(one.entries[0]);
@@ -83,13 +83,13 @@ class WatchTwin : public testing::Test {
     ++told_count_;
     const std::pair<std::string, std::string> names = std::minmax(event.a, event.b);
     EXPECT_EQ(event.epoch, epoch_) << "of a life that is over";
-    if (event.what == What::persisted) {
+    if (event.kind == EventKind::persisted) {
       EXPECT_TRUE(open_.contains(names)) << "goes on, but was not told";
       // What was told in an earlier life of the server has another number in this one.
       EXPECT_TRUE(open_[names].epoch != event.epoch || open_[names].episode == event.episode) << "of an earlier episode";
       return;
     }
-    if (event.what == What::ended) EXPECT_EQ(open_.erase(names), 1u) << event.a << " " << event.b << " ended without having begun";
+    if (event.kind == EventKind::ended) EXPECT_EQ(open_.erase(names), 1u) << event.a << " " << event.b << " ended without having begun";
     else EXPECT_TRUE(open_.emplace(names, Told{event.epoch, event.episode}).second) << event.a << " " << event.b << " began twice";
     if (event.resync) return;
     ASSERT_TRUE(log_.contains(event.sequence));

@@ -35,7 +35,7 @@ void PlainWorld::move(const std::string& name, const Pose& pose, std::int64_t ti
   object.before_ns = object.posed_ns;
   object.definition.pose = pose;
   object.posed_ns = std::max(object.posed_ns, time_ns);
-  object.has_way = !teleport;
+  object.has_motion = !teleport;
   object.moved_while_stale = object.is_stale;
 }
 
@@ -114,7 +114,7 @@ void PlainWorld::place_objects(World& world, std::span<const std::string> order,
   }
   world.step(0, 1, {});
   for (const auto& [id, object] : placed) {
-    if (object->definition.moving) world.move(id, object->definition.pose, object->posed_ns, !object->has_way);
+    if (object->definition.moving) world.move(id, object->definition.pose, object->posed_ns, !object->has_motion);
     if (object->is_stale && !object->moved_while_stale) world.set_stale(id, true);
   }
   world.step(now_ns_, 1, {});

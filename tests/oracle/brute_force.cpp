@@ -14,7 +14,7 @@ namespace collided::oracle {
 using namespace engine;
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
 using wire_contract::UndecidedReason;
@@ -49,7 +49,7 @@ std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snaps
   for (const Part& part : parts) {
     if (!may_answer(snapshot, questions, part.object)) continue;
     RayHit hit;
-    const Verdict verdict = std::visit([&](const auto& shape) { return cast_ray(asked, shape, hit); }, part.shape);
+    const ExactResult verdict = std::visit([&](const auto& shape) { return cast_ray(asked, shape, hit); }, part.shape);
     if (!verdict.yes()) continue;
     AnswerHit answer{.object = part.object, .triangle = part.triangle};
     answer.flags = hit.inside ? wire_contract::kInside : 0;
@@ -189,7 +189,7 @@ void answer(const Snapshot& snapshot, const Questions& questions, Answers& answe
     } else {
       hits = near(parts, snapshot, questions, n);
     }
-    answers.answers.push_back(hits.empty() ? Answer::miss : Answer::hit);
+    answers.answers.push_back(hits.empty() ? Verdict::miss : Verdict::hit);
     answers.reasons.push_back(UndecidedReason::none);
     answers.hit_counts.push_back(static_cast<std::uint32_t>(hits.size()));
     answers.hits.insert(answers.hits.end(), hits.begin(), hits.end());

@@ -37,8 +37,8 @@ double size_m(const MovingBody& body) {
 bool are_far(const MovingBody& a, const MovingBody& b, std::int64_t from_ns, std::int64_t to_ns) {
   constexpr double kFar_m = 0.01;
   const Vec3 start = roughly_at(b, from_ns) - roughly_at(a, from_ns);
-  const Vec3 way = roughly_at(b, to_ns) - roughly_at(a, to_ns) - start;
-  return start.norm() - way.norm() > size_m(a) + size_m(b) + kFar_m;
+  const Vec3 displacement = roughly_at(b, to_ns) - roughly_at(a, to_ns) - start;
+  return start.norm() - displacement.norm() > size_m(a) + size_m(b) + kFar_m;
 }
 
 Point position_at(const MovingBody& body, std::int64_t time_ns) {
@@ -56,11 +56,11 @@ Point position_at(const MovingBody& body, std::int64_t time_ns) {
 /// In shares of the piece; nothing: they do not touch in it.
 using Span = std::optional<std::pair<mpf_class, mpf_class>>;
 
-Span balls_touch(const Point& start, const Point& way, const mpq_class& reach, double& closest_m) {
+Span balls_touch(const Point& start, const Point& displacement, const mpq_class& reach, double& closest_m) {
   mpq_class a = 0, b = 0, c = -reach * reach;
   for (std::size_t k = 0; k < 3; ++k) {
-    a += way[k] * way[k];
-    b += start[k] * way[k];
+    a += displacement[k] * displacement[k];
+    b += start[k] * displacement[k];
     c += start[k] * start[k];
   }
   const auto gap_at = [&](const mpq_class& s) {
@@ -83,37 +83,37 @@ Span balls_touch(const Point& start, const Point& way, const mpq_class& reach, d
   return std::pair(mpf_class(low < 0 ? mpf_class(0, kBits) : low), mpf_class(high > 1 ? mpf_class(1, kBits) : high));
 }
 
-Span boxes_touch(const Point& start, const Point& way, const Point& reach, double& closest_m) {
+Span boxes_touch(const Point& start, const Point& displacement, const Point& reach, double& closest_m) {
   mpq_class low = 0, high = 1;
   for (std::size_t k = 0; k < 3; ++k) {
-    if (way[k] == 0) {
+    if (displacement[k] == 0) {
       const mpq_class gap = abs(start[k]) - reach[k];
       closest_m = std::min(closest_m, std::abs(gap.get_d()));
       if (gap > 0) return std::nullopt;
       continue;
     }
-    mpq_class in = (-reach[k] - start[k]) / way[k];
-    mpq_class out = (reach[k] - start[k]) / way[k];
+    mpq_class in = (-reach[k] - start[k]) / displacement[k];
+    mpq_class out = (reach[k] - start[k]) / displacement[k];
     if (in > out) std::swap(in, out);
     low = std::max(low, in);
     high = std::min(high, out);
   }
   mpq_class longest = 0;
-  for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, mpq_class(abs(way[k])));
+  for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, mpq_class(abs(displacement[k])));
   if (longest > 0) closest_m = std::min(closest_m, std::abs(mpq_class((high - low) * longest).get_d()));
   if (low > high) return std::nullopt;
   return std::pair(mpf_class(low, kBits), mpf_class(high, kBits));
 }
 
-Span touch(const MovingBody& a, const MovingBody& b, const Point& start, const Point& way, double& closest_m) {
+Span touch(const MovingBody& a, const MovingBody& b, const Point& start, const Point& displacement, double& closest_m) {
   if (const double* radius = std::get_if<double>(&a.form)) {
-    return balls_touch(start, way, mpq_class(*radius) + mpq_class(std::get<double>(b.form)), closest_m);
+    return balls_touch(start, displacement, mpq_class(*radius) + mpq_class(std::get<double>(b.form)), closest_m);
   }
   Point reach;
   for (int k = 0; k < 3; ++k) {
     reach[static_cast<std::size_t>(k)] = mpq_class(std::get<Vec3>(a.form)[k]) + mpq_class(std::get<Vec3>(b.form)[k]);
   }
-  return boxes_touch(start, way, reach, closest_m);
+  return boxes_touch(start, displacement, reach, closest_m);
 }
 
 }  // namespace
@@ -133,12 +133,12 @@ std::vector<Meeting> meetings(const MovingBody& a, const MovingBody& b, double& 
     const mpq_class t0(static_cast<long>(from));
     const mpq_class t1(static_cast<long>(*to));
     const Point a0 = position_at(a, from), a1 = position_at(a, *to), b0 = position_at(b, from), b1 = position_at(b, *to);
-    Point start, way;
+    Point start, displacement;
     for (std::size_t k = 0; k < 3; ++k) {
       start[k] = b0[k] - a0[k];
-      way[k] = (b1[k] - a1[k]) - start[k];
+      displacement[k] = (b1[k] - a1[k]) - start[k];
     }
-    const Span span = touch(a, b, start, way, closest_m);
+    const Span span = touch(a, b, start, displacement, closest_m);
     if (!span) continue;
     const mpf_class length(t1 - t0, kBits);
     const mpf_class begin(mpf_class(t0, kBits) + span->first * length, kBits);

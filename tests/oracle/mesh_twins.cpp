@@ -158,10 +158,10 @@ std::vector<Seam> seams(const TriangleMesh& mesh, const SeamReach& reach) {
       }
       if (opposite == point) continue;
       const Vec3 along = mesh.vertices[to] - mesh.vertices[from];
-      const Vec3 way = p - mesh.vertices[from];
-      const double foot = way.dot(along);
+      const Vec3 displacement = p - mesh.vertices[from];
+      const double foot = displacement.dot(along);
       if (!(foot > 0 && foot < along.squaredNorm())) continue;
-      const double gap = along.cross(way).norm() / std::sqrt(along.squaredNorm());
+      const double gap = along.cross(displacement).norm() / std::sqrt(along.squaredNorm());
       const double height =
           along.cross(mesh.vertices[opposite] - mesh.vertices[from]).norm() / std::sqrt(along.squaredNorm());
       const bool on = gap <= reach.on_edge_m;

@@ -13,7 +13,7 @@ using namespace engine;
 
 namespace fs = std::filesystem;
 
-Verdict ask(const MovingQuery& query, double width, TimeBracket& bracket) {
+ExactResult ask(const MovingQuery& query, double width, TimeBracket& bracket) {
   const auto& p = query.point;
   if (query.edge_edge) return first_contact(MovingSegment{p[0], p[1]}, MovingSegment{p[2], p[3]}, width, bracket);
   return first_contact(p[0], MovingTriangle{p[1], p[2], p[3]}, width, bracket);

@@ -20,7 +20,7 @@ struct MovingQuery {
   std::string name;
 };
 
-Verdict ask(const MovingQuery& query, double width, TimeBracket& bracket);
+ExactResult ask(const MovingQuery& query, double width, TimeBracket& bracket);
 
 /// $COLLIDED_DATA/ccd_queries: rationals, and how many of its queries are not exactly doubles (those are left out).
 std::vector<MovingQuery> rational_queries(int& not_doubles);

@@ -77,7 +77,7 @@ PairCell cell(const char* query, const char* pair, unsigned long long seed, int 
 template <class S>
 Answer ray_answer(const Ray& ray, const S& shape) {
   RayHit hit;
-  const Verdict verdict = cast_ray(ray, shape, hit);
+  const ExactResult verdict = cast_ray(ray, shape, hit);
   return {verdict.yes(), hit.distance_m, hit.distance_error_m, verdict.decision == Decision::undecided};
 }
 
@@ -127,7 +127,7 @@ Ask round_depth(MakeA make_a, MakeB make_b) {
     const oracle::Rational squared = oracle::squared_distance(fa, fb);
     if (squared == 0) return false;
     const oracle::Rational radii = fa.radius + fb.radius;
-    const Verdict verdict = overlaps(a, b);
+    const ExactResult verdict = overlaps(a, b);
     Answer given{verdict.yes(), 0, 0, verdict.decision == Decision::undecided};
     if (verdict.yes()) {
       const Contact found = contact(a, b);
@@ -146,7 +146,7 @@ Ask flat_depth(MakeA make_a, MakeB make_b) {
   return [make_a, make_b](RandomShapes& shapes, Tally& tally) {
     const auto a = make_a(shapes);
     const auto b = make_b(shapes);
-    const Verdict verdict = overlaps(a, b);
+    const ExactResult verdict = overlaps(a, b);
     // The yes or no of these pairs is compared with rationals elsewhere (ExactOverlapOracle); here it is the depth.
     if (!verdict.yes()) return false;
     const Contact found = contact(a, b);
@@ -158,7 +158,7 @@ Ask flat_depth(MakeA make_a, MakeB make_b) {
 template <class S>
 Answer time_answer(const MovingSphere& mover, const S& other) {
   TimeBracket bracket;
-  const Verdict verdict = first_contact(mover, other, 0, bracket);
+  const ExactResult verdict = first_contact(mover, other, 0, bracket);
   const double middle = bracket.low + 0.5 * (bracket.high - bracket.low);
   return {verdict.yes(), middle, std::max(bracket.high - middle, middle - bracket.low) + 0x1p-53 * middle,
           verdict.decision == Decision::undecided};

@@ -38,18 +38,18 @@ std::pair<MovingBody, MovingBody> crossing(std::mt19937_64& random, std::int64_t
 /// Whoever has a new pose is swept along its way, while the other stands where it said last.
 bool tells_against_last_pose(const MovingBody& a, const MovingBody& b) {
   const auto nearest_m = [](const Vec3& from, const Vec3& to, const Vec3& point) {
-    const Vec3 way = to - from;
-    const double part = std::clamp((point - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
-    return (from + part * way - point).norm();
+    const Vec3 displacement = to - from;
+    const double part = std::clamp((point - from).dot(displacement) / displacement.squaredNorm(), 0.0, 1.0);
+    return (from + part * displacement - point).norm();
   };
   const MovingBody* const bodies[2] = {&a, &b};
   std::size_t said[2] = {0, 0};
   while (said[0] + 1 < kInstants || said[1] + 1 < kInstants) {
     const auto next_ns = [&](int i) { return said[i] + 1 < kInstants ? bodies[i]->instants[said[i] + 1].time_ns : INT64_MAX; };
     const int mover = next_ns(0) <= next_ns(1) ? 0 : 1;
-    const auto& way = bodies[mover]->instants;
+    const auto& displacement = bodies[mover]->instants;
     const Vec3& other = bodies[1 - mover]->instants[said[1 - mover]].position;
-    if (nearest_m(way[said[mover]].position, way[said[mover] + 1].position, other) <= 2 * kRadius_m) return true;
+    if (nearest_m(displacement[said[mover]].position, displacement[said[mover] + 1].position, other) <= 2 * kRadius_m) return true;
     ++said[mover];
   }
   return false;

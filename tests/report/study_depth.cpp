@@ -25,7 +25,7 @@ struct Pair {
 
 template <class A, class B>
 Answer decided(const Pair<A, B>& pair) {
-  const Verdict verdict = overlaps(pair.a, pair.b);
+  const ExactResult verdict = overlaps(pair.a, pair.b);
   if (verdict.decision == Decision::undecided) return {.undecided = true};
   if (!verdict.yes()) return {};
   const Contact found = contact(pair.a, pair.b);

@@ -73,7 +73,7 @@ Truth near_truth(const Sphere& sphere, const Triangle& t) {
 }
 
 Answer our_depth(const Sphere& sphere, const Triangle& t) {
-  const Verdict verdict = overlaps(sphere, t);
+  const ExactResult verdict = overlaps(sphere, t);
   if (!verdict.yes()) return {.undecided = verdict.decision == Decision::undecided};
   const Contact found = contact(sphere, t);
   return {true, found.depth_m, found.depth_error_m};
@@ -92,7 +92,7 @@ Answer plain_near_answer(const Sphere& sphere, const Triangle& t) {
 
 Answer our_time(const MovingSphere& mover, const Triangle& t) {
   TimeBracket bracket;
-  const Verdict verdict = first_contact(mover, t, 0, bracket);
+  const ExactResult verdict = first_contact(mover, t, 0, bracket);
   if (!verdict.yes()) return {.undecided = verdict.decision == Decision::undecided};
   const double middle = bracket.low + 0.5 * (bracket.high - bracket.low);
   return {true, middle, std::max(bracket.high - middle, middle - bracket.low) + 0x1p-53 * middle};
@@ -138,7 +138,7 @@ Answer our_closest_hit(const TriangleMesh& mesh, const Ray& ray) {
   Answer best;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     RayHit hit;
-    const Verdict verdict = cast_ray(ray, mesh.triangle(i), hit);
+    const ExactResult verdict = cast_ray(ray, mesh.triangle(i), hit);
     if (verdict.decision == Decision::undecided) best.undecided = true;
     if (verdict.yes() && (!best.yes || hit.distance_m < best.value)) {
       best = {true, hit.distance_m, hit.distance_error_m, best.undecided};

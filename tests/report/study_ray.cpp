@@ -113,7 +113,7 @@ double keep_exact(Walk& walk, const Triangle& t, double limit) {
 /// As the product does it: the nearest by distance, the limit by distance and bound.
 double keep_decided(Walk& walk, const Triangle& t, double limit) {
   RayHit hit;
-  const Verdict verdict = cast_ray(walk.ray, t, hit);
+  const ExactResult verdict = cast_ray(walk.ray, t, hit);
   if (verdict.decision == Decision::undecided) walk.best.undecided = true;
   if (!verdict.yes()) return limit;
   const double s = hit.distance_m / walk.direction_m;

@@ -22,11 +22,11 @@ constexpr const char* kStages[] = {"poses in", "bounds", "pairs", "exact tests",
 class Balls {
  public:
   Balls(std::size_t count, std::mt19937_64& random)
-      : world_({.epoch = 1, .max_objects = static_cast<std::uint32_t>(count)}), places_(count), ways_(count) {
+      : world_({.epoch = 1, .max_objects = static_cast<std::uint32_t>(count)}), places_(count), motions_(count) {
     const double edge_m = std::cbrt(static_cast<double>(count) / 4);
-    std::uniform_real_distribution<double> place(0, edge_m), radius(0.1, 0.2), way(-0.02, 0.02);
+    std::uniform_real_distribution<double> place(0, edge_m), radius(0.1, 0.2), motion(-0.02, 0.02);
     for (std::size_t i = 0; i < count; ++i) {
-      for (int axis = 0; axis < 3; ++axis) places_[i][axis] = place(random), ways_[i][axis] = way(random);
+      for (int axis = 0; axis < 3; ++axis) places_[i][axis] = place(random), motions_[i][axis] = motion(random);
       Shape shape;
       shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = radius(random)});
       ids_.push_back(std::get<ObjectId>(world_.define({.name = std::to_string(i), .scene = {}, .shape = shape,
@@ -40,7 +40,7 @@ class Balls {
     const auto begun = Clock::now();
     time_ns_ += 10'000'000;
     for (std::size_t i = 0; i < ids_.size(); ++i) {
-      places_[i] += ways_[i];
+      places_[i] += motions_[i];
       world_.move(ids_[i], {.position = places_[i]}, time_ns_, false);
     }
     const double taken = ns_since(begun);
@@ -60,7 +60,7 @@ class Balls {
   World world_;
   std::vector<ObjectId> ids_;
   std::vector<Vec3> places_;
-  std::vector<Vec3> ways_;
+  std::vector<Vec3> motions_;
   std::int64_t time_ns_ = 0;
   long contacts_ = 0;
 };

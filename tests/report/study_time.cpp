@@ -27,7 +27,7 @@ Answer plain(const Motion& m) {
 
 Answer decided(const Motion& m, double width) {
   TimeBracket bracket;
-  const Verdict verdict = first_contact(m.mover, m.triangle, width, bracket);
+  const ExactResult verdict = first_contact(m.mover, m.triangle, width, bracket);
   if (verdict.decision == Decision::undecided) return {.undecided = true};
   if (!verdict.yes()) return {};
   // The middle is rounded once; its bound is the half width and that rounding.

@@ -43,9 +43,9 @@ TEST_F(ServerAnswers, TheFloorIsFiveMetresBelow) {
 TEST_F(ServerAnswers, AShapeOnItsWayMeetsTheFloor) {
   start();
   Client client = connect();
-  const SweepQuestion ways[] = {{.from = {.position = {6, 0, 5}}, .to = {.position = {6, 0, -5}}},
+  const SweepQuestion motions[] = {{.from = {.position = {6, 0, 5}}, .to = {.position = {6, 0, -5}}},
                                 {.from = {.position = {6, 0, 5}}, .to = {.position = {6, 0, 4}}}};
-  const Result<Answers> answers = client.sweep({SphereShape{.radius_m = 0.1}}, ways);
+  const Result<Answers> answers = client.sweep({SphereShape{.radius_m = 0.1}}, motions);
   ASSERT_TRUE(answers) << answers.error().message;
   ASSERT_EQ(answers->answers.size(), 2u);
   ASSERT_EQ(answers->answers[0].verdict, Verdict::hit);
@@ -60,7 +60,7 @@ TEST_F(ServerAnswers, AShapeOnItsWayMeetsTheFloor) {
   const Result<Answers> rod = client.sweep({BoxShape{.half_m = {1, 0.01, 0.01}}}, std::span(&turn, 1));
   ASSERT_TRUE(rod) << rod.error().message;
   EXPECT_EQ(rod->answers[0].verdict, Verdict::miss);
-  const Result<Answers> nothing = client.sweep({}, ways);
+  const Result<Answers> nothing = client.sweep({}, motions);
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error().code, ErrorCode::bad_input);
 }
@@ -139,7 +139,7 @@ TEST_F(ServerAnswers, ADeadlineThatIsOverIsUndecided) {
   ASSERT_TRUE(answers) << answers.error().message;
   for (const Answer& answer : answers->answers) {
     ASSERT_EQ(answer.verdict, Verdict::undecided);
-    ASSERT_EQ(answer.reason, Undecided::deadline);
+    ASSERT_EQ(answer.reason, UndecidedReason::deadline);
   }
 }
 

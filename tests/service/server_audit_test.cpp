@@ -70,7 +70,7 @@ TEST_F(ServerAudit, EveryKindIsAudited) {
     ASSERT_TRUE(client.ask(BoxQuestion{.center = p, .half_m = {1, 0.5, 0.2}}));
     ASSERT_TRUE(client.ask(NearQuestion{.point = p}, {.max_hits = 3}));
     ASSERT_TRUE(client.ask(NearQuestion{.point = p}, {.max_hits = 1, .error_m = 0.1}));
-    ASSERT_TRUE(client.ask(RayQuestion{.origin = p, .direction = -p}, {.pick = Pick::all}));
+    ASSERT_TRUE(client.ask(RayQuestion{.origin = p, .direction = -p}, {.mode = HitMode::all}));
     audit_when_done(client);  // each round is a state of its own, and only a few are kept for auditing
   }
   json audit = audit_when_done(client);
@@ -124,9 +124,9 @@ TEST_F(ServerAudit, FloatingPointSettingsThatALibraryChangedAreSetBack) {
       SphereQuestion{.center = {100, 1.5 * tiny, 0}, .radius_m = tiny}, {.fresh = true});
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_EQ(answer->verdict, Verdict::hit);
-  const Result<Answer> beside = client.ask(SphereQuestion{.center = {100, 2.5 * tiny, 0}, .radius_m = tiny});
-  ASSERT_TRUE(beside) << beside.error().message;
-  EXPECT_EQ(beside->verdict, Verdict::miss);
+  const Result<Answer> summand = client.ask(SphereQuestion{.center = {100, 2.5 * tiny, 0}, .radius_m = tiny});
+  ASSERT_TRUE(summand) << summand.error().message;
+  EXPECT_EQ(summand->verdict, Verdict::miss);
   EXPECT_GT(command(client, "audit")["float_repairs"], 0);
 }
 #endif

@@ -34,7 +34,7 @@ TEST_F(ServerCommands, AnObjectIsAddedMovedAndRemoved) {
   const json moved = done(client, "move", {{"name", "crate"}, {"pose", pose(6, 0, 0.1)}});
   EXPECT_NEAR(moved["moved_m"].get<double>(), 0.9, 1e-12);
   EXPECT_EQ(moved["began"], json({"warehouse/floor"}));
-  EXPECT_EQ(next(events).what, What::began);
+  EXPECT_EQ(next(events).kind, EventKind::began);
   const json object = done(client, "get", {{"name", "crate"}});
   EXPECT_EQ(object["kind"], "box");
   EXPECT_EQ(object["contacts"], json({"warehouse/floor"}));
@@ -46,7 +46,7 @@ TEST_F(ServerCommands, AnObjectIsAddedMovedAndRemoved) {
   const json removed = done(client, "remove", {{"name", "cra*"}});
   EXPECT_EQ(removed["removed"], json({"crate"}));
   EXPECT_EQ(removed["ended"], 1);
-  EXPECT_EQ(next(events).why, Why::removed);
+  EXPECT_EQ(next(events).reason, EndReason::removed);
 }
 
 // Without a word of it a move has a way, and what lies on it is met; a teleport has none.

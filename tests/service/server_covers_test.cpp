@@ -30,13 +30,13 @@ TEST_F(ServerCovers, AMissThatLeavesThemIsUndecidedAndSaysWhere) {
   EXPECT_EQ(ask(client, {15, 15, 5}, {0, 0, 1}, 3).verdict, Verdict::miss);
   const Answer up = ask(client, {15, 15, 5}, {0, 0, 2}, 4);
   EXPECT_EQ(up.verdict, Verdict::undecided);
-  EXPECT_EQ(up.reason, Undecided::not_covered);
+  EXPECT_EQ(up.reason, UndecidedReason::not_covered);
   EXPECT_TRUE(up.hits.empty());
   ASSERT_TRUE(up.uncovered);
   EXPECT_NEAR(up.uncovered->covered_m, 3, 1e-9);
   EXPECT_LT((up.uncovered->point - Vec3(15, 15, 8)).norm(), 1e-9);
   const Answer beyond = ask(client, {0, 0, 15}, {0, 0, -1}, 100);
-  EXPECT_EQ(beyond.reason, Undecided::not_covered);
+  EXPECT_EQ(beyond.reason, UndecidedReason::not_covered);
   ASSERT_EQ(beyond.hits.size(), 1U) << "what is known to be there is told";
   EXPECT_EQ(beyond.hits[0].object.substr(0, 10), "warehouse/");
   EXPECT_EQ(ask(client, {0, 0, 5}, {0, 0, -1}, 100).verdict, Verdict::hit);
@@ -51,7 +51,7 @@ TEST_F(ServerCovers, ALoadedSceneStatesThemAndTakesThemAlong) {
   const json box{-30, -30, -1, 30, 30, "inf"};
   EXPECT_EQ(command(client, "load", {{"path", write_roof()}, {"covers", {box}}})["covers"], json::array({box}));
   EXPECT_EQ(ask(client, {15, 15, 5}, {0, 0, 1}, 1e300).verdict, Verdict::miss);
-  EXPECT_EQ(ask(client, {15, 15, 5}, {1, 0, 0}, 50).reason, Undecided::not_covered);
+  EXPECT_EQ(ask(client, {15, 15, 5}, {1, 0, 0}, 50).reason, UndecidedReason::not_covered);
   for (const json& wrong : {json{{1, 2, 3}}, json{{0, 0, 0, -1, 1, 1}}, json{{0, 0, 0, 1, 1, "far"}}, json("all")}) {
     const Result<std::string> refused = client.command("load", json{{"path", write_roof()}, {"name", "next"}, {"covers", wrong}}.dump());
     ASSERT_FALSE(refused) << wrong;
@@ -59,7 +59,7 @@ TEST_F(ServerCovers, ALoadedSceneStatesThemAndTakesThemAlong) {
   }
   command(client, "clear", {{"scene", "roof"}});
   EXPECT_EQ(command(client, "covers", json::object())["covers"], json::array());
-  EXPECT_EQ(ask(client, {15, 15, 5}, {0, 0, 1}, 1).reason, Undecided::not_covered);
+  EXPECT_EQ(ask(client, {15, 15, 5}, {0, 0, 1}, 1).reason, UndecidedReason::not_covered);
 }
 
 // The scene that stated them is gone, and so is its server: that nothing is covered outlives both.
@@ -84,7 +84,7 @@ TEST_F(ServerCovers, ACrashDoesNotMakeMoreOfTheWorldKnown) {
   Client other = connect();
   become_ready(other);
   EXPECT_EQ(command(other, "covers", json::object())["covers"], json({{50, 50, 0, 60, 60, 9}}));
-  EXPECT_EQ(ask(other, {15, 15, 5}, {0, 0, 1}, 1).reason, Undecided::not_covered);
+  EXPECT_EQ(ask(other, {15, 15, 5}, {0, 0, 1}, 1).reason, UndecidedReason::not_covered);
   EXPECT_EQ(ask(other, {55, 55, 5}, {0, 0, 1}, 1).verdict, Verdict::miss);
   command(other, "clear", {{"scene", "other"}});
   second.signal(SIGKILL);

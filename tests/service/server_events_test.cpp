@@ -21,13 +21,13 @@ TEST_F(ServerEvents, ABallThatTouchesTheFloorBeginsAndEnds) {
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
   move(publisher, ball, at(6, 0, 0.05));
   const Event began = next(events);
-  EXPECT_EQ(began.what, What::began);
+  EXPECT_EQ(began.kind, EventKind::began);
   expect_pair(began, "ball", "warehouse/floor");
   EXPECT_NEAR(began.depth_m, 0.05, 1e-9);
   move(publisher, ball, at(6, 0, 0.5));
   const Event ended = next(events);
-  EXPECT_EQ(ended.what, What::ended);
-  EXPECT_EQ(ended.why, Why::separated);
+  EXPECT_EQ(ended.kind, EventKind::ended);
+  EXPECT_EQ(ended.reason, EndReason::separated);
   EXPECT_EQ(ended.episode, began.episode);
   EXPECT_EQ(ended.sequence, began.sequence + 1);
 }
@@ -46,8 +46,8 @@ TEST_F(ServerEvents, PosesInAHurryAreEachLookedAt) {
   }
   ASSERT_TRUE(publisher.wait_applied(5s));
   for (int i = 0; i < kTouches; ++i) {
-    ASSERT_EQ(next(events).what, What::began) << i;
-    ASSERT_EQ(next(events).what, What::ended) << i;
+    ASSERT_EQ(next(events).kind, EventKind::began) << i;
+    ASSERT_EQ(next(events).kind, EventKind::ended) << i;
   }
 }
 
@@ -58,15 +58,15 @@ TEST_F(ServerEvents, ASilentPublishersContactsEnd) {
   Publisher publisher = publish(client, "silent");
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
   move(publisher, ball, at(6, 0, 0.05));
-  EXPECT_EQ(next(events).what, What::began);
+  EXPECT_EQ(next(events).kind, EventKind::began);
   const Event ended = next(events, 3s);  // says nothing more: its lease runs out after 0.5 s
-  EXPECT_EQ(ended.what, What::ended);
-  EXPECT_EQ(ended.why, Why::publisher_lost);
+  EXPECT_EQ(ended.kind, EventKind::ended);
+  EXPECT_EQ(ended.reason, EndReason::publisher_lost);
   EXPECT_EQ(client.ask(SphereQuestion{.center = {6, 0, 0.5}, .radius_m = 0.4})->verdict, Verdict::miss);
   // Back again: what it had is in the world again, where it was.
   move(publisher, ball, at(6, 0, 0.05));
   const Event again = next(events);
-  EXPECT_EQ(again.what, What::began);
+  EXPECT_EQ(again.kind, EventKind::began);
   expect_pair(again, "ball", "warehouse/floor");
 }
 
@@ -74,7 +74,7 @@ TEST_F(ServerEvents, AFrozenObjectStaysAndIsStale) {
   start();
   Client client = connect();
   Publisher publisher = publish(client, "silent");
-  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1), WhenLost::freeze);
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1), LostPolicy::freeze);
   move(publisher, ball, at(6, 0, 2));
   ASSERT_TRUE(publisher.wait_applied(5s));
   const RayQuestion down{.origin = {6, 0, 5}, .direction = {0, 0, -1}};
@@ -104,7 +104,7 @@ TEST_F(ServerEvents, WhoComesLateGetsWhatIsOpen) {
     ASSERT_TRUE(publisher.keep_alive());
   }
   ASSERT_TRUE(open);
-  EXPECT_EQ(open->what, What::open);
+  EXPECT_EQ(open->kind, EventKind::open);
   expect_pair(*open, "ball", "warehouse/floor");
   EXPECT_EQ(events.open_contacts(), 1U);
 }
@@ -116,12 +116,12 @@ TEST_F(ServerEvents, StoppingEndsTheContacts) {
   Publisher publisher = publish(client, "thrower");
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
   move(publisher, ball, at(6, 0, 0.05));
-  EXPECT_EQ(next(events).what, What::began);
+  EXPECT_EQ(next(events).kind, EventKind::began);
   server.signal(SIGTERM);
   EXPECT_EQ(server.wait(10s), 0);
   const Event ended = next(events);
-  EXPECT_EQ(ended.what, What::ended);
-  EXPECT_EQ(ended.why, Why::server_stopping);
+  EXPECT_EQ(ended.kind, EventKind::ended);
+  EXPECT_EQ(ended.reason, EndReason::server_stopping);
   EXPECT_EQ(events.open_contacts(), 0U);
 }
 
@@ -142,7 +142,7 @@ TEST_F(ServerEvents, ANameIsGivenOnForWhoWaits) {
   ASSERT_TRUE(second.keep_alive());
   first.reset();
   const Event began = next(events, 2s);
-  EXPECT_EQ(began.what, What::began);
+  EXPECT_EQ(began.kind, EventKind::began);
   expect_pair(began, "ball", "warehouse/floor");
 }
 
@@ -155,7 +155,7 @@ TEST_F(ServerEvents, ACrashIsRecoveredFrom) {
   Publisher publisher = publish(client, "thrower");
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
   move(publisher, ball, at(6, 0, 0.05));
-  EXPECT_EQ(next(events).what, What::began);
+  EXPECT_EQ(next(events).kind, EventKind::began);
   first.signal(SIGKILL);
   first.wait(5s);
   start({}, "second");
@@ -163,7 +163,7 @@ TEST_F(ServerEvents, ACrashIsRecoveredFrom) {
   const RayQuestion up{.origin = {6, 0, 1}, .direction = {0, 0, 1}};
   // Not where the ball was defined: that much of it DDS brings at once, and it is where the ball is no longer.
   const RayQuestion aside{.origin = {9, 0, 1}, .direction = {0, 0, 1}};
-  EXPECT_EQ(other.ask(aside)->reason, Undecided::recovering);
+  EXPECT_EQ(other.ask(aside)->reason, UndecidedReason::recovering);
   const auto until = std::chrono::steady_clock::now() + 15s;
   while (std::chrono::steady_clock::now() < until && !(other.status() && other.status()->state == "ready")) {
     move(publisher, ball, at(6, 0, 0.05));
@@ -205,7 +205,7 @@ TEST_F(ServerEvents, AFrozenSubscriberIsNobodyElsesTrouble) {
   Publisher publisher = publish(client, "thrower");
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
   move(publisher, ball, at(6, 0, 0.05));
-  EXPECT_EQ(next(healthy).what, What::began);
+  EXPECT_EQ(next(healthy).kind, EventKind::began);
   ASSERT_TRUE(frozen.says("\"ball\"", 10s));
   frozen.signal(SIGSTOP);
   constexpr int kTouches = 5'000;
@@ -223,8 +223,8 @@ TEST_F(ServerEvents, AFrozenSubscriberIsNobodyElsesTrouble) {
     }
   }
   for (int i = 0; i < kTouches; ++i) {
-    ASSERT_EQ(next(healthy).what, What::ended) << i;
-    ASSERT_EQ(next(healthy).what, What::began) << i;
+    ASSERT_EQ(next(healthy).kind, EventKind::ended) << i;
+    ASSERT_EQ(next(healthy).kind, EventKind::began) << i;
   }
   EXPECT_EQ(healthy.lost(), 0u);
   EXPECT_EQ(healthy.resyncs(), 0u);
@@ -234,7 +234,7 @@ TEST_F(ServerEvents, AFrozenSubscriberIsNobodyElsesTrouble) {
   const auto awake = std::chrono::steady_clock::now();
   frozen.signal(SIGCONT);
   move(publisher, ball, at(6, 5, 3));
-  EXPECT_EQ(next(healthy).what, What::ended);
+  EXPECT_EQ(next(healthy).kind, EventKind::ended);
   const Publisher::Object last = add_ball(publisher, "the last one", at(8, 0, 0.05));
   EXPECT_TRUE(frozen.says("the last one", 10s)) << "it goes on where the world is now";
   static_cast<void>(last);

@@ -68,7 +68,7 @@ TEST_F(ServerInstants, MoversOfTwoPublishersAreAskedForAtOneInstant) {
   const Result<PairAnswer> later = client.pair("post", "b", {.as_of = instant(began + 1800ms)});
   ASSERT_TRUE(later) << later.error().message;
   EXPECT_EQ(later->verdict, Verdict::undecided);
-  EXPECT_EQ(later->reason, Undecided::stale_object);
+  EXPECT_EQ(later->reason, UndecidedReason::stale_object);
   AskOptions settled;
   settled.as_of.kind = Instant::Kind::settled;
   const std::vector<RayQuestion> one_question{down(20)};

@@ -60,7 +60,7 @@ TEST_F(ServerMemory, WithoutItInTheWorldsThreadTheServerEndsInALineAndTheNextOne
   starve("");
   start({}, "next");
   Client other = connect();
-  EXPECT_EQ(other.ask(RayQuestion{.origin = {15, 15, 1}, .direction = {0, 0, 1}})->reason, Undecided::recovering);
+  EXPECT_EQ(other.ask(RayQuestion{.origin = {15, 15, 1}, .direction = {0, 0, 1}})->reason, UndecidedReason::recovering);
   const auto until = std::chrono::steady_clock::now() + 15s;
   while (std::chrono::steady_clock::now() < until && !(other.status() && other.status()->state == "ready")) {
     EXPECT_TRUE(publisher.keep_alive());

@@ -42,21 +42,21 @@ std::vector<ShapePart> all_kinds() {
 /// How far a part reaches along n, in plain double, for the gap that the reader of a certificate works out himself.
 double reach(const CertifiedPart& part, const Vec3& n) {
   const auto vec = [](const CertifiedPart::Numbers& v) { return Vec3(v[0], v[1], v[2]); };
-  using Beside = CertifiedPart::Beside;
+  using Summand = CertifiedPart::Summand;
   double most = -1e300;
   for (std::size_t i = 0; i < part.points.size(); ++i) {
     double here = n.dot(vec(part.points[i]));
-    if (part.beside == Beside::ball) here += part.radius_m * n.norm();
-    if (part.beside == Beside::disc && (i == 1 || !part.tapers)) {
+    if (part.summand == Summand::ball) here += part.radius_m * n.norm();
+    if (part.summand == Summand::disc && (i == 1 || !part.tapers)) {
       here += part.radius_m * n.cross((vec(part.points[1]) - vec(part.points[0])).normalized()).norm();
     }
     double squares = 0;
-    for (std::size_t k = 0; k < 3 && (part.beside == Beside::box || part.beside == Beside::ellipsoid); ++k) {
+    for (std::size_t k = 0; k < 3 && (part.summand == Summand::box || part.summand == Summand::ellipsoid); ++k) {
       const double along = part.half_m[k] * n.dot(vec(part.axes[k]));
-      if (part.beside == Beside::box) here += std::abs(along);
+      if (part.summand == Summand::box) here += std::abs(along);
       squares += along * along;
     }
-    if (part.beside == Beside::ellipsoid) here += std::sqrt(squares);
+    if (part.summand == Summand::ellipsoid) here += std::sqrt(squares);
     most = std::max(most, here);
   }
   return most;
@@ -138,7 +138,7 @@ TEST_F(ServerPairs, NamesThatAreNotTextAreRefusedBeforeAnythingIsSent) {
   ASSERT_FALSE(pair);
   EXPECT_EQ(pair.error().code, ErrorCode::bad_input);
   EXPECT_EQ(pair.error().message, "pair: a name is not UTF-8 text. Nothing was sent");
-  const Result<Done> probe = client.add_probe({.name = "eye", .object = "cr\xc3te"});
+  const Result<void> probe = client.add_probe({.name = "eye", .object = "cr\xc3te"});
   ASSERT_FALSE(probe);
   EXPECT_EQ(probe.error().code, ErrorCode::bad_input);
 }
@@ -178,7 +178,7 @@ TEST_F(ServerPairs, ProbesAreReadAfterEveryStep) {
   start();
   Client client = connect();
   Publisher publisher = publish(client, "cars");
-  const Result<Publisher::Object> car = publisher.add({.name = "car", .shape = {BoxShape{.half_m = {1, 0.5, 0.25}}}, .pose = at(0, 3, 2), .when_lost = WhenLost::hold});
+  const Result<Publisher::Object> car = publisher.add({.name = "car", .shape = {BoxShape{.half_m = {1, 0.5, 0.25}}}, .pose = at(0, 3, 2), .lost_policy = LostPolicy::hold});
   ASSERT_TRUE(car);
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));

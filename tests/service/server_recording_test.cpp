@@ -74,11 +74,11 @@ class ServerRecording : public testing_support::ServerTest {
       EXPECT_TRUE(client.pair("ball 0", round % 2 == 0 ? "ball 1" : "post", {.certificate = true}));
       std::vector<RayQuestion> rays;
       for (int i = 0; i < 20; ++i) rays.push_back({{x(random), x(random), 1}, {turn(random), turn(random), 0.1 * turn(random)}});
-      EXPECT_TRUE(client.ask(std::span<const RayQuestion>(rays), {.pick = round % 2 == 0 ? Pick::all : Pick::closest}));
+      EXPECT_TRUE(client.ask(std::span<const RayQuestion>(rays), {.mode = round % 2 == 0 ? HitMode::all : HitMode::closest}));
       EXPECT_TRUE(client.ask(NearQuestion{{x(random), x(random), 1}}, {.fresh = true}));
       EXPECT_TRUE(client.ask(SphereQuestion{{x(random), x(random), 1}, 1.5}));
-      const std::vector<SweepQuestion> ways{{at(x(random), x(random), 1), at(x(random), x(random), 1)}};
-      EXPECT_TRUE(client.sweep({SphereShape{.radius_m = 0.2}}, ways));
+      const std::vector<SweepQuestion> motions{{at(x(random), x(random), 1), at(x(random), x(random), 1)}};
+      EXPECT_TRUE(client.sweep({SphereShape{.radius_m = 0.2}}, motions));
       if (round == rounds / 2) {
         EXPECT_TRUE(publisher.remove(balls.back()));
         balls.pop_back();
@@ -236,13 +236,13 @@ TEST_F(ServerRecording, PosesComeAgainInTime) {
   EXPECT_EQ(again->samples, 1U + 3U) << "a definition and three poses";
   EXPECT_GE(took, 400ms) << "0.2 s and more at half the rate";
   const Event began = next(contacts);
-  EXPECT_EQ(began.what, What::began);
-  EXPECT_EQ(next(contacts).what, What::ended);
+  EXPECT_EQ(began.kind, EventKind::began);
+  EXPECT_EQ(next(contacts).kind, EventKind::ended);
 }
 
 /// What an event says and when, for comparisons of what two heard.
 std::string words_of(const Event& event) {
-  return std::to_string(event.sequence) + (event.what == What::began ? " began " : " ended ") + event.a + " " + event.b + " " + std::to_string(event.world_time.count());
+  return std::to_string(event.sequence) + (event.kind == EventKind::began ? " began " : " ended ") + event.a + " " + event.b + " " + std::to_string(event.world_time.count());
 }
 
 // One ball lies there before the time asked for, one falls and rises before the watch begins, one while it does and after: who
@@ -281,9 +281,9 @@ TEST_F(ServerRecording, AWatchSinceATimeTellsWhatWasAndWhatComesEachOnce) {
   std::vector<std::string> heard, told;
   for (Event event = down; event.sequence == 1 || event.a != down.a || event.b != down.b; heard.push_back(words_of(event))) event = next(reference);
   const Event open = next(*joined);
-  EXPECT_EQ(open.what, What::open);
+  EXPECT_EQ(open.kind, EventKind::open);
   EXPECT_EQ(open.episode, down.episode);
-  for (Event event = open; event.what != What::ended || event.episode != down.episode; told.push_back(words_of(event))) {
+  for (Event event = open; event.kind != EventKind::ended || event.episode != down.episode; told.push_back(words_of(event))) {
     event = next(*joined);
     EXPECT_FALSE(event.resync);
   }
@@ -310,7 +310,7 @@ TEST_F(ServerRecording, AWatchSinceATimeBeforeTheRecorderSaysFromWhenOn) {
   Result<Watch> joined = client.watch({.since = since});
   ASSERT_TRUE(joined) << joined.error().message;
   const Event open = next(*joined);
-  EXPECT_EQ(open.what, What::open);
+  EXPECT_EQ(open.kind, EventKind::open);
   EXPECT_EQ(open.episode, down.episode);
   EXPECT_EQ(open.began, happened(down));
   EXPECT_GT(joined->tells_since(), down.world_time);

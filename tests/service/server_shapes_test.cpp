@@ -54,16 +54,16 @@ TEST_F(ServerShapes, EveryKindComesBackAsItWasGiven) {
                              .layers = 6,
                              .mask = 5,
                              .group = 4,
-                             .when_lost = WhenLost::hold}));
+                             .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.add({.name = "hull",
                              .shape = {HullShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.1, 0.1, 0.1}}}},
                              .scale = {2, 2, 2},
                              .moving = false,
-                             .when_lost = WhenLost::hold}));
+                             .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.add(
-      {.name = "field", .shape = {HeightFieldShape{2, 1, 1, {0, 0, 0, 0.5}}}, .when_lost = WhenLost::hold}));
+      {.name = "field", .shape = {HeightFieldShape{2, 1, 1, {0, 0, 0, 0.5}}}, .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.add(
-      {.name = "cloud", .shape = {CloudShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 0.1}}, .when_lost = WhenLost::hold}));
+      {.name = "cloud", .shape = {CloudShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 0.1}}, .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
 
@@ -144,7 +144,7 @@ TEST_F(ServerShapes, ASharedMeshComesOnceAndIsNotFetchedAgain) {
   const MeshShape tetrahedron{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, kOdd}},
                               {{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}}};
   for (const char* name : {"one", "two"})
-    ASSERT_TRUE(publisher.add({.name = name, .shape = {tetrahedron}, .when_lost = WhenLost::hold}));
+    ASSERT_TRUE(publisher.add({.name = name, .shape = {tetrahedron}, .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
   const ShownObjects first = shapes(client, {.moving = true});
@@ -152,7 +152,7 @@ TEST_F(ServerShapes, ASharedMeshComesOnceAndIsNotFetchedAgain) {
   EXPECT_EQ(first.objects[0].runs.at(0).surface, first.objects[1].runs.at(0).surface);
   EXPECT_EQ(first.objects[0].runs[0].surface->vertices, tetrahedron.vertices);
   EXPECT_EQ(first.objects[0].runs[0].surface->triangles, tetrahedron.triangles);
-  ASSERT_TRUE(publisher.add({.name = "three", .shape = {SphereShape{0.1}}, .when_lost = WhenLost::hold}));
+  ASSERT_TRUE(publisher.add({.name = "three", .shape = {SphereShape{0.1}}, .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
   const ShownObjects second = shapes(client, {.moving = true, .edges = false}, &first);
@@ -167,7 +167,7 @@ TEST_F(ServerShapes, PosesAreThoseThatWerePublishedAndTellOfChanges) {
   std::map<std::string, Pose> expected;
   std::vector<Publisher::Object> objects;
   for (int i = 0; i < 2'000; ++i)
-    objects.push_back(add_ball(publisher, "ball_" + std::to_string(i), at(i, 0, 50), WhenLost::hold));
+    objects.push_back(add_ball(publisher, "ball_" + std::to_string(i), at(i, 0, 50), LostPolicy::hold));
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const Pose pose = at(static_cast<double>(i), kOdd, 60);
     expected["ball_" + std::to_string(i)] = pose;
@@ -234,7 +234,7 @@ TEST_F(ServerShapes, AMeshOfManyPagesComesWhole) {
 }
 
 /// Bytes that a viewer would get, 0 where what it asks for is gone.
-std::uint64_t told_bytes(Client& client, const char* command, const nlohmann::json& arguments) {
+std::uint64_t reported_bytes(Client& client, const char* command, const nlohmann::json& arguments) {
   const Result<std::string> text = client.command(command, arguments.dump());
   EXPECT_TRUE(text) << text.error().message;
   std::string flaw;
@@ -248,27 +248,27 @@ TEST_F(ServerShapes, ASurfaceGoesWithItsObjectAndIsNotTakenForAnotherServers) {
   Client client = connect();
   Publisher publisher = publish(client, "maker");
   const MeshShape triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2}}}};
-  const auto object = publisher.add({.name = "leaf", .shape = {triangle}, .when_lost = WhenLost::hold});
+  const auto object = publisher.add({.name = "leaf", .shape = {triangle}, .lost_policy = LostPolicy::hold});
   ASSERT_TRUE(object);
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
   const ShownObjects shown = shapes(client, {.only = "leaf"});
   const std::uint64_t number = shown.objects.at(0).runs.at(0).surface->number;
   const nlohmann::json wanted{{"surface", number}, {"epoch", shown.epoch}};
-  EXPECT_GT(told_bytes(client, "surface", wanted), 100U);
-  EXPECT_EQ(told_bytes(client, "surface", {{"surface", number}, {"epoch", shown.epoch + 1}}), 0U);
-  EXPECT_EQ(told_bytes(client, "surface", {{"surface", number + 1}, {"epoch", shown.epoch}}), 0U);
+  EXPECT_GT(reported_bytes(client, "surface", wanted), 100U);
+  EXPECT_EQ(reported_bytes(client, "surface", {{"surface", number}, {"epoch", shown.epoch + 1}}), 0U);
+  EXPECT_EQ(reported_bytes(client, "surface", {{"surface", number + 1}, {"epoch", shown.epoch}}), 0U);
   ASSERT_TRUE(publisher.remove(*object));
   ASSERT_TRUE(publisher.flush());
   ASSERT_TRUE(publisher.wait_applied(5s));
   // States that still hold it are given up as newer ones come.
   const auto deadline = std::chrono::steady_clock::now() + 10s;
-  Publisher::Object other = add_ball(publisher, "ball", at(0, 0, 9), WhenLost::hold);
-  while (told_bytes(client, "surface", wanted) > 0 && std::chrono::steady_clock::now() < deadline) {
+  Publisher::Object other = add_ball(publisher, "ball", at(0, 0, 9), LostPolicy::hold);
+  while (reported_bytes(client, "surface", wanted) > 0 && std::chrono::steady_clock::now() < deadline) {
     move(publisher, other, at(0, 0, 10));
     ASSERT_TRUE(publisher.wait_applied(5s));
   }
-  EXPECT_EQ(told_bytes(client, "surface", wanted), 0U);
+  EXPECT_EQ(reported_bytes(client, "surface", wanted), 0U);
 }
 
 // Objects with meshes come and go while a viewer asks: it gets whole answers, each of one state.

@@ -11,7 +11,7 @@ namespace collided::engine::service {
 namespace {
 
 using namespace std::chrono_literals;
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::UndecidedReason;
 
@@ -128,10 +128,10 @@ TEST_F(WireClients, WhoNeverListensIsForgottenInTheEnd) {
 
 TEST_F(WireClients, TheNewestVersionThatWasToldStays) {
   const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
-  EXPECT_EQ(met->told_version(), 0U);
+  EXPECT_EQ(met->reported_version(), 0U);
   met->note_told(5);
   met->note_told(3);
-  EXPECT_EQ(met->told_version(), 5U);
+  EXPECT_EQ(met->reported_version(), 5U);
 }
 
 /// Answering with options, asked by one client.
@@ -254,14 +254,14 @@ TEST_F(WireAnswering, TheServersDeadlineIsForQuestionsThatBringNone) {
   answer_with(with_deadline(1));
   const wire::Reply& late = ask(down);
   ASSERT_EQ(late.answers._length, 1U);
-  EXPECT_EQ(late.answers._buffer[0], static_cast<std::uint8_t>(Answer::undecided));
+  EXPECT_EQ(late.answers._buffer[0], static_cast<std::uint8_t>(Verdict::undecided));
   EXPECT_EQ(late.reasons._buffer[0], static_cast<std::uint8_t>(UndecidedReason::deadline));
-  EXPECT_EQ(ask(down, 0, 60'000'000'000).answers._buffer[0], static_cast<std::uint8_t>(Answer::hit));
+  EXPECT_EQ(ask(down, 0, 60'000'000'000).answers._buffer[0], static_cast<std::uint8_t>(Verdict::hit));
   answer_with(with_deadline(60'000'000'000));
-  EXPECT_EQ(ask(down).answers._buffer[0], static_cast<std::uint8_t>(Answer::hit));
-  EXPECT_EQ(ask(down, 0, 1).answers._buffer[0], static_cast<std::uint8_t>(Answer::undecided));
+  EXPECT_EQ(ask(down).answers._buffer[0], static_cast<std::uint8_t>(Verdict::hit));
+  EXPECT_EQ(ask(down, 0, 1).answers._buffer[0], static_cast<std::uint8_t>(Verdict::undecided));
   answer_with({});
-  EXPECT_EQ(ask(down).answers._buffer[0], static_cast<std::uint8_t>(Answer::hit)) << "none is none";
+  EXPECT_EQ(ask(down).answers._buffer[0], static_cast<std::uint8_t>(Verdict::hit)) << "none is none";
 }
 
 // What is there now is real; what is not, or is nearest, may be otherwise once all publishers are back.
@@ -272,20 +272,20 @@ TEST_F(WireAnswering, WhileRecoveringOnlyAHitWhereAnyWillDoIsCertain) {
   answer_with(options);
   const auto answer_of = [&](const std::vector<double>& ray, wire_contract::RayMode mode) {
     const wire::Reply& reply = ask(ray, 0, 0, mode);
-    return std::pair(static_cast<Answer>(reply.answers._buffer[0]), static_cast<UndecidedReason>(reply.reasons._buffer[0]));
+    return std::pair(static_cast<Verdict>(reply.answers._buffer[0]), static_cast<UndecidedReason>(reply.reasons._buffer[0]));
   };
   const std::vector<double> up{0, 0, 60, 0, 0, 1, 20};
   const std::vector<double> nowhere{0, 0, 60, 0, 0, 0, 20};
-  const std::pair unknown{Answer::undecided, UndecidedReason::recovering};
+  const std::pair unknown{Verdict::undecided, UndecidedReason::recovering};
   using enum wire_contract::RayMode;
-  EXPECT_EQ(answer_of(down, any), std::pair(Answer::hit, UndecidedReason::none));
+  EXPECT_EQ(answer_of(down, any), std::pair(Verdict::hit, UndecidedReason::none));
   EXPECT_EQ(answer_of(down, closest), unknown);
   EXPECT_EQ(answer_of(down, all), unknown);
   EXPECT_EQ(answer_of(up, any), unknown);
-  EXPECT_EQ(answer_of(nowhere, closest), std::pair(Answer::invalid, UndecidedReason::none));
+  EXPECT_EQ(answer_of(nowhere, closest), std::pair(Verdict::invalid, UndecidedReason::none));
   recovering.store(false);
-  EXPECT_EQ(answer_of(down, closest), std::pair(Answer::hit, UndecidedReason::none));
-  EXPECT_EQ(answer_of(up, any), std::pair(Answer::miss, UndecidedReason::none));
+  EXPECT_EQ(answer_of(down, closest), std::pair(Verdict::hit, UndecidedReason::none));
+  EXPECT_EQ(answer_of(up, any), std::pair(Verdict::miss, UndecidedReason::none));
 }
 
 TEST_F(WireAnswering, AReplySaysWhoseItIsAndWhatItIsAbout) {

@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing_support::WireAsker;
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
 
@@ -88,8 +88,8 @@ TEST_F(ServerWire, InvalidQuestionsDoNotSpoilTheirNeighbours) {
   set(*query, QueryKind::ray, numbers);
   const auto reply = asker->ask(*query);
   ASSERT_TRUE(reply);
-  const auto hit = static_cast<std::uint8_t>(Answer::hit);
-  const auto invalid = static_cast<std::uint8_t>(Answer::invalid);
+  const auto hit = static_cast<std::uint8_t>(Verdict::hit);
+  const auto invalid = static_cast<std::uint8_t>(Verdict::invalid);
   EXPECT_EQ(reply->answers, (std::vector<std::uint8_t>{hit, invalid, invalid, invalid, invalid, hit}));
 }
 
@@ -159,7 +159,7 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
   EXPECT_TRUE(asker->status_becomes([&](const wire::Status& status) { return status.questions_refused == count; }));
   dds::Sample<wire::Query> good;
   set(*good, QueryKind::ray, ray);
-  EXPECT_EQ(asker->ask(*good)->answers, std::vector<std::uint8_t>{static_cast<std::uint8_t>(Answer::hit)});
+  EXPECT_EQ(asker->ask(*good)->answers, std::vector<std::uint8_t>{static_cast<std::uint8_t>(Verdict::hit)});
 }
 
 // A reply that would outgrow a message comes as several, each with whole questions.

@@ -22,16 +22,16 @@ class Model {
 
   HeardFrame began(Pair pair) {
     contacts_[pair] = ++sequence_;
-    return frame(What::began, Why::none, pair, sequence_);
+    return frame(EventKind::began, EndReason::none, pair, sequence_);
   }
-  HeardFrame ended(Pair pair, Why why = Why::separated) {
+  HeardFrame ended(Pair pair, EndReason why = EndReason::separated) {
     const std::uint64_t episode = contacts_.at(pair);
     contacts_.erase(pair);
     ++sequence_;
-    return frame(What::ended, why, pair, episode);
+    return frame(EventKind::ended, why, pair, episode);
   }
   HeardFrame persisted(Pair pair) const {
-    HeardFrame heard = frame(What::persisted, Why::none, pair, contacts_.at(pair));
+    HeardFrame heard = frame(EventKind::persisted, EndReason::none, pair, contacts_.at(pair));
     heard.first_sequence = 0;
     return heard;
   }
@@ -40,7 +40,7 @@ class Model {
     HeardShard shard{life_, number, sequence_, {}};
     for (const auto& [pair, episode] : contacts_) {
       if (shard_of(pair) == number) {
-        shard.contacts.push_back(event(What::open, Why::none, pair, episode));
+        shard.contacts.push_back(event(EventKind::open, EndReason::none, pair, episode));
       }
     }
     return shard;
@@ -57,10 +57,10 @@ class Model {
 
  private:
   std::uint64_t id(std::uint64_t object) const { return object + life_.epoch * 1'000; }
-  Event event(What what, Why why, Pair pair, std::uint64_t episode) const {
+  Event event(EventKind what, EndReason why, Pair pair, std::uint64_t episode) const {
     Event made;
-    made.what = what;
-    made.why = why;
+    made.kind = what;
+    made.reason = why;
     made.a = std::to_string(pair.first);
     made.b = std::to_string(pair.second);
     made.a_id = id(pair.first);
@@ -68,7 +68,7 @@ class Model {
     made.episode = episode;
     return made;
   }
-  HeardFrame frame(What what, Why why, Pair pair, std::uint64_t episode) const {
+  HeardFrame frame(EventKind what, EndReason why, Pair pair, std::uint64_t episode) const {
     return {life_, sequence_, {{event(what, why, pair, episode), shard_of(pair)}}};
   }
 

@@ -125,7 +125,7 @@ TEST_F(ClientAsk, SingleRayComesBackWhole) {
   const Result<Answer> answer = client_->ask(ray_from(3.25));
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_EQ(answer->verdict, Verdict::hit);
-  EXPECT_EQ(answer->reason, Undecided::none);
+  EXPECT_EQ(answer->reason, UndecidedReason::none);
   EXPECT_EQ(answer->cost.nodes, 12u);
   EXPECT_EQ(answer->cost.exact_tests, 2u);
   EXPECT_EQ(answer->cost.level, 1);
@@ -157,7 +157,7 @@ TEST_F(ClientAsk, EveryKindOfQuestionIsAnswered) {
 }
 
 TEST_F(ClientAsk, OptionsTravel) {
-  const AskOptions options{.pick = Pick::all, .mask = 6, .only = "pallet_*", .skip = "pallet_0?", .max_hits = 17,
+  const AskOptions options{.mode = HitMode::all, .mask = 6, .only = "pallet_*", .skip = "pallet_0?", .max_hits = 17,
                            .error_m = 1e-6, .deadline = 200us, .importance = Importance::high};
   ASSERT_TRUE(client_->ask(ray_from(1), options));
   const wire::Query query = server_.last_query();

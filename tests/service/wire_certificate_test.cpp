@@ -10,18 +10,18 @@
 namespace collided {
 namespace {
 
-using Beside = CertifiedPart::Beside;
+using Summand = CertifiedPart::Summand;
 using Kind = Certificate::Step::Kind;
 using Numbers = CertifiedPart::Numbers;
 
 constexpr std::array<Numbers, 3> kAxes{Numbers{1, 0, 0}, Numbers{0, 1, 0}, Numbers{0, 0, 1}};
 
-CertifiedPart ball(const Numbers& center, double radius_m) { return {.beside = Beside::ball, .points = {center}, .radius_m = radius_m}; }
-CertifiedPart box(const Numbers& center, const Numbers& half_m) { return {.beside = Beside::box, .points = {center}, .axes = kAxes, .half_m = half_m}; }
-CertifiedPart egg(const Numbers& center, const Numbers& half_m) { return {.beside = Beside::ellipsoid, .points = {center}, .axes = kAxes, .half_m = half_m}; }
+CertifiedPart ball(const Numbers& center, double radius_m) { return {.summand = Summand::ball, .points = {center}, .radius_m = radius_m}; }
+CertifiedPart box(const Numbers& center, const Numbers& half_m) { return {.summand = Summand::box, .points = {center}, .axes = kAxes, .half_m = half_m}; }
+CertifiedPart egg(const Numbers& center, const Numbers& half_m) { return {.summand = Summand::ellipsoid, .points = {center}, .axes = kAxes, .half_m = half_m}; }
 CertifiedPart triangle(const Numbers& a, const Numbers& b, const Numbers& c) { return {.points = {a, b, c}}; }
-CertifiedPart disc(const Numbers& a, const Numbers& b, double radius_m, bool tapers) { return {.beside = Beside::disc, .points = {a, b}, .radius_m = radius_m, .tapers = tapers}; }
-CertifiedPart ground(const Numbers& point, const Numbers& normal) { return {.beside = Beside::half_space, .points = {point}, .axes = {normal}}; }
+CertifiedPart disc(const Numbers& a, const Numbers& b, double radius_m, bool tapers) { return {.summand = Summand::disc, .points = {a, b}, .radius_m = radius_m, .tapers = tapers}; }
+CertifiedPart ground(const Numbers& point, const Numbers& normal) { return {.summand = Summand::half_space, .points = {point}, .axes = {normal}}; }
 
 Certificate apart(const CertifiedPart& a, const CertifiedPart& b, const Numbers& normal, const Numbers& point) {
   return {.touches = false, .a = {a}, .b = {b}, .steps = {{.kind = Kind::plane, .normal = normal, .point = point}}};
@@ -37,7 +37,7 @@ constexpr double kUlp = 0x1p-52;
 // Every kind, a double before and behind the plane through its farthest point at x = 1.
 TEST(Certificate, APlaneIsBelievedToTheLastBit) {
   const CertifiedPart kinds[] = {ball({0, 0, 0}, 1),
-                                 {.beside = Beside::ball, .points = {{-3, 0, 0}, {0, 2, 0}}, .radius_m = 1},
+                                 {.summand = Summand::ball, .points = {{-3, 0, 0}, {0, 2, 0}}, .radius_m = 1},
                                  box({0, 5, 0}, {1, 2, 3}),
                                  egg({0, 5, 0}, {1, 2, 3}),
                                  triangle({1, 0, 0}, {-1, 4, 0}, {0, 0, 4}),
@@ -48,10 +48,10 @@ TEST(Certificate, APlaneIsBelievedToTheLastBit) {
                                  ground({1, 7, 7}, {4, 0, 0})};
   for (const CertifiedPart& part : kinds) {
     const CertifiedPart beyond = ball({3, 0, 0}, 1);
-    EXPECT_TRUE(proves(apart(part, beyond, {1, 0, 0}, {1, 0, 0}))) << static_cast<int>(part.beside);
-    EXPECT_FALSE(proves(apart(part, beyond, {1, 0, 0}, {1 - kUlp, 0, 0}))) << static_cast<int>(part.beside);
+    EXPECT_TRUE(proves(apart(part, beyond, {1, 0, 0}, {1, 0, 0}))) << static_cast<int>(part.summand);
+    EXPECT_FALSE(proves(apart(part, beyond, {1, 0, 0}, {1 - kUlp, 0, 0}))) << static_cast<int>(part.summand);
     EXPECT_FALSE(proves(apart(beyond, part, {-1, 0, 0}, {1, 0, 0}))) << "b must be strictly ahead";
-    EXPECT_TRUE(proves(apart(beyond, part, {-1, 0, 0}, {1 + kUlp, 0, 0}))) << static_cast<int>(part.beside);
+    EXPECT_TRUE(proves(apart(beyond, part, {-1, 0, 0}, {1 + kUlp, 0, 0}))) << static_cast<int>(part.summand);
     EXPECT_FALSE(proves(apart(part, beyond, {0, 0, 0}, {1, 0, 0}))) << "no normal, no plane";
     EXPECT_FALSE(proves(apart(part, beyond, {-1, 0, 0}, {1, 0, 0})));
     EXPECT_FALSE(proves(apart(part, ball({3, 0, 0}, 2), {1, 0, 0}, {1, 0, 0}))) << "touching";

@@ -77,7 +77,7 @@ TEST(AnswerDecoding, EveryFieldOfAnAnswerIsItsOwn) {
   EXPECT_EQ(answers.compute, nanoseconds(44));
   ASSERT_EQ(answers.answers.size(), 3u);
   const Verdict verdicts[] = {Verdict::miss, Verdict::hit, Verdict::undecided};
-  const Undecided reasons[] = {Undecided::none, Undecided::none, Undecided::truncated};
+  const UndecidedReason reasons[] = {UndecidedReason::none, UndecidedReason::none, UndecidedReason::truncated};
   const int levels[] = {1, 2, 0};
   for (std::uint32_t i = 0; i < 3; ++i) {
     const Answer& answer = answers.answers[i];
@@ -261,7 +261,7 @@ TEST(AnswerDecoding, AReplyThatDoesNotFitIsRefused) {
   ASSERT_FALSE(collector.add(edge.message()));
   const Answers answers = collector.take();
   EXPECT_EQ(answers.answers[2].verdict, Verdict::invalid);
-  EXPECT_EQ(answers.answers[2].reason, Undecided::not_covered);
+  EXPECT_EQ(answers.answers[2].reason, UndecidedReason::not_covered);
 }
 
 TEST(AnswerDecoding, ARefusalIsItsTextWhateverThatIs) {
@@ -326,16 +326,16 @@ TEST(WatchDecoding, EveryFieldOfAnEventIsItsOwn) {
   EXPECT_EQ(heard->from.epoch, 81u);
   EXPECT_EQ(heard->first_sequence, 82u);
   ASSERT_EQ(heard->entries.size(), 3u);
-  const What whats[] = {What::began, What::persisted, What::ended};
-  const Why whys[] = {Why::none, Why::none, Why::server_restarted};
+  const EventKind whats[] = {EventKind::began, EventKind::persisted, EventKind::ended};
+  const EndReason whys[] = {EndReason::none, EndReason::none, EndReason::server_restarted};
   const char* a_names[] = {"one", "#2", "#3"};
   const char* b_names[] = {"#4", "five", "#6"};
   for (std::size_t i = 0; i < 3; ++i) {
     const Event& event = heard->entries[i].event;
     const double first = 100 + 14 * static_cast<double>(i);
     EXPECT_EQ(heard->entries[i].shard, 40 + i);
-    EXPECT_EQ(event.what, whats[i]);
-    EXPECT_EQ(event.why, whys[i]);
+    EXPECT_EQ(event.kind, whats[i]);
+    EXPECT_EQ(event.reason, whys[i]);
     EXPECT_FALSE(event.resync);
     EXPECT_EQ(event.a, a_names[i]);
     EXPECT_EQ(event.b, b_names[i]);
@@ -437,7 +437,7 @@ TEST(WatchDecoding, EveryFieldOfAContactIsItsOwn) {
   for (std::size_t i = 0; i < 2; ++i) {
     const Event& contact = heard->contacts[i];
     const double first = 100 + 8 * static_cast<double>(i);
-    EXPECT_EQ(contact.what, What::open);
+    EXPECT_EQ(contact.kind, EventKind::open);
     EXPECT_EQ(contact.a, i == 0 ? "#1" : "two");
     EXPECT_EQ(contact.b, i == 0 ? "#4" : "#5");
     EXPECT_EQ(contact.a_id, 1 + i);

@@ -34,13 +34,13 @@ class WatchStateTest : public testing::Test {
   }
   void pass(milliseconds time) { now_ += time; }
   /// "began 1 2", "ended 1 2 resync restarted", ... since the last call.
-  std::vector<std::string> told() { return std::exchange(told_, {}); }
+  std::vector<std::string> told() { return std::exchange(reported_, {}); }
   void emit(const Event& event) {
     // Which name comes first hangs on the ids, and those change when an object is defined anew.
     const Pair pair = std::minmax(std::stoull(event.a), std::stoull(event.b));
-    if (event.what == What::ended) {
+    if (event.kind == EventKind::ended) {
       EXPECT_EQ(open_.erase(pair), 1u) << event.a << ' ' << event.b << " ended without having begun";
-    } else if (event.what != What::persisted) {
+    } else if (event.kind != EventKind::persisted) {
       EXPECT_TRUE(open_.insert(pair).second) << event.a << ' ' << event.b << " began twice";
     } else {
       EXPECT_TRUE(open_.contains(pair)) << event.a << ' ' << event.b << " persisted without having begun";
@@ -49,12 +49,12 @@ class WatchStateTest : public testing::Test {
     last_epoch_ = event.epoch;
     last_sequence_ = event.sequence;
     events_.push_back(event);
-    told_.push_back(std::string(kWhat[static_cast<int>(event.what)]) + ' ' + event.a + ' ' + event.b +
-                    (event.resync ? " resync" : "") + (event.why == Why::server_restarted ? " restarted" : ""));
+    reported_.push_back(std::string(kWhat[static_cast<int>(event.kind)]) + ' ' + event.a + ' ' + event.b +
+                    (event.resync ? " resync" : "") + (event.reason == EndReason::server_restarted ? " restarted" : ""));
   }
   std::set<Pair> open_;
   Clock::time_point now_{milliseconds(1'000)};
-  std::vector<std::string> told_;
+  std::vector<std::string> reported_;
   std::vector<Event> events_;  // all that were told
   std::uint64_t last_epoch_ = 0;
   std::uint64_t last_sequence_ = 0;
@@ -545,11 +545,11 @@ TEST_F(WatchStateTest, ContactsOfObjectsThatWereDefinedAnewEndUnderTheOldIds) {
     server.ended({1, 2});  // lost, as is that they went
     hear(redefined(server.began({1, 2}), 71, 72, swaps));
     ASSERT_EQ(events_.size(), 2u);
-    EXPECT_EQ(events_[0].what, What::ended);
+    EXPECT_EQ(events_[0].kind, EventKind::ended);
     EXPECT_EQ(events_[0].a_id, 1001u);
     EXPECT_EQ(events_[0].a, "1");
     EXPECT_EQ(events_[0].sequence, 3u);
-    EXPECT_EQ(events_[1].what, What::began);
+    EXPECT_EQ(events_[1].kind, EventKind::began);
     EXPECT_EQ(events_[1].a_id, 71u);
     EXPECT_EQ(events_[1].a, swaps ? "2" : "1");
     open_.clear();
@@ -561,7 +561,7 @@ Event with_numbers(Event event, double from) {
   event.a_triangle = static_cast<std::uint32_t>(from);
   event.b_triangle = static_cast<std::uint32_t>(from) + 1;
   event.world_time = std::chrono::seconds(static_cast<int>(from) + 2);
-  event.began = event.what == What::open ? event.world_time : std::chrono::nanoseconds(0);
+  event.began = event.kind == EventKind::open ? event.world_time : std::chrono::nanoseconds(0);
   event.bracket_low_s = from / 64;
   event.bracket_high_s = from / 128;
   event.point = {from + 5, from + 6, from + 7};
@@ -596,7 +596,7 @@ TEST_F(WatchStateTest, AnEventIsToldWithItsOwnNumbersAndTheTimeAtWhichItBegan) {
   hear(server.bookmark());
   const HeardFrame began = with_numbers(server.began({1, 2}), 100);
   HeardFrame persisted = with_numbers(server.persisted({1, 2}), 200);
-  const HeardFrame ended = with_numbers(server.ended({1, 2}, Why::removed), 300);
+  const HeardFrame ended = with_numbers(server.ended({1, 2}, EndReason::removed), 300);
   hear(began);
   state_.hear_persisted(persisted);
   hear(ended);
@@ -615,8 +615,8 @@ TEST_F(WatchStateTest, AnEventIsToldWithItsOwnNumbersAndTheTimeAtWhichItBegan) {
   EXPECT_EQ(events_[0].sequence, 1u);
   EXPECT_EQ(events_[1].sequence, 1u) << "it has none of its own";
   EXPECT_EQ(events_[2].sequence, 2u);
-  EXPECT_EQ(events_[0].why, Why::none);
-  EXPECT_EQ(events_[2].why, Why::removed);
+  EXPECT_EQ(events_[0].reason, EndReason::none);
+  EXPECT_EQ(events_[2].reason, EndReason::removed);
   EXPECT_EQ(lasted(events_[2]), std::chrono::nanoseconds(302'000'000'000 - 2'343'750'000) - kFirstTouch);
 }
 
@@ -650,7 +650,7 @@ TEST_F(WatchStateTest, WhatWasMissedIsToldAsFarAsItIsKnown) {
   hear(bookmark);
   ASSERT_EQ(events_.size(), 4u);
   const Event& ended = events_[2];
-  EXPECT_EQ(ended.what, What::ended);
+  EXPECT_EQ(ended.kind, EventKind::ended);
   expect_numbers(ended, began.entries[0].event);
   EXPECT_EQ(ended.world_time, std::chrono::seconds(777));
   EXPECT_EQ(ended.began, kFirstTouch);
@@ -659,7 +659,7 @@ TEST_F(WatchStateTest, WhatWasMissedIsToldAsFarAsItIsKnown) {
   EXPECT_EQ(ended.epoch, 9u);
   EXPECT_TRUE(ended.resync);
   const Event& found = events_[3];
-  EXPECT_EQ(found.what, What::began);
+  EXPECT_EQ(found.kind, EventKind::began);
   EXPECT_EQ(found.point, Vec3(405, 406, 407));
   EXPECT_EQ(found.normal, Vec3(408, 409, 410));
   EXPECT_EQ(found.world_time, std::chrono::seconds(402));
@@ -795,7 +795,7 @@ TEST_F(WatchStateTest, GoodLineTellsEveryEventOnceAndNeverResyncs) {
     const HeardFrame frame = line.step(server);
     hear(frame);
     const Event& event = frame.entries[0].event;
-    ASSERT_EQ(told(), Lines{std::string(kWhat[static_cast<int>(event.what)]) + ' ' + event.a + ' ' + event.b});
+    ASSERT_EQ(told(), Lines{std::string(kWhat[static_cast<int>(event.kind)]) + ' ' + event.a + ' ' + event.b});
     if (line.chance(0.05)) {
       hear(server.shard(line.any_pair()));
       hear(server.bookmark());

@@ -160,15 +160,15 @@ TEST_F(ClientWatch, OpensWhatHoldsThenFollows) {
   let_the_past_pass();
   Watch watch = this->watch();
   const Event first = next(watch);
-  EXPECT_EQ(first.what, What::open);
+  EXPECT_EQ(first.kind, EventKind::open);
   EXPECT_EQ(first.a, "object_1");
   EXPECT_EQ(first.b, "object_2");
   EXPECT_EQ(first.began, 1'000ns);
-  EXPECT_EQ(next(watch).what, What::open);
+  EXPECT_EQ(next(watch).kind, EventKind::open);
   EXPECT_EQ(watch.open_contacts(), 2u);
   world_.began({5, 6});
   const Event began = next(watch);
-  EXPECT_EQ(began.what, What::began);
+  EXPECT_EQ(began.kind, EventKind::began);
   EXPECT_FALSE(began.resync);
   EXPECT_EQ(began.a, "object_5");
   EXPECT_EQ(began.a_id, 5u);
@@ -186,8 +186,8 @@ TEST_F(ClientWatch, OpensWhatHoldsThenFollows) {
   EXPECT_EQ(began.relative_velocity, Vec3(7, 8, 9));
   world_.ended({1, 2}, 2);
   const Event ended = next(watch);
-  EXPECT_EQ(ended.what, What::ended);
-  EXPECT_EQ(ended.why, Why::removed);
+  EXPECT_EQ(ended.kind, EventKind::ended);
+  EXPECT_EQ(ended.reason, EndReason::removed);
   EXPECT_EQ(ended.began, 1'000ns);
   EXPECT_EQ(ended.world_time, 4'000ns);
   EXPECT_EQ(watch.open_contacts(), 2u);
@@ -217,14 +217,14 @@ TEST_F(ClientWatch, PersistedComesToWhoAsks) {
   Watch curious = watch({.persisted = true});
   ASSERT_TRUE(eventually([&] { return plain.in_step() && curious.in_step(); }));
   world_.began({1, 2});
-  EXPECT_EQ(next(curious).what, What::began);
-  EXPECT_EQ(next(plain).what, What::began);
+  EXPECT_EQ(next(curious).kind, EventKind::began);
+  EXPECT_EQ(next(plain).kind, EventKind::began);
   std::optional<Event> event;
   ASSERT_TRUE(eventually([&] {
     world_.persisted({1, 2});
     return (event = curious.next(10ms)).has_value();
   }));
-  EXPECT_EQ(event->what, What::persisted);
+  EXPECT_EQ(event->kind, EventKind::persisted);
   EXPECT_EQ(event->began, 5'001'000ns) << "its bracket ends there";
   EXPECT_FALSE(plain.next(10ms));
 }
@@ -256,7 +256,7 @@ TEST_F(ClientWatch, CutOffWatchCatchesUp) {
   std::set<std::string> told;
   for (int i = 0; i < 2; ++i) {
     const Event event = next(watch);
-    told.insert((event.what == What::ended ? "ended " : "began ") + event.a);
+    told.insert((event.kind == EventKind::ended ? "ended " : "began ") + event.a);
   }
   EXPECT_EQ(told, (std::set<std::string>{"ended object_1", "began object_3"}));
   EXPECT_TRUE(eventually([&] { return watch.connected(); }));
@@ -267,8 +267,8 @@ TEST_F(ClientWatch, RestartedServerEndsWhatItNoLongerHolds) {
   ASSERT_TRUE(eventually([&] { return watch.in_step(); }));
   world_.began({1, 2});
   world_.began({3, 4});
-  EXPECT_EQ(next(watch).what, What::began);
-  EXPECT_EQ(next(watch).what, What::began);
+  EXPECT_EQ(next(watch).kind, EventKind::began);
+  EXPECT_EQ(next(watch).kind, EventKind::began);
   server_.beating = false;
   ASSERT_TRUE(eventually([&] { return !watch.connected(); }));
   FakeServer second(test::own_namespace(), 2,
@@ -277,8 +277,8 @@ TEST_F(ClientWatch, RestartedServerEndsWhatItNoLongerHolds) {
   EventTeller anew(second);
   anew.began({3, 4});
   const Event ended = next(watch);
-  EXPECT_EQ(ended.what, What::ended);
-  EXPECT_EQ(ended.why, Why::server_restarted);
+  EXPECT_EQ(ended.kind, EventKind::ended);
+  EXPECT_EQ(ended.reason, EndReason::server_restarted);
   EXPECT_TRUE(ended.resync);
   EXPECT_EQ(ended.a, "object_1");
   EXPECT_EQ(ended.epoch, 102u);

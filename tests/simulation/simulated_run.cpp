@@ -171,8 +171,8 @@ void SimulatedRun::send(Host& host, DefinitionSample sample) {
 void SimulatedRun::send(PoseSample sample, bool is_calm) {
   if (!is_calm && chance(0.15)) return;
   if (chance(0.05)) under_way_.push_back({now_ns_ + up_to(60'000'000), sample});
-  const std::int64_t way_ns = chance(0.7) ? 0 : up_to(50'000'000);
-  under_way_.push_back({now_ns_ + way_ns, std::move(sample)});
+  const std::int64_t motion_ns = chance(0.7) ? 0 : up_to(50'000'000);
+  under_way_.push_back({now_ns_ + motion_ns, std::move(sample)});
 }
 
 void SimulatedRun::deliver() {

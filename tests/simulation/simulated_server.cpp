@@ -31,8 +31,8 @@ std::vector<Ball> balls_of(const World& world) {
   return balls;
 }
 
-template <class Touch>
-void each_touching_pair(const World& world, Touch&& touch) {
+template <class ContactSearch>
+void each_touching_pair(const World& world, ContactSearch&& touch) {
   const std::vector<Ball> balls = balls_of(world);
   for (std::size_t i = 0; i < balls.size(); ++i) {
     for (std::size_t j = i + 1; j < balls.size(); ++j) {

@@ -21,19 +21,19 @@ void SimulatedWatcher::emit(const Event& event) {
                std::to_string(event.epoch) + ' ' + what);
   };
   const NamedPair pair = std::minmax(event.a, event.b);
-  if (event.what == What::ended) {
+  if (event.kind == EventKind::ended) {
     if (open_.erase(pair) == 0) say("ended without having begun");
     // Why it ended while nobody could hear is not known; that it did is.
-    if (event.why == Why::none && !event.resync) say("ended without a reason");
+    if (event.reason == EndReason::none && !event.resync) say("ended without a reason");
   } else if (!open_.insert(pair).second) {
     say("began twice");
   }
   if (event.epoch < last_epoch_) say("came from an earlier life of the server");
   if (event.epoch == last_epoch_ && event.sequence < last_sequence_) say("came out of order");
-  if (event.epoch > last_epoch_) told_.clear();
+  if (event.epoch > last_epoch_) reported_.clear();
   last_epoch_ = event.epoch;
   last_sequence_ = event.sequence;
-  if (!event.resync && event.what != What::open) told_.push_back(event.sequence);
+  if (!event.resync && event.kind != EventKind::open) reported_.push_back(event.sequence);
 }
 
 void SimulatedWatcher::hear(const Heard& message, std::int64_t now_ns) {

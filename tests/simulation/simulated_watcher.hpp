@@ -40,7 +40,7 @@ class SimulatedWatcher {
   void compare(const std::set<NamedPair>& truth);
 
   /// Sequences of what came as it happened, of the newest epoch.
-  const std::vector<std::uint64_t>& told() const { return told_; }
+  const std::vector<std::uint64_t>& told() const { return reported_; }
   std::uint64_t resyncs() const { return state_.resyncs(); }
 
  private:
@@ -60,7 +60,7 @@ class SimulatedWatcher {
   std::set<NamedPair> open_;
   std::uint64_t last_epoch_ = 0;
   std::uint64_t last_sequence_ = 0;
-  std::vector<std::uint64_t> told_;
+  std::vector<std::uint64_t> reported_;
   client::WatchState state_;
 };
 

@@ -146,13 +146,13 @@ TEST_F(FoxgloveTest, ContactsAreArrowsForASecond) {
   subscribe(2, 4);
   sent.clear();
   Event began;
-  began.what = What::began;
+  began.kind = EventKind::began;
   began.a = "a";
   began.b = "b";
   began.normal = {0, 0, 1};
   began.point = {1, 1, 1};
   Event ended = began;
-  ended.what = What::ended;
+  ended.kind = EventKind::ended;
   foxglove.events(std::vector<Event>{began, ended});
   const json update = data().second;
   ASSERT_EQ(update["entities"].size(), 1U);

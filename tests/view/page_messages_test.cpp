@@ -79,18 +79,18 @@ TEST(PageMessages, EveryKindOfShapeIsTold) {
   EXPECT_EQ(one["slot"], 4);
 }
 
-Event event(const std::string& a, What what) {
+Event event(const std::string& a, EventKind what) {
   Event one;
-  one.what = what;
+  one.kind = what;
   one.a = a;
   one.b = "floor";
   one.depth_m = 0.25;
-  one.why = what == What::ended ? Why::separated : Why::none;
+  one.reason = what == EventKind::ended ? EndReason::separated : EndReason::none;
   return one;
 }
 
 TEST(PageMessages, OfTooManyEventsTheNewestAreTold) {
-  const std::vector<Event> events{event("a", What::began), event("b", What::began), event("c", What::ended)};
+  const std::vector<Event> events{event("a", EventKind::began), event("b", EventKind::began), event("c", EventKind::ended)};
   const json told = json::parse(events_text(events, 2));
   EXPECT_EQ(told["left_out"], 1);
   EXPECT_EQ(told["events"][0]["a"], "b");

@@ -91,7 +91,7 @@ class BounceSource : public Source {
     object.moving = moving;
     object.layers = options_.objects.layers;
     object.mask = options_.objects.mask;
-    object.when_lost = options_.objects.when_lost;
+    object.lost_policy = options_.objects.lost_policy;
     return take(publisher.add(object));
   }
 
@@ -104,9 +104,9 @@ class BounceSource : public Source {
       const auto a = index_of_.find(event->a);
       const auto b = index_of_.find(event->b);
       const bool pair = a != index_of_.end() && b != index_of_.end();
-      const bool begins = event->what == What::began || event->what == What::open;
+      const bool begins = event->kind == EventKind::began || event->kind == EventKind::open;
       if (pair && begins) bounce_.contact_began(a->second, b->second);
-      if (pair && event->what == What::ended) bounce_.contact_ended(a->second, b->second);
+      if (pair && event->kind == EventKind::ended) bounce_.contact_ended(a->second, b->second);
       if (pair || !begins) continue;
       const std::string cube = options_.name + "/cube";
       if (a != index_of_.end() && event->b == cube) bounce_.touched_cube(a->second, event->normal);

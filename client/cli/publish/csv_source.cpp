@@ -103,7 +103,7 @@ class CsvSource : public Source {
     object.pose = pose;
     object.layers = options_.objects.layers;
     object.mask = options_.objects.mask;
-    object.when_lost = options_.objects.when_lost;
+    object.lost_policy = options_.objects.lost_policy;
     return object;
   }
 

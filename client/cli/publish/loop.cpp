@@ -89,7 +89,7 @@ class Loop {
   }
 
   void keep_alive() {
-    if (const Result<Done> said = publisher_.keep_alive(); !said) lose(said.error());
+    if (const Result<void> said = publisher_.keep_alive(); !said) lose(said.error());
   }
 
   /// A server that goes away comes back: the run goes on and counts what it could not send.

@@ -54,7 +54,7 @@ class PathSource : public Source {
     object.pose = pose_at(0);
     object.layers = options_.objects.layers;
     object.mask = options_.objects.mask;
-    object.when_lost = options_.objects.when_lost;
+    object.lost_policy = options_.objects.lost_policy;
     object_ = take(publisher.add(object));
   }
 

@@ -17,12 +17,12 @@ namespace collided::cli {
 struct ObjectTexts {
   std::uint32_t layers = 1;
   std::uint32_t mask = 0xffffffff;
-  WhenLost when_lost = WhenLost::remove;
+  LostPolicy lost_policy = LostPolicy::remove;
 };
 
 /// Throws where the pose was refused. One that could not be sent is kept and goes with the next flush, where the loop counts
 /// what a silent server misses.
-inline void moved(const Result<Done>& result) {
+inline void moved(const Result<void>& result) {
   if (!result && result.error().code == ErrorCode::bad_input) throw as_failure(result.error());
 }
 

@@ -55,7 +55,7 @@ class Walker : public Source {
       object.pose = poses[at];
       object.layers = options_.objects.layers;
       object.mask = options_.objects.mask;
-      object.when_lost = options_.objects.when_lost;
+      object.lost_policy = options_.objects.lost_policy;
       object.group = options_.group != 0 ? options_.group : group_of(options_.name);
       objects_.push_back(take(publisher.add(object)));
     }

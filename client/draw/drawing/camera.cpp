@@ -68,8 +68,8 @@ Camera Camera::fitted(const View& view, std::span<const Vec3> points) {
   const Vec3 at = view.at.value_or(bounds.center());
   const Vec3 side = Quat::FromTwoVectors(Vec3::UnitZ(), view.up) * kUsualSide;
   camera.eye_ = view.from.value_or(at + kUsualDistance * radius_m * side);
-  const Vec3 way = at - camera.eye_;
-  camera.forward_ = way.norm() > 0 ? Vec3(way.normalized()) : Vec3(-side);
+  const Vec3 displacement = at - camera.eye_;
+  camera.forward_ = displacement.norm() > 0 ? Vec3(displacement.normalized()) : Vec3(-side);
   camera.right_ = right_of(camera.forward_, view.up);
   camera.above_ = camera.right_.cross(camera.forward_);
   camera.is_orthographic_ = view.is_orthographic;
@@ -105,8 +105,8 @@ Camera Camera::fitted(const View& view, std::span<const Vec3> points) {
 }
 
 Vec3 Camera::in_camera(const Vec3& point) const {
-  const Vec3 way = point - eye_;
-  return {right_.dot(way), above_.dot(way), forward_.dot(way)};
+  const Vec3 displacement = point - eye_;
+  return {right_.dot(displacement), above_.dot(displacement), forward_.dot(displacement)};
 }
 
 ImagePoint Camera::project(const Vec3& point) const {

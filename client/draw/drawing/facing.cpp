@@ -16,9 +16,9 @@ ExactVector exactly(const Vec3& v) { return client::exact({v.x(), v.y(), v.z()})
 constexpr double kFilter = 32 * 0x1p-53;
 
 /// The sign of normal . way in double where it is sure.
-int sure_sign(const Vec3& u, const Vec3& v, const Vec3& way) {
-  const double value = u.cross(v).dot(way);
-  const double spread = 6 * u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff() * way.cwiseAbs().maxCoeff();
+int sure_sign(const Vec3& u, const Vec3& v, const Vec3& displacement) {
+  const double value = u.cross(v).dot(displacement);
+  const double spread = 6 * u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff() * displacement.cwiseAbs().maxCoeff();
   if (!(std::abs(value) > kFilter * spread) || !(spread > 1e-280)) return 0;
   return value > 0 ? 1 : -1;
 }

@@ -100,7 +100,7 @@ std::vector<Answer> Rays::first_hits(std::span<const RayQuestion> rays) { return
 
 std::vector<std::uint8_t> Rays::are_free(std::span<const RayQuestion> rays) {
   AskOptions any = options_;
-  any.pick = Pick::any;
+  any.mode = HitMode::any;
   std::vector<std::uint8_t> free;
   free.reserve(rays.size());
   for (const Answer& answer : ask(rays, any)) free.push_back(answer.verdict == Verdict::hit ? 0 : 1);

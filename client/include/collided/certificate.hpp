@@ -18,9 +18,9 @@ namespace collided {
 ///               their line: a cylinder or a cone
 ///   half_space  everything x with axes[0] . (x - points[0]) <= 0
 struct CertifiedPart {
-  enum class Beside { nothing, ball, box, ellipsoid, disc, half_space };
+  enum class Summand { nothing, ball, box, ellipsoid, disc, half_space };
   using Numbers = std::array<double, 3>;
-  Beside beside = Beside::nothing;
+  Summand summand = Summand::nothing;
   std::uint32_t triangle = 0xffffffff;  // its number in the object's mesh; 0xffffffff: no triangle
   std::vector<Numbers> points = {};
   double radius_m = 0;

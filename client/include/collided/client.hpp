@@ -58,11 +58,22 @@ class [[nodiscard]] Result {
   std::variant<T, Error> state_;
 };
 
-struct Done {};
+/// Success without a value, or the error.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error)) {}
+  explicit operator bool() const { return !error_; }
+  const Error& error() const { return *error_; }
+
+ private:
+  std::optional<Error> error_;
+};
 
 // ---- questions -----------------------------------------------------------------------------------------------------
 
-enum class Pick { closest, any, all };
+enum class HitMode { closest, any, all };
 /// Of a server that cannot answer all: low questions are refused first, high ones never.
 enum class Importance { normal, low, high };
 
@@ -111,7 +122,7 @@ struct Instant {
 
 /// What may answer, and how well.
 struct AskOptions {
-  Pick pick = Pick::closest;          // rays only
+  HitMode mode = HitMode::closest;          // rays only
   std::uint32_t mask = 0xffffffff;    // layers that may answer
   std::string only = {};              // name glob (* ? [...]), empty: everything
   std::string skip = {};              // name glob, empty: nothing
@@ -125,7 +136,7 @@ struct AskOptions {
 };
 
 enum class Verdict { miss, hit, undecided, invalid };
-enum class Undecided { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
+enum class UndecidedReason { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 
@@ -162,7 +173,7 @@ struct Uncovered {
 
 struct Answer {
   Verdict verdict = Verdict::miss;
-  Undecided reason = Undecided::none;
+  UndecidedReason reason = UndecidedReason::none;
   std::vector<Hit> hits;  // ordered by (distance, object id, triangle)
   Cost cost;
   std::optional<Uncovered> uncovered = {};  // with reason not_covered
@@ -216,7 +227,7 @@ enum class Containment { none, a_in_b, b_in_a };
 /// numbers are the same, and the normal is turned round.
 struct PairAnswer {
   Verdict verdict = Verdict::miss;
-  Undecided reason = Undecided::none;  // numeric: both answers are consistent with the input; stale_object: see stale
+  UndecidedReason reason = UndecidedReason::none;  // numeric: both answers are consistent with the input; stale_object: see stale
   /// One of the two moved when it was last heard of (its publisher is lost, or has not come to the instant asked for): the
   /// numbers are those of where it was then. A miss is said only where it cannot have come to the other since.
   bool stale = false;
@@ -294,15 +305,15 @@ class ProbeWatch {
 
 // ---- events --------------------------------------------------------------------------------------------------------
 
-enum class What { open, began, persisted, ended };
-enum class Why { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted, decided };
+enum class EventKind { open, began, persisted, ended };
+enum class EndReason { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted, decided };
 /// Why it is not known whether two objects touch: the test came out undecided; the way between two poses could not be
-/// followed to its end; one of them is where a lost publisher (WhenLost::freeze) said last.
+/// followed to its end; one of them is where a lost publisher (LostPolicy::freeze) said last.
 enum class Doubt { none, numeric, cost_limit, publisher_lost };
 
 struct Event {
-  What what = What::began;
-  Why why = Why::none;
+  EventKind kind = EventKind::began;
+  EndReason reason = EndReason::none;
   /// Else the pair is not known to touch nor to be apart, from its `began` to its `ended`; there is no point, normal or depth.
   Doubt doubt = Doubt::none;
   bool resync = false;  // learnt from the contact state after a gap, a late start or a new server
@@ -449,7 +460,7 @@ using ShapePart = std::variant<SphereShape, BoxShape, CapsuleShape, MeshShape, C
 using Shape = std::vector<ShapePart>;
 
 /// What becomes of an object whose publisher is lost.
-enum class WhenLost { remove, freeze, hold };
+enum class LostPolicy { remove, freeze, hold };
 
 struct ObjectOptions {
   std::string name = {};  // unique in the world, at most 255 bytes
@@ -462,7 +473,7 @@ struct ObjectOptions {
   std::uint32_t mask = 0xffffffff;
   std::uint32_t group = 0;  // members of one group other than 0 never meet
   bool moving = true;
-  WhenLost when_lost = WhenLost::remove;
+  LostPolicy lost_policy = LostPolicy::remove;
 };
 
 /// A source of objects and their poses. Objects live as long as the publisher unless removed earlier.
@@ -477,9 +488,9 @@ class Publisher {
 
   using Object = std::uint32_t;
   Result<Object> add(const ObjectOptions& options);
-  Result<Done> remove(Object object);
+  Result<void> remove(Object object);
   /// Non-finite or non-unit (beyond 1e-6) poses are refused.
-  Result<Done> move(Object object, const Pose& pose, bool teleport = false);
+  Result<void> move(Object object, const Pose& pose, bool teleport = false);
   /// Sends what move() collected; returns the sequence of the last message (for AskOptions.fresh). It says where everything
   /// is at that time: what was not moved since the flush before has rested, also where nothing was. Pairs with other
   /// publishers' objects are decided up to there, so who has nothing to move flushes all the same.
@@ -490,9 +501,9 @@ class Publisher {
   /// instants of their own. Who is not moved for 250 ms has rested until 250 ms before its next pose.
   void stream();
   /// Says "still there" without moving anything; move/flush say so as well.
-  Result<Done> keep_alive();
+  Result<void> keep_alive();
   /// Waits until the server has applied everything sent so far.
-  Result<Done> wait_applied(std::chrono::nanoseconds timeout);
+  Result<void> wait_applied(std::chrono::nanoseconds timeout);
 
  private:
   friend class Client;
@@ -660,7 +671,7 @@ class Client {
 
   /// The first contact of a shape on each of up to 100,000 ways, with everything as it is in one state of the world: a hit
   /// in the answer; a miss: the way is free. undecided: what is met could not be followed to the end of the way.
-  Result<Answers> sweep(const Shape& shape, std::span<const SweepQuestion> ways, const AskOptions& options = {});
+  Result<Answers> sweep(const Shape& shape, std::span<const SweepQuestion> motions, const AskOptions& options = {});
 
   /// Two objects by name: touching and how deep, or apart and how far; the rest as the options ask for it.
   Result<PairAnswer> pair(const std::string& a, const std::string& b, const PairOptions& options = {});
@@ -676,7 +687,7 @@ class Client {
   Result<Watch> watch(const WatchOptions& options, std::function<void(const Event&)> callback);
 
   /// Replaces a probe of that name. The server keeps it until it is removed, whoever comes and goes.
-  Result<Done> add_probe(const Probe& probe);
+  Result<void> add_probe(const Probe& probe);
   /// By name or glob; how many there were.
   Result<std::size_t> remove_probes(const std::string& name);
   /// Every probe's reading in the newest state.

@@ -263,17 +263,17 @@ HWY_INLINE unsigned one_sided(const SomeFacets& planes, const SomeFacets& points
     normal[axis] = planes.get(plane.normal[axis]);
   }
   Lanes side[3];
-  Lanes way = hn::Zero(kFloats);
+  Lanes motion = hn::Zero(kFloats);
   for (int corner = 0; corner < 3; ++corner) {
     const Lanes dx = hn::Sub(points.get(point.corner[corner][0]), base[0]);
     const Lanes dy = hn::Sub(points.get(point.corner[corner][1]), base[1]);
     const Lanes dz = hn::Sub(points.get(point.corner[corner][2]), base[2]);
-    way = hn::Max(way, largest_component(dx, dy, dz));
+    motion = hn::Max(motion, largest_component(dx, dy, dz));
     side[corner] = hn::MulAdd(normal[0], dx, hn::MulAdd(normal[1], dy, hn::Mul(normal[2], dz)));
   }
   // A hundredth more for the roundings of the bound itself; the last term where products underflow.
   const Lanes length = hn::MulAdd(margin, hn::Set(kFloats, 2.0f), planes.get(plane.edge));
-  const Lanes distance = hn::Add(margin, way);
+  const Lanes distance = hn::Add(margin, motion);
   const Lanes of_margin = hn::Mul(margin, hn::MulAdd(hn::Set(kFloats, 24.3f), distance,
                                                      hn::Mul(hn::Set(kFloats, 6.1f), length)));
   const Lanes of_floats = hn::Mul(hn::Mul(hn::Set(kFloats, 0x1p-18f), length), distance);

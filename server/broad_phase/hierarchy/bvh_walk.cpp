@@ -131,8 +131,8 @@ HWY_INLINE Lanes largest_of(const Triplet& a) {
 
 /// The nearest point to the origin on the segment from a along the edge.
 HWY_INLINE Triplet foot_on(const Triplet& a, const Triplet& edge) {
-  const Lanes way = hn::Div(hn::Neg(product(a, edge)), hn::Add(product(edge, edge), hn::Set(kFloats, 0x1p-100f)));
-  return along(a, hn::Min(hn::Max(way, hn::Zero(kFloats)), hn::Set(kFloats, 1.0f)), edge);
+  const Lanes motion = hn::Div(hn::Neg(product(a, edge)), hn::Add(product(edge, edge), hn::Set(kFloats, 0x1p-100f)));
+  return along(a, hn::Min(hn::Max(motion, hn::Zero(kFloats)), hn::Set(kFloats, 1.0f)), edge);
 }
 
 /// Triangle corners as seen from about the asked point, with a bound on each coordinate's error but for the rounding of

@@ -11,7 +11,7 @@ namespace collided::engine::kernel {
 /// From double upward: what the product answers with.
 struct WholeLadder {
   template <class Kernel>
-  static Verdict climb(const Kernel& kernel) {
+  static ExactResult climb(const Kernel& kernel) {
     return kernel::climb(kernel);
   }
 
@@ -37,7 +37,7 @@ struct WholeLadder {
 /// Rationals and nothing else: what the product is audited with.
 struct RationalsAlone {
   template <class Kernel>
-  static Verdict climb(const Kernel& kernel) {
+  static ExactResult climb(const Kernel& kernel) {
     return {kernel.template operator()<Dyadic>(), Level::rational};
   }
 
@@ -47,7 +47,7 @@ struct RationalsAlone {
   }
 };
 
-inline Verdict joined(const Verdict& a, const Verdict& b) {
+inline ExactResult joined(const ExactResult& a, const ExactResult& b) {
   return {either(a.decision, b.decision), std::max(a.level, b.level)};
 }
 

@@ -7,7 +7,7 @@
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/arithmetic/range_watch.hpp"
 #include "server/exact_phase/arithmetic/scaled.hpp"
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/bounded.hpp"
 #include "server/geometry/expansion.hpp"
 #include "server/geometry/vector.hpp"
@@ -177,7 +177,7 @@ Vector<N> cross(const Vector<N>& a, const Vector<N>& b) {
 
 /// Runs `kernel.operator()<N>()` on each rung until one decides or the thread's precision ends.
 template <class Kernel>
-Verdict climb(const Kernel& kernel) {
+ExactResult climb(const Kernel& kernel) {
   Decision decision = kernel.template operator()<Bounded>();
   if (decision != Decision::undecided) return {decision, Level::filter};
   ++rungs.uncertain;

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 
 namespace collided::engine {
 

@@ -63,19 +63,19 @@ struct Witnesses {
 };
 
 /// Near touching: each plane and point is asked exactly.
-Verdict careful_decision(const ConvexPair& pair, const Proposal& proposal) {
+ExactResult careful_decision(const ConvexPair& pair, const Proposal& proposal) {
   const DepthProposal depth = depth_proposal(pair.a, pair.b, proposal, 0);
   if (depth.least_m > support_error_m(pair)) return {Decision::yes, Level::filter};
   const Witnesses witnesses(pair, proposal, depth);
   Level level = Level::filter;
   for (const Vec3& n : witnesses.normal) {
     if (n.isZero(0)) continue;
-    const Verdict parted = climb([&]<class N>() { return parted_along<N>(n, pair.a, pair.b); });
+    const ExactResult parted = climb([&]<class N>() { return parted_along<N>(n, pair.a, pair.b); });
     level = std::max(level, parted.level);
     if (parted.yes()) return {Decision::no, level};
   }
   for (const Vec3& point : witnesses.point) {
-    const Verdict held = pair.both_hold(point);
+    const ExactResult held = pair.both_hold(point);
     level = std::max(level, held.level);
     if (held.yes()) return {Decision::yes, level};
   }
@@ -90,7 +90,7 @@ Contact bracketed(const Vec3& point, const Vec3& normal, double low, double high
 
 }  // namespace
 
-Verdict sets_overlap(const ConvexPair& pair) {
+ExactResult sets_overlap(const ConvexPair& pair) {
   // Most pairs are parted by the first plane that comes, or enclose each other's points; the others are worth a search to
   // the end.
   const Decision quick = quick_decision(pair, nearest_proposal(pair.a, pair.b, Seek::plane));

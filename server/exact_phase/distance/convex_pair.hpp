@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/convex.hpp"
 #include "server/exact_phase/distance/separation.hpp"
@@ -13,11 +13,11 @@ struct ConvexPair {
   Convex a;
   Convex b;
   /// Exact; yes proves that the sets overlap.
-  using BothHold = FunctionRef<Verdict(const Vec3& point)>;
+  using BothHold = FunctionRef<ExactResult(const Vec3& point)>;
   BothHold both_hold = leave_open;
 
   /// For pairs that nobody asks whether they overlap.
-  static Verdict leave_open(const Vec3&) { return {Decision::undecided, Level::filter}; }
+  static ExactResult leave_open(const Vec3&) { return {Decision::undecided, Level::filter}; }
 };
 
 /// Whether two convex sets share a point. A search in plain double proposes, a certificate decides: a plane between the
@@ -27,7 +27,7 @@ struct ConvexPair {
 /// returns  undecided only for sets with round parts that nearly touch, at no point that the search came by: of random
 ///          pairs none with a gap or depth of 1e-6 of their size, 1 % at 1e-8, and up to a third below 1e-11
 /// threads  pure; allocates only beyond Level::filter
-Verdict sets_overlap(const ConvexPair& pair);
+ExactResult sets_overlap(const ConvexPair& pair);
 
 /// The same by rationals alone, for the audit: no ball, no bound, only planes and points.
 Decision sets_overlap_by_rationals(const ConvexPair& pair);

@@ -17,11 +17,11 @@ Convex convex(const ShapeView& view) {
   return std::visit([](const auto* shape) { return Convex(*shape); }, view);
 }
 
-Verdict holds(const ShapeView& view, const Vec3& point) {
+ExactResult holds(const ShapeView& view, const Vec3& point) {
   return std::visit(
       [&](const auto* shape) {
         if constexpr (std::is_same_v<decltype(shape), const Hull*>) {
-          return Verdict{kernel::polytopes_meet(Convex(Sphere{point, 0}), Convex(*shape)), Level::rational};
+          return ExactResult{kernel::polytopes_meet(Convex(Sphere{point, 0}), Convex(*shape)), Level::rational};
         } else {
           return kernel::climb([&]<class N>() { return kernel::holds_point<N>(*shape, point); });
         }
@@ -33,10 +33,10 @@ struct BothHold {
   const ShapeView& a;
   const ShapeView& b;
 
-  Verdict operator()(const Vec3& point) const {
-    const Verdict held = holds(a, point);
+  ExactResult operator()(const Vec3& point) const {
+    const ExactResult held = holds(a, point);
     if (!held.yes()) return held;
-    const Verdict b_held = holds(b, point);
+    const ExactResult b_held = holds(b, point);
     return {b_held.decision, std::max(held.level, b_held.level)};
   }
 };
@@ -56,9 +56,9 @@ Decision surely_holds(const ShapeView& view, const Vec3& point) {
 
 }  // namespace
 
-Verdict overlaps_in_general(const ShapeView& a, const ShapeView& b) {
+ExactResult overlaps_in_general(const ShapeView& a, const ShapeView& b) {
   const BothHold both_hold{a, b};
-  const Verdict verdict = kernel::sets_overlap({convex(a), convex(b), both_hold});
+  const ExactResult verdict = kernel::sets_overlap({convex(a), convex(b), both_hold});
   if (verdict.decision != Decision::undecided) return verdict;
   // Both orders are tried, so that the order asked in is not to be seen.
   return kernel::sets_overlap({convex(b), convex(a), both_hold});
@@ -66,7 +66,7 @@ Verdict overlaps_in_general(const ShapeView& a, const ShapeView& b) {
 
 Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b) {
   const auto both_hold = [&](const Vec3& point) {
-    return Verdict{kernel::both(surely_holds(a, point), surely_holds(b, point)), Level::rational};
+    return ExactResult{kernel::both(surely_holds(a, point), surely_holds(b, point)), Level::rational};
   };
   return kernel::sets_overlap_by_rationals({convex(a), convex(b), both_hold});
 }

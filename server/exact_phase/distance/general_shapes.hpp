@@ -3,7 +3,7 @@
 #include <concepts>
 #include <variant>
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/exact_phase/distance/closest.hpp"
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/geometry/shapes.hpp"
@@ -23,7 +23,7 @@ template <class Shape>
 concept Viewable = std::constructible_from<ShapeView, const Shape*>;
 
 /// As overlaps, contact and closest of the shapes that the views show.
-Verdict overlaps_in_general(const ShapeView& a, const ShapeView& b);
+ExactResult overlaps_in_general(const ShapeView& a, const ShapeView& b);
 Contact contact_in_general(const ShapeView& a, const ShapeView& b);
 Closest closest_in_general(const Vec3& point, const ShapeView& shape);
 
@@ -32,7 +32,7 @@ Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b);
 
 template <class A, class B>
   requires(Viewable<A> && Viewable<B> && (General<A> || General<B>))
-Verdict overlaps(const A& a, const B& b) {
+ExactResult overlaps(const A& a, const B& b) {
   return overlaps_in_general(&a, &b);
 }
 

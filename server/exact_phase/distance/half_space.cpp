@@ -11,7 +11,7 @@ namespace {
 
 using namespace kernel;
 
-Verdict opposite_of(const Verdict& verdict) { return {opposite(verdict.decision), verdict.level}; }
+ExactResult opposite_of(const ExactResult& verdict) { return {opposite(verdict.decision), verdict.level}; }
 
 /// The middle of what the set has deepest against n, without its ball: of a face, an edge or a corner. In plain double:
 /// it is a place to draw the contact, and no decision hangs on it.
@@ -48,7 +48,7 @@ Convex convex(const ShapeView& view) {
 
 }  // namespace
 
-Verdict overlaps_half_space(const HalfSpace& a, const ShapeView& b) {
+ExactResult overlaps_half_space(const HalfSpace& a, const ShapeView& b) {
   const Convex set = convex(b);
   return opposite_of(climb([&]<class N>() { return is_ahead<N>(a, set); }));
 }
@@ -57,7 +57,7 @@ Decision half_space_by_rationals(const HalfSpace& a, const ShapeView& b) {
   return opposite(is_ahead<Dyadic>(a, convex(b)));
 }
 
-Verdict overlaps(const HalfSpace& a, const HalfSpace& b) {
+ExactResult overlaps(const HalfSpace& a, const HalfSpace& b) {
   return opposite_of(climb([&]<class N>() { return are_apart<N>(a, b); }));
 }
 
@@ -81,7 +81,7 @@ Closest closest(const Vec3& point, const HalfSpace& half_space) {
   return closest_half_space<WholeLadder>(point, half_space);
 }
 
-Verdict cast_ray(const Ray& ray, const HalfSpace& half_space, RayHit& hit) {
+ExactResult cast_ray(const Ray& ray, const HalfSpace& half_space, RayHit& hit) {
   return cast_half_space<WholeLadder>(ray, half_space, hit);
 }
 

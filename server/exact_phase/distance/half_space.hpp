@@ -6,20 +6,20 @@ namespace collided::engine {
 
 /// Half-spaces against everything: one reach along one normal decides, and the depth is along that normal.
 /// The same promises as in overlap.hpp, contact.hpp and closest.hpp.
-Verdict overlaps_half_space(const HalfSpace& a, const ShapeView& b);
+ExactResult overlaps_half_space(const HalfSpace& a, const ShapeView& b);
 Contact contact_half_space(const HalfSpace& a, const ShapeView& b);
 Closest closest(const Vec3& point, const HalfSpace& half_space);
 
 /// Apart only with opposite normals and a gap. Neither moves, so the world never asks for their contact.
-Verdict overlaps(const HalfSpace& a, const HalfSpace& b);
+ExactResult overlaps(const HalfSpace& a, const HalfSpace& b);
 Contact contact(const HalfSpace& a, const HalfSpace& b);
 
 template <Viewable Shape>
-Verdict overlaps(const HalfSpace& a, const Shape& b) {
+ExactResult overlaps(const HalfSpace& a, const Shape& b) {
   return overlaps_half_space(a, &b);
 }
 template <Viewable Shape>
-Verdict overlaps(const Shape& a, const HalfSpace& b) {
+ExactResult overlaps(const Shape& a, const HalfSpace& b) {
   return overlaps_half_space(b, &a);
 }
 template <Viewable Shape>

@@ -51,17 +51,17 @@ Bounded distance_to_plane(const Ray& ray, const HalfSpace& h) {
 }
 
 template <class Climb>
-Verdict cast_half_space(const Ray& ray, const HalfSpace& h, RayHit& hit) {
+ExactResult cast_half_space(const Ray& ray, const HalfSpace& h, RayHit& hit) {
   const auto slope_is = [&](int side) {
     return Climb::climb([&]<class N>() {
       const N slope = dot(Vector<N>(h.normal), Vector<N>(ray.direction));
       return is_positive(side > 0 ? slope : -slope);
     });
   };
-  const Verdict inside = Climb::climb([&]<class N>() { return at_most(ahead_of<N>(h, ray.origin), N(0.0)); });
-  Verdict verdict = inside;
+  const ExactResult inside = Climb::climb([&]<class N>() { return at_most(ahead_of<N>(h, ray.origin), N(0.0)); });
+  ExactResult verdict = inside;
   if (inside.decision == Decision::no) {
-    const Verdict enters = Climb::climb([&]<class N>() {
+    const ExactResult enters = Climb::climb([&]<class N>() {
       const N slope = dot(Vector<N>(h.normal), Vector<N>(ray.direction));
       return both(is_positive(-slope), within_length(Reach<N>{Decision::yes, ahead_of<N>(h, ray.origin), -slope}, ray));
     });
@@ -82,7 +82,7 @@ Verdict cast_half_space(const Ray& ray, const HalfSpace& h, RayHit& hit) {
 template <class Climb>
 Closest closest_half_space(const Vec3& point, const HalfSpace& h) {
   const Vec3 normal = unit(h.normal);
-  const Verdict held = Climb::climb([&]<class N>() { return at_most(ahead_of<N>(h, point), N(0.0)); });
+  const ExactResult held = Climb::climb([&]<class N>() { return at_most(ahead_of<N>(h, point), N(0.0)); });
   if (held.yes()) return inside_at(point, normal);
   const Bounded ahead = Climb::sharpened([&]<class N>() {
     return plain(scaled(ahead_of<N>(h, point)) / sqrt(scaled(square(Vector<N>(h.normal)))));

@@ -128,9 +128,9 @@ Vec3 Proposal::on_b() const {
 
 Proposal nearest_proposal(const Convex& a, const Convex& b, Seek seek) {
   Proposal proposal;
-  Vec3 way = (a.carrier[0] - b.carrier[0]) + (a.middle() - b.middle());
-  if (way.isZero(0)) way = Vec3::UnitX();
-  proposal.corner[0] = difference_support(-way, a, b);
+  Vec3 displacement = (a.carrier[0] - b.carrier[0]) + (a.middle() - b.middle());
+  if (displacement.isZero(0)) displacement = Vec3::UnitX();
+  proposal.corner[0] = difference_support(-displacement, a, b);
   proposal.count = 1;
   proposal.nearest = proposal.corner[0].w;
   const double clear2 = clearance_m(a, b) * clearance_m(a, b);

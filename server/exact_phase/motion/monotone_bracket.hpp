@@ -12,10 +12,10 @@ namespace collided::engine::kernel {
 /// (`touched_by(t)`, a Verdict). Exact answers keep a proved bracket; `guess()`, asked only if there is a contact after
 /// the start, decides nothing.
 template <class TouchedBy, class Guess>
-Verdict bracket_monotone(const TouchedBy& touched_by, const Guess& guess, double width, TimeBracket& bracket) {
+ExactResult bracket_monotone(const TouchedBy& touched_by, const Guess& guess, double width, TimeBracket& bracket) {
   Level level = Level::filter;
   const auto ask = [&](double t) {
-    const Verdict v = touched_by(t);
+    const ExactResult v = touched_by(t);
     level = std::max(level, v.level);
     return v.decision;
   };

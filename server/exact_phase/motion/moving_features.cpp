@@ -166,7 +166,7 @@ Decision Filter::run(TimeBracket& bracket) {
   return search(bracket);
 }
 
-Verdict first_contact(const Quartet& q, double width, TimeBracket& bracket) {
+ExactResult first_contact(const Quartet& q, double width, TimeBracket& bracket) {
   if (!finite(q)) return {Decision::undecided, Level::filter};
   if (parted_by_axis(q)) return {Decision::no, Level::filter};
   Filter filter(q, width);
@@ -180,11 +180,11 @@ Verdict first_contact(const Quartet& q, double width, TimeBracket& bracket) {
 
 }  // namespace
 
-Verdict first_contact(const MovingPoint& point, const MovingTriangle& face, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingPoint& point, const MovingTriangle& face, double width, TimeBracket& bracket) {
   return first_contact({{point, face.a, face.b, face.c}, Quartet::Kind::point_face}, width, bracket);
 }
 
-Verdict first_contact(const MovingSegment& a, const MovingSegment& b, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSegment& a, const MovingSegment& b, double width, TimeBracket& bracket) {
   return first_contact({{a.a, a.b, b.a, b.b}, Quartet::Kind::edge_edge}, width, bracket);
 }
 

@@ -34,8 +34,8 @@ struct MovingTriangle {
 ///           2012, and Wang et al., "A large-scale benchmark and an inclusion-based algorithm for continuous collision
 ///           detection", 2021. Here by real roots: Bernstein coefficients and Descartes' rule of signs, then signs of
 ///           polynomials at isolated roots (Basu, Pollack, Roy, "Algorithms in Real Algebraic Geometry", 2006, ch. 10)
-Verdict first_contact(const MovingPoint& point, const MovingTriangle& face, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSegment& a, const MovingSegment& b, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingTriangle& a, const MovingTriangle& b, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingPoint& point, const MovingTriangle& face, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSegment& a, const MovingSegment& b, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingTriangle& a, const MovingTriangle& b, double width, TimeBracket& bracket);
 
 }  // namespace collided::engine

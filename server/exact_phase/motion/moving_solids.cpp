@@ -21,17 +21,17 @@ Vector<N> way_until(const Translated<Shape>& mover, double t) {
 template <class N>
 struct SweptBox {
   Solid<N> box;
-  Vector<N> way;
+  Vector<N> displacement;
   Vector<N> middle;
 
   SweptBox(const Translated<Box>& mover, double t)
-      : box(mover.start), way(way_until<N>(mover, t)), middle(box.center + N(0.5) * way) {}
+      : box(mover.start), displacement(way_until<N>(mover, t)), middle(box.center + N(0.5) * displacement) {}
 };
 
 /// A plane across n lies strictly between the two.
 template <class N>
 Decision separates(const Vector<N>& n, const SweptBox<N>& swept, const Facet<N>& f) {
-  N reach = N(0.5) * abs(dot(n, swept.way));
+  N reach = N(0.5) * abs(dot(n, swept.displacement));
   for (int i = 0; i < 3; ++i) reach = reach + swept.box.half[i] * abs(dot(n, swept.box.axis[i]));
   N nearest = dot(n, f.corner[0] - swept.middle);
   N farthest = nearest;
@@ -59,7 +59,7 @@ Decision touched(const Translated<Box>& mover, double t, const Triangle& other) 
   }
   if (parted(f.normal)) return Decision::no;
   for (int i = 0; i < 3; ++i) {
-    if (parted_across(swept.way, f.edge[i]) || parted_across(swept.way, swept.box.axis[i])) return Decision::no;
+    if (parted_across(swept.displacement, f.edge[i]) || parted_across(swept.displacement, swept.box.axis[i])) return Decision::no;
     for (int j = 0; j < 3; ++j) {
       if (parted_across(swept.box.axis[i], f.edge[j])) return Decision::no;
     }
@@ -71,15 +71,15 @@ Decision touched(const Translated<Box>& mover, double t, const Triangle& other) 
 template <class N>
 Decision touched(const Translated<Capsule>& mover, double t, const Triangle& other) {
   const Capsule& capsule = mover.start;
-  const Vector<N> way = way_until<N>(mover, t);
+  const Vector<N> displacement = way_until<N>(mover, t);
   const Vector<N> a(capsule.a);
   const Vector<N> b(capsule.b);
-  const Vector<N> a_end = a + way;
-  const Vector<N> b_end = b + way;
+  const Vector<N> a_end = a + displacement;
+  const Vector<N> b_end = b + displacement;
   const N R2 = N(capsule.radius_m) * N(capsule.radius_m);
   const Facet<N> f(other);
   AnyOf any;
-  const Segment<N> sides[4] = {{a, b}, {a_end, b_end, b - a}, Segment<N>::along(a, way), Segment<N>::along(b, way)};
+  const Segment<N> sides[4] = {{a, b}, {a_end, b_end, b - a}, Segment<N>::along(a, displacement), Segment<N>::along(b, displacement)};
   for (const Segment<N>& side : sides) {
     if (any.add(segment_near_facet(side, f, R2))) return Decision::yes;
   }
@@ -95,14 +95,14 @@ Decision touched(const Translated<Capsule>& mover, double t, const Triangle& oth
 /// The last of the times at which an axis stops parting the two, in plain double.
 double guessed_time(const Translated<Box>& mover, const Triangle& other) {
   const Box& box = mover.start;
-  const Vec3 way = mover.to - mover.from;
+  const Vec3 displacement = mover.to - mover.from;
   const std::array<Vec3, 3> corner{other.a - box.center, other.b - box.center, other.c - box.center};
   double latest = 0;
   const auto consider = [&](const Vec3& n) {
     double reach = 0;
     for (int i = 0; i < 3; ++i) reach += box.half_m[i] * std::abs(n.dot(box.axes.col(i)));
     const auto [low, high] = std::minmax({n.dot(corner[0]), n.dot(corner[1]), n.dot(corner[2])});
-    const double speed = n.dot(way);
+    const double speed = n.dot(displacement);
     const double gap = speed > 0 ? low - reach : -high - reach;
     if (gap > 0 && speed != 0) latest = std::max(latest, gap / std::abs(speed));
   };
@@ -127,7 +127,7 @@ double guessed_time(const Translated<Capsule>& mover, const Triangle& other) {
 }
 
 template <class Shape>
-Verdict bracket_first_contact(const Translated<Shape>& mover, const Triangle& other, double width,
+ExactResult bracket_first_contact(const Translated<Shape>& mover, const Triangle& other, double width,
                               TimeBracket& bracket) {
   return bracket_monotone(
       [&](double t) { return climb([&]<class N>() { return touched<N>(mover, t, other); }); },
@@ -136,11 +136,11 @@ Verdict bracket_first_contact(const Translated<Shape>& mover, const Triangle& ot
 
 }  // namespace
 
-Verdict first_contact(const Translated<Box>& mover, const Triangle& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const Translated<Box>& mover, const Triangle& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const Translated<Capsule>& mover, const Triangle& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const Translated<Capsule>& mover, const Triangle& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 

@@ -18,7 +18,7 @@ struct Translated {
 ///
 /// source  box: separating axes of the swept box (Eberly, "Dynamic collision detection using oriented bounding boxes",
 ///         1999), in exact arithmetic; capsule: the segment's way is a parallelogram, near the triangle or not
-Verdict first_contact(const Translated<Box>& mover, const Triangle& other, double width, TimeBracket& bracket);
-Verdict first_contact(const Translated<Capsule>& mover, const Triangle& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const Translated<Box>& mover, const Triangle& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const Translated<Capsule>& mover, const Triangle& other, double width, TimeBracket& bracket);
 
 }  // namespace collided::engine

@@ -55,11 +55,11 @@ bool parted_by_plane(const MovingTriangle& resting, const MovingTriangle& other)
 
 /// The earliest of several first contacts.
 struct Earliest {
-  Verdict verdict;
+  ExactResult verdict;
   TimeBracket bracket{0, 1};
   bool open = false;
 
-  void add(const Verdict& part, const TimeBracket& own) {
+  void add(const ExactResult& part, const TimeBracket& own) {
     verdict.level = std::max(verdict.level, part.level);
     open = open || part.decision == Decision::undecided;
     if (!part.yes()) return;
@@ -71,11 +71,11 @@ struct Earliest {
 }  // namespace
 
 /// Triangles that are apart first meet with a corner of one on the other or with an edge on an edge.
-Verdict first_contact(const MovingTriangle& a, const MovingTriangle& b, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingTriangle& a, const MovingTriangle& b, double width, TimeBracket& bracket) {
   if (!finite(a) || !finite(b)) return {Decision::undecided, Level::filter};
   if (parted_by_axis(a, b)) return {Decision::no, Level::filter};
   if (parted_by_plane(a, b) || parted_by_plane(b, a)) return {Decision::no, Level::filter};
-  const Verdict at_start =
+  const ExactResult at_start =
       overlaps(Triangle{a.a.start, a.b.start, a.c.start}, Triangle{b.a.start, b.b.start, b.c.start});
   if (at_start.yes()) {
     bracket = {0, 0};

@@ -59,23 +59,23 @@ Decision touched(const MovingSphere& mover, double t, const HalfSpace& other) {
 }
 
 template <class Shape>
-Verdict touched_until(const MovingSphere& mover, double t, const Shape& other) {
+ExactResult touched_until(const MovingSphere& mover, double t, const Shape& other) {
   return climb([&]<class N>() { return touched<N>(mover, t, other); });
 }
 
 /// The end of the way is rounded here, by 4 u of its coordinates at most; so the way's ball is tried that much larger
 /// for a no and that much smaller for a yes.
 template <General Shape>
-Verdict touched_until(const MovingSphere& mover, double t, const Shape& other) {
-  Capsule way{mover.start, t == 1 ? mover.end : Vec3(mover.start + t * (mover.end - mover.start)), mover.radius_m};
-  if (t == 0 || t == 1) return overlaps(way, other);
+ExactResult touched_until(const MovingSphere& mover, double t, const Shape& other) {
+  Capsule motion{mover.start, t == 1 ? mover.end : Vec3(mover.start + t * (mover.end - mover.start)), mover.radius_m};
+  if (t == 0 || t == 1) return overlaps(motion, other);
   const double slack = 8 * kRoundoff * (mover.start.cwiseAbs().maxCoeff() + mover.end.cwiseAbs().maxCoeff());
-  way.radius_m = (mover.radius_m + slack) * (1 + 2 * kRoundoff);
-  const Verdict wide = overlaps(way, other);
+  motion.radius_m = (mover.radius_m + slack) * (1 + 2 * kRoundoff);
+  const ExactResult wide = overlaps(motion, other);
   if (!wide.yes()) return wide;
-  way.radius_m = (mover.radius_m - slack) * (1 - 2 * kRoundoff);
-  const Verdict narrow = way.radius_m >= 0 ? overlaps(way, other) : Verdict{Decision::no, wide.level};
-  return narrow.yes() ? narrow : Verdict{Decision::undecided, narrow.level};
+  motion.radius_m = (mover.radius_m - slack) * (1 - 2 * kRoundoff);
+  const ExactResult narrow = motion.radius_m >= 0 ? overlaps(motion, other) : ExactResult{Decision::no, wide.level};
+  return narrow.yes() ? narrow : ExactResult{Decision::undecided, narrow.level};
 }
 
 template <class Shape>
@@ -103,50 +103,50 @@ double guessed_time(const MovingSphere& mover, const Shape& other) {
 }
 
 template <class Shape>
-Verdict bracket_first_contact(const MovingSphere& mover, const Shape& other, double width, TimeBracket& bracket) {
+ExactResult bracket_first_contact(const MovingSphere& mover, const Shape& other, double width, TimeBracket& bracket) {
   return bracket_monotone([&](double t) { return touched_until(mover, t, other); },
                           [&] { return guessed_time(mover, other); }, width, bracket);
 }
 
 }  // namespace
 
-Verdict first_contact(const MovingSphere& mover, const Sphere& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const Sphere& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const MovingSphere& mover, const Box& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const Box& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const MovingSphere& mover, const Capsule& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const Capsule& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const MovingSphere& mover, const Cylinder& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const Cylinder& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const MovingSphere& mover, const Cone& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const Cone& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const MovingSphere& mover, const Ellipsoid& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const Ellipsoid& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const MovingSphere& mover, const Hull& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const Hull& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const MovingSphere& mover, const HalfSpace& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const HalfSpace& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const MovingSphere& mover, const Triangle& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const Triangle& other, double width, TimeBracket& bracket) {
   return bracket_first_contact(mover, other, width, bracket);
 }
 
-Verdict first_contact(const MovingSphere& mover, const Primitive& other, double width, TimeBracket& bracket) {
+ExactResult first_contact(const MovingSphere& mover, const Primitive& other, double width, TimeBracket& bracket) {
   return std::visit([&](const auto& shape) { return first_contact(mover, shape, width, bracket); }, other);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/shapes.hpp"
 
 namespace collided::engine {
@@ -20,15 +20,15 @@ struct TimeBracket {
 
 /// Whether the moving sphere meets the set at any time in [0, 1], and the bracket of the first contact, no wider
 /// than `width` unless rounding forbids (then as narrow as it goes). Never late, never missed.
-Verdict first_contact(const MovingSphere& mover, const Sphere& other, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSphere& mover, const Box& other, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSphere& mover, const Capsule& other, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSphere& mover, const Cylinder& other, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSphere& mover, const Cone& other, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSphere& mover, const Ellipsoid& other, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSphere& mover, const Hull& other, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSphere& mover, const HalfSpace& other, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSphere& mover, const Triangle& other, double width, TimeBracket& bracket);
-Verdict first_contact(const MovingSphere& mover, const Primitive& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const Sphere& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const Box& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const Capsule& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const Cylinder& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const Cone& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const Ellipsoid& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const Hull& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const HalfSpace& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const Triangle& other, double width, TimeBracket& bracket);
+ExactResult first_contact(const MovingSphere& mover, const Primitive& other, double width, TimeBracket& bracket);
 
 }  // namespace collided::engine

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/shapes.hpp"
 
 namespace collided::engine::kernel {

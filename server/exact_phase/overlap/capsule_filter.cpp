@@ -12,8 +12,8 @@ namespace {
 /// Projections from a box to a segment and back; what is not near enough by then is left to the ladder.
 constexpr int kProjections = 6;
 
-double nearest_on(const Vec3& point, const Vec3& start, const Vec3& way, double way_m2) {
-  return way_m2 > 0 ? std::clamp((point - start).dot(way) / way_m2, 0.0, 1.0) : 0.0;
+double nearest_on(const Vec3& point, const Vec3& start, const Vec3& displacement, double way_m2) {
+  return way_m2 > 0 ? std::clamp((point - start).dot(displacement) / way_m2, 0.0, 1.0) : 0.0;
 }
 
 /// gap: from a point of the one core to a point of the other; beyond_m2: how far the cores are apart along it, times its
@@ -32,30 +32,30 @@ Decision decide(const Vec3& gap, double beyond_m2, double reach_m, double larges
 
 Decision quickly_overlaps(const Capsule& a, const Capsule& b) {
   const Vec3 from = a.a - b.a;
-  const Vec3 way_a = a.b - a.a;
-  const Vec3 way_b = b.b - b.a;
-  const double a_m2 = way_a.squaredNorm();
-  const double b_m2 = way_b.squaredNorm();
+  const Vec3 motion_a = a.b - a.a;
+  const Vec3 motion_b = b.b - b.a;
+  const double a_m2 = motion_a.squaredNorm();
+  const double b_m2 = motion_b.squaredNorm();
   const double reach_m = a.radius_m + b.radius_m;
   const double largest_m2 = 4 * (from.squaredNorm() + a_m2 + b_m2) + reach_m * reach_m;
   if (!in_plain_range(largest_m2)) return Decision::undecided;
-  const double across = way_a.dot(way_b);
+  const double across = motion_a.dot(motion_b);
   const double spread = a_m2 * b_m2 - across * across;
-  const double along_a = way_a.dot(from);
-  const double along_b = way_b.dot(from);
+  const double along_a = motion_a.dot(from);
+  const double along_b = motion_b.dot(from);
   double s = spread > 0 ? std::clamp((across * along_b - along_a * b_m2) / spread, 0.0, 1.0) : 0.0;
   const double t = b_m2 > 0 ? std::clamp((across * s + along_b) / b_m2, 0.0, 1.0) : 0.0;
   s = a_m2 > 0 ? std::clamp((across * t - along_a) / a_m2, 0.0, 1.0) : 0.0;
-  const Vec3 gap = from + s * way_a - t * way_b;
+  const Vec3 gap = from + s * motion_a - t * motion_b;
   // The least of a's ends, less the most of b's, along the gap.
-  const double beyond_m2 = gap.dot(from) + std::min(0.0, gap.dot(way_a)) - std::max(0.0, gap.dot(way_b));
+  const double beyond_m2 = gap.dot(from) + std::min(0.0, gap.dot(motion_a)) - std::max(0.0, gap.dot(motion_b));
   return decide(gap, beyond_m2, reach_m, largest_m2);
 }
 
 Decision quickly_overlaps(const Box& box, const Capsule& capsule) {
   const Vec3 start = capsule.a - box.center;
-  const Vec3 way = capsule.b - capsule.a;
-  const double way_m2 = way.squaredNorm();
+  const Vec3 displacement = capsule.b - capsule.a;
+  const double way_m2 = displacement.squaredNorm();
   const double radius_m2 = capsule.radius_m * capsule.radius_m;
   const double largest_m2 = 4 * (start.squaredNorm() + way_m2 + box.half_m.squaredNorm()) + radius_m2;
   // Axes about as they come from poses; those that do not span space are the ladder's to refuse.
@@ -63,11 +63,11 @@ Decision quickly_overlaps(const Box& box, const Capsule& capsule) {
   if (!in_plain_range(largest_m2) || !spans) return Decision::undecided;
   Vec3 on_box = Vec3::Zero();
   for (int i = 0; i < kProjections; ++i) {
-    const Vec3 on_core = start + nearest_on(on_box, start, way, way_m2) * way;
+    const Vec3 on_core = start + nearest_on(on_box, start, displacement, way_m2) * displacement;
     const Vec3 local = (box.axes.transpose() * on_core).cwiseMax(-box.half_m).cwiseMin(box.half_m);
     on_box = box.axes * local;
     const Vec3 gap = on_core - on_box;
-    const double beyond_m2 = gap.dot(start) + std::min(0.0, gap.dot(way)) -
+    const double beyond_m2 = gap.dot(start) + std::min(0.0, gap.dot(displacement)) -
                              box.half_m.dot((box.axes.transpose() * gap).cwiseAbs());
     const Decision decision = decide(gap, beyond_m2, capsule.radius_m, largest_m2);
     if (decision != Decision::undecided) return decision;

@@ -21,7 +21,7 @@ int sure_side(const Triple& p, const Triple& q, const Triple& r) {
   return product > error ? 1 : product < -error ? -1 : 0;
 }
 
-Verdict no() { return {Decision::no, Level::filter}; }
+ExactResult no() { return {Decision::no, Level::filter}; }
 
 /// On exact numbers: the four points lie in one plane, and seen along the axis a and b lie on one side of o p.
 template <class N>
@@ -37,7 +37,7 @@ Decision folds(const Triangle& a, const Triangle& b) {
 
 }  // namespace
 
-Verdict meet_beyond_corner(const Triangle& a, const Triangle& b) {
+ExactResult meet_beyond_corner(const Triangle& a, const Triangle& b) {
   const Triple o = kernel::triple(a.a);
   const Triple p = kernel::triple(a.b) - o;
   const Triple q = kernel::triple(a.c) - o;
@@ -48,12 +48,12 @@ Verdict meet_beyond_corner(const Triangle& a, const Triangle& b) {
   if (sure_side(r, s, p) * sure_side(r, s, q) > 0) return no();
   if (parted_but_for_corner(a, b)) return no();
   // What they have in common is convex and has the corner in it; going away from the corner it ends on a far side.
-  const Verdict first = overlaps(Triangle{a.b, a.c, a.c}, b);
+  const ExactResult first = overlaps(Triangle{a.b, a.c, a.c}, b);
   if (first.decision != Decision::no) return first;
   return overlaps(a, Triangle{b.b, b.c, b.c});
 }
 
-Verdict meet_beyond_edge(const Triangle& a, const Triangle& b) {
+ExactResult meet_beyond_edge(const Triangle& a, const Triangle& b) {
   const Triple o = kernel::triple(a.a);
   if (sure_side(kernel::triple(a.b) - o, kernel::triple(a.c) - o, kernel::triple(b.c) - o) != 0) return no();
   if (parted_but_for_edge(a, b)) return no();

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/shapes.hpp"
 
 namespace collided::engine {
@@ -10,10 +10,10 @@ namespace collided::engine {
 /// Two triangles with a.a = b.a: they have a point in common besides it.
 /// cost      20 ns where one lies on one side of the other, 70 where they part in a projection
 /// threads   pure; allocates only on Level::rational
-Verdict meet_beyond_corner(const Triangle& a, const Triangle& b);
+ExactResult meet_beyond_corner(const Triangle& a, const Triangle& b);
 
 /// Two triangles with a.a = b.a and a.b = b.b: they have a point in common besides that edge; they lie in one plane,
 /// folded over each other.
-Verdict meet_beyond_edge(const Triangle& a, const Triangle& b);
+ExactResult meet_beyond_edge(const Triangle& a, const Triangle& b);
 
 }  // namespace collided::engine

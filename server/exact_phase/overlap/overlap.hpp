@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/shapes.hpp"
 
 namespace collided::engine {
@@ -9,30 +9,30 @@ namespace collided::engine {
 /// the same decision.
 ///
 /// threads  pure; allocates only on Level::rational
-Verdict overlaps(const Sphere& a, const Sphere& b);
-Verdict overlaps(const Sphere& a, const Box& b);
-Verdict overlaps(const Sphere& a, const Capsule& b);
-Verdict overlaps(const Sphere& a, const Triangle& b);
-Verdict overlaps(const Box& a, const Box& b);
-Verdict overlaps(const Box& a, const Capsule& b);
-Verdict overlaps(const Box& a, const Triangle& b);
-Verdict overlaps(const Capsule& a, const Capsule& b);
-Verdict overlaps(const Capsule& a, const Triangle& b);
-Verdict overlaps(const Triangle& a, const Triangle& b);
+ExactResult overlaps(const Sphere& a, const Sphere& b);
+ExactResult overlaps(const Sphere& a, const Box& b);
+ExactResult overlaps(const Sphere& a, const Capsule& b);
+ExactResult overlaps(const Sphere& a, const Triangle& b);
+ExactResult overlaps(const Box& a, const Box& b);
+ExactResult overlaps(const Box& a, const Capsule& b);
+ExactResult overlaps(const Box& a, const Triangle& b);
+ExactResult overlaps(const Capsule& a, const Capsule& b);
+ExactResult overlaps(const Capsule& a, const Triangle& b);
+ExactResult overlaps(const Triangle& a, const Triangle& b);
 
 /// The same, and what contact(a, b).depth_m does not exceed (may be infinite): most contacts need not be worked out to
 /// find the deepest.
-Verdict overlaps(const Sphere& a, const Triangle& b, double& depth_at_most_m);
-Verdict overlaps(const Box& a, const Triangle& b, double& depth_at_most_m);
+ExactResult overlaps(const Sphere& a, const Triangle& b, double& depth_at_most_m);
+ExactResult overlaps(const Box& a, const Triangle& b, double& depth_at_most_m);
 
-inline Verdict overlaps(const Box& a, const Sphere& b) { return overlaps(b, a); }
-inline Verdict overlaps(const Capsule& a, const Sphere& b) { return overlaps(b, a); }
-inline Verdict overlaps(const Triangle& a, const Sphere& b) { return overlaps(b, a); }
-inline Verdict overlaps(const Capsule& a, const Box& b) { return overlaps(b, a); }
-inline Verdict overlaps(const Triangle& a, const Box& b) { return overlaps(b, a); }
-inline Verdict overlaps(const Triangle& a, const Capsule& b) { return overlaps(b, a); }
+inline ExactResult overlaps(const Box& a, const Sphere& b) { return overlaps(b, a); }
+inline ExactResult overlaps(const Capsule& a, const Sphere& b) { return overlaps(b, a); }
+inline ExactResult overlaps(const Triangle& a, const Sphere& b) { return overlaps(b, a); }
+inline ExactResult overlaps(const Capsule& a, const Box& b) { return overlaps(b, a); }
+inline ExactResult overlaps(const Triangle& a, const Box& b) { return overlaps(b, a); }
+inline ExactResult overlaps(const Triangle& a, const Capsule& b) { return overlaps(b, a); }
 
-Verdict overlaps(const Primitive& a, const Primitive& b);
-Verdict overlaps(const Primitive& a, const Triangle& b);
+ExactResult overlaps(const Primitive& a, const Primitive& b);
+ExactResult overlaps(const Primitive& a, const Triangle& b);
 
 }  // namespace collided::engine

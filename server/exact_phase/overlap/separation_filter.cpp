@@ -189,14 +189,14 @@ About sides_about(const Triples& points, const Triples& plane) {
   const Triple e = plane[1] - plane[0];
   const Triple f = plane[2] - plane[0];
   const Triple normal = cross(e, f);
-  const Triples way{points[0] - plane[0], points[1] - plane[0], points[2] - plane[0]};
+  const Triples motion{points[0] - plane[0], points[1] - plane[0], points[2] - plane[0]};
   const double first = e.largest();
   const double second = f.largest();
-  const double distance = std::max({way[0].largest(), way[1].largest(), way[2].largest()});
+  const double distance = std::max({motion[0].largest(), motion[1].largest(), motion[2].largest()});
   if (!in_range(first) || !in_range(second) || !in_range(distance)) return {};
   const double error = kOrientationError * first * second * distance;
-  return {{sure_sign(dot(normal, way[0]), error), sure_sign(dot(normal, way[1]), error),
-           sure_sign(dot(normal, way[2]), error)},
+  return {{sure_sign(dot(normal, motion[0]), error), sure_sign(dot(normal, motion[1]), error),
+           sure_sign(dot(normal, motion[2]), error)},
           (distance + std::max(first, second)) * (1 + 0x1p-50)};
 }
 

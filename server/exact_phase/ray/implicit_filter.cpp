@@ -65,13 +65,13 @@ struct Shifted {
 /// origin + t * direction, rounded once, with what was lost.
 Bounded moved(double origin, double t, double direction) {
   if (direction == 0) return origin;
-  const double way = t * direction;
-  const double way_lost = std::fma(t, direction, -way);
-  const double sum = origin + way;
+  const double motion = t * direction;
+  const double way_lost = std::fma(t, direction, -motion);
+  const double sum = origin + motion;
   const double way_part = sum - origin;
-  const double rest = ((origin - (sum - way_part)) + (way - way_part)) + way_lost;
+  const double rest = ((origin - (sum - way_part)) + (motion - way_part)) + way_lost;
   const double value = sum + rest;
-  if (rest == 0 && std::abs(way) > 0x1p-900) return value;
+  if (rest == 0 && std::abs(motion) > 0x1p-900) return value;
   return {value, 2 * kRoundoff * (std::abs(value) + std::abs(rest)) + kUnderflow};
 }
 

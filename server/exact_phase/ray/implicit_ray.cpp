@@ -16,7 +16,7 @@ constexpr double kRefineNormal = 0x1p-24;
 
 }  // namespace
 
-Verdict cast_ray(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit, double relative_width) {
+ExactResult cast_ray(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit, double relative_width) {
   const FilteredMeeting quick = first_meeting(ray, surface);
   const bool may_climb = precision.highest == Level::rational;
   if (quick.meets == Decision::no) return {Decision::no, Level::filter};
@@ -38,11 +38,11 @@ Verdict cast_ray(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hi
   return cast_ray_by_rationals(ray, surface, hit, relative_width);
 }
 
-Verdict cast_ray_by_rationals(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit, double relative_width) {
+ExactResult cast_ray_by_rationals(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit, double relative_width) {
   return {first_meeting_exactly(ray, surface, relative_width, hit), Level::rational};
 }
 
-Verdict side_of(const Vec3& point, const ImplicitSurface& surface, Side& side) {
+ExactResult side_of(const Vec3& point, const ImplicitSurface& surface, Side& side) {
   if ((point.array() < surface.low.array()).any() || (point.array() > surface.high.array()).any()) {
     side = Side::outside;
     return {Decision::yes, Level::filter};

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/implicit_surface.hpp"
 #include "server/geometry/ray.hpp"
 
@@ -40,7 +40,7 @@ struct ImplicitHit {
 /// threads  pure; allocates only on Level::rational
 /// source   isolation by Descartes' rule in Bernstein form (Collins, Akritas, 1976; Lane, Riesenfeld, 1981), narrowing by
 ///          sign changes about a Newton guess
-Verdict cast_ray(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit, double relative_width = kBracketAsked);
+ExactResult cast_ray(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit, double relative_width = kBracketAsked);
 
 enum class Side : signed char { inside = -1, on = 0, outside = 1 };
 
@@ -48,10 +48,10 @@ enum class Side : signed char { inside = -1, on = 0, outside = 1 };
 ///
 /// returns  yes but where the thread's precision forbids to go on; side is filled on yes only
 /// threads  pure; allocates only on Level::rational
-Verdict side_of(const Vec3& point, const ImplicitSurface& surface, Side& side);
+ExactResult side_of(const Vec3& point, const ImplicitSurface& surface, Side& side);
 
 /// The same by rationals alone, without any filter.
-Verdict cast_ray_by_rationals(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit,
+ExactResult cast_ray_by_rationals(const Ray& ray, const ImplicitSurface& surface, ImplicitHit& hit,
                               double relative_width = kBracketAsked);
 
 }  // namespace collided::engine

@@ -104,9 +104,9 @@ Decision cast_box(const Ray& ray, const Box& shape, BoxCrossing& crossing) {
 }
 
 template <class Climb>
-Verdict cast_solid(const Ray& ray, const Box& box, RayHit& hit) {
+ExactResult cast_solid(const Ray& ray, const Box& box, RayHit& hit) {
   BoxCrossing crossing;
-  const Verdict verdict = Climb::climb([&]<class N>() { return cast_box<N>(ray, box, crossing); });
+  const ExactResult verdict = Climb::climb([&]<class N>() { return cast_box<N>(ray, box, crossing); });
   if (!verdict.yes()) return verdict;
   const Bounded& needed = crossing.inside ? crossing.exit_m : crossing.entry_m;
   if (!sharp(needed, kRefineRay)) cast_box<Dyadic>(ray, box, crossing);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/ray.hpp"
 #include "server/geometry/shapes.hpp"
 #include "server/geometry/tolerance.hpp"
@@ -34,17 +34,17 @@ inline double point_error_m(const RayHit& hit) {
 /// both sides of a triangle. A zero-area triangle is the segment or point that it is. `hit` is filled on yes only.
 ///
 /// threads  pure; allocates only on Level::rational
-Verdict cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit);
-Verdict cast_ray(const Ray& ray, const Sphere& sphere, RayHit& hit);
-Verdict cast_ray(const Ray& ray, const Box& box, RayHit& hit);
-Verdict cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit);
-Verdict cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit);
-Verdict cast_ray(const Ray& ray, const Cone& cone, RayHit& hit);
-Verdict cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit);
+ExactResult cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit);
+ExactResult cast_ray(const Ray& ray, const Sphere& sphere, RayHit& hit);
+ExactResult cast_ray(const Ray& ray, const Box& box, RayHit& hit);
+ExactResult cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit);
+ExactResult cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit);
+ExactResult cast_ray(const Ray& ray, const Cone& cone, RayHit& hit);
+ExactResult cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit);
 /// The exit of a ray that does not leave again is infinite.
-Verdict cast_ray(const Ray& ray, const HalfSpace& half_space, RayHit& hit);
+ExactResult cast_ray(const Ray& ray, const HalfSpace& half_space, RayHit& hit);
 /// Of its placed faces: convex to the rounding of placing them.
-Verdict cast_ray(const Ray& ray, const Hull& hull, RayHit& hit);
+ExactResult cast_ray(const Ray& ray, const Hull& hull, RayHit& hit);
 
 /// Which of two triangles, both met by the ray, is met first: -1 a, 0 both at once, +1 b. Exact.
 int compare_hits(const Ray& ray, const Triangle& a, const Triangle& b);

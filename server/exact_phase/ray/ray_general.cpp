@@ -6,9 +6,9 @@ namespace collided::engine {
 using kernel::cast_quadric;
 using kernel::WholeLadder;
 
-Verdict cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit) { return cast_quadric<WholeLadder>(ray, cylinder, hit); }
-Verdict cast_ray(const Ray& ray, const Cone& cone, RayHit& hit) { return cast_quadric<WholeLadder>(ray, cone, hit); }
-Verdict cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit) {
+ExactResult cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit) { return cast_quadric<WholeLadder>(ray, cylinder, hit); }
+ExactResult cast_ray(const Ray& ray, const Cone& cone, RayHit& hit) { return cast_quadric<WholeLadder>(ray, cone, hit); }
+ExactResult cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit) {
   return cast_quadric<WholeLadder>(ray, ellipsoid, hit);
 }
 

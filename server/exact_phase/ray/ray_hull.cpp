@@ -17,11 +17,11 @@ Triangle face_of(const Hull& hull, const TriangleCorners& corner) {
 }
 
 /// The point is not in front of any face.
-Verdict behind_all_faces(const Hull& hull, const Vec3& point) {
-  Verdict all{Decision::yes, Level::filter};
+ExactResult behind_all_faces(const Hull& hull, const Vec3& point) {
+  ExactResult all{Decision::yes, Level::filter};
   for (const TriangleCorners& corner : hull.mesh->triangles) {
     const Triangle face = face_of(hull, corner);
-    const Verdict behind = climb([&]<class N>() {
+    const ExactResult behind = climb([&]<class N>() {
       const Vector<N> a = Vector<N>(face.a) - Vector<N>(point);
       return at_most(N(0.0), dot(a, cross(Vector<N>(face.b) - Vector<N>(face.a), Vector<N>(face.c) - Vector<N>(face.a))));
     });
@@ -33,9 +33,9 @@ Verdict behind_all_faces(const Hull& hull, const Vec3& point) {
 
 }  // namespace
 
-Verdict cast_ray(const Ray& ray, const Hull& hull, RayHit& hit) {
-  const Verdict inside = behind_all_faces(hull, ray.origin);
-  Verdict verdict = inside;
+ExactResult cast_ray(const Ray& ray, const Hull& hull, RayHit& hit) {
+  const ExactResult inside = behind_all_faces(hull, ray.origin);
+  ExactResult verdict = inside;
   // Faces may be met beyond the length: that is where a ray that starts inside would leave.
   const Ray endless{ray.origin, ray.direction};
   RayHit first;
@@ -44,7 +44,7 @@ Verdict cast_ray(const Ray& ray, const Hull& hull, RayHit& hit) {
   for (const TriangleCorners& corner : hull.mesh->triangles) {
     const Triangle face = face_of(hull, corner);
     RayHit own;
-    const Verdict crossed = cast_ray(endless, face, own);
+    const ExactResult crossed = cast_ray(endless, face, own);
     if (!crossed.yes()) {
       if (crossed.decision == Decision::undecided) verdict = joined(verdict, crossed);
       continue;

@@ -168,7 +168,7 @@ Bounded passing_distance(const QuadricAlong<N>& q, int surface, int side, const 
 
 /// Surfaces are the planes 0 and 1 and the wall 2.
 template <class Climb, class Shape>
-Verdict passes(const Ray& ray, const Shape& shape, int surface, int side) {
+ExactResult passes(const Ray& ray, const Shape& shape, int surface, int side) {
   return Climb::climb([&]<class N>() {
     const QuadricAlong<N> q = quadric_along<N>(ray, shape);
     if (surface == 2) return passes_wall(q, side, ray);
@@ -200,9 +200,9 @@ inline Vec3 outward_at(const Vec3& point, const Ellipsoid& e, int) {
 }
 
 template <class Climb, class Shape>
-Verdict cast_quadric(const Ray& ray, const Shape& shape, RayHit& hit) {
-  const Verdict inside = Climb::climb([&]<class N>() { return holds_point<N>(shape, ray.origin); });
-  Verdict verdict = inside;
+ExactResult cast_quadric(const Ray& ray, const Shape& shape, RayHit& hit) {
+  const ExactResult inside = Climb::climb([&]<class N>() { return holds_point<N>(shape, ray.origin); });
+  ExactResult verdict = inside;
   Bounded first(std::numeric_limits<double>::max());
   Bounded last;
   int entered = 2;
@@ -211,7 +211,7 @@ Verdict cast_quadric(const Ray& ray, const Shape& shape, RayHit& hit) {
     return Climb::sharpened([&]<class N>() { return passing_distance(quadric_along<N>(ray, shape), surface, side, ray); });
   };
   for (int surface = 0; surface < 3 && inside.decision == Decision::no; ++surface) {
-    const Verdict part = passes<Climb>(ray, shape, surface, +1);
+    const ExactResult part = passes<Climb>(ray, shape, surface, +1);
     verdict = joined(verdict, part);
     if (!part.yes()) continue;
     const Bounded at = distance(surface, +1);

@@ -96,14 +96,14 @@ Bounded exit_distance(const Ray& ray, const Vec3& center, double radius_m) {
 }
 
 template <class Climb, class Shape>
-Verdict starts_inside_by(const Ray& ray, const Shape& shape) {
+ExactResult starts_inside_by(const Ray& ray, const Shape& shape) {
   return Climb::climb([&]<class N>() { return sets_meet<N>(Sphere{ray.origin, 0}, shape); });
 }
 
 template <class Climb>
-Verdict cast_solid(const Ray& ray, const Sphere& sphere, RayHit& hit) {
-  const Verdict inside = starts_inside_by<Climb>(ray, sphere);
-  Verdict verdict = inside;
+ExactResult cast_solid(const Ray& ray, const Sphere& sphere, RayHit& hit) {
+  const ExactResult inside = starts_inside_by<Climb>(ray, sphere);
+  ExactResult verdict = inside;
   if (inside.decision != Decision::yes) {
     verdict = joined(inside, Climb::climb([&]<class N>() { return enters(ball_along<N>(ray, sphere.center, sphere.radius_m), ray); }));
   }
@@ -193,11 +193,11 @@ Bounded capsule_exit(const Ray& ray, const Capsule& capsule) {
 }
 
 template <class Climb>
-Verdict cast_solid(const Ray& ray, const Capsule& capsule, RayHit& hit) {
-  const Verdict inside = starts_inside_by<Climb>(ray, capsule);
-  Verdict verdict = inside;
+ExactResult cast_solid(const Ray& ray, const Capsule& capsule, RayHit& hit) {
+  const ExactResult inside = starts_inside_by<Climb>(ray, capsule);
+  ExactResult verdict = inside;
   Bounded first(std::numeric_limits<double>::max());
-  const auto consider = [&](const Verdict& part, const auto& distance) {
+  const auto consider = [&](const ExactResult& part, const auto& distance) {
     verdict = joined(verdict, part);
     if (part.yes()) first = lesser(first, distance());
   };

@@ -32,7 +32,7 @@ Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& 
 }
 
 /// The rungs above the filter; also asked when a hit is sure but its distance is not sharp.
-[[gnu::noinline]] Verdict climb_higher(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+[[gnu::noinline]] ExactResult climb_higher(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   Decision decision = cast_facet<Traced>(ray, triangle, hit);
   if (decision == Decision::no) return {decision, Level::filter};
   if (decision == Decision::yes && sharp({hit.distance_m, hit.distance_error_m}, kRefineRay)) {
@@ -46,7 +46,7 @@ Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& 
   return {cast_facet<Dyadic>(ray, triangle, hit), Level::rational};
 }
 
-[[gnu::noinline]] Verdict climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+[[gnu::noinline]] ExactResult climb_from_filter(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   ++rungs.uncertain;
   return climb_higher(ray, triangle, hit);
 }
@@ -54,7 +54,7 @@ Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& 
 inline bool in_filter_range(double length2) { return length2 >= kFilterLowest2; }
 
 /// The line surely meets the triangle's inside: find out where, and whether that is within the ray.
-Verdict finish(const Ray& ray, const Triangle& triangle, const RaySides& s, RayHit& hit) {
+ExactResult finish(const Ray& ray, const Triangle& triangle, const RaySides& s, RayHit& hit) {
   const Triple a = triple(triangle.a);
   const Triple to_a = a - triple(ray.origin);
   const Triple normal = cross(a - triple(triangle.c), triple(triangle.b) - a);
@@ -85,7 +85,7 @@ Verdict finish(const Ray& ray, const Triangle& triangle, const RaySides& s, RayH
   if (!(distance + error <= ray.length_m) || !std::isfinite(distance)) return climb_from_filter(ray, triangle, hit);
   if (relative > kRefineRay && !sharp({distance, error}, kRefineRay)) {
     ++rungs.sharpened;
-    const Verdict exact = climb_higher(ray, triangle, hit);
+    const ExactResult exact = climb_higher(ray, triangle, hit);
     return {exact.decision, Level::filter};
   }
   hit.distance_m = distance;
@@ -102,7 +102,7 @@ Verdict finish(const Ray& ray, const Triangle& triangle, const RaySides& s, RayH
 
 }  // namespace
 
-Verdict cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+ExactResult cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   RaySides sides;
   switch (ray_sides(ray, triangle, sides)) {
     case SidesVerdict::miss: return {Decision::no, Level::filter};

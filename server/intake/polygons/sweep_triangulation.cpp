@@ -13,26 +13,26 @@ class Pieces {
  public:
   Pieces(const PolygonRings& rings, const std::vector<PolygonFlaw>& diagonals) : rings_(rings) {
     const std::size_t count = rings.points.size();
-    first_way_.assign(count + 1, 0);
-    for (std::size_t i = 0; i < count; ++i) first_way_[i + 1] = 1;
-    for (const auto& [a, b] : diagonals) ++first_way_[a + 1], ++first_way_[b + 1];
-    for (std::size_t i = 0; i < count; ++i) first_way_[i + 1] += first_way_[i];
-    ways_.resize(first_way_[count]);
-    twin_.resize(ways_.size());
+    first_motion_.assign(count + 1, 0);
+    for (std::size_t i = 0; i < count; ++i) first_motion_[i + 1] = 1;
+    for (const auto& [a, b] : diagonals) ++first_motion_[a + 1], ++first_motion_[b + 1];
+    for (std::size_t i = 0; i < count; ++i) first_motion_[i + 1] += first_motion_[i];
+    motions_.resize(first_motion_[count]);
+    twin_.resize(motions_.size());
     sort_ways(diagonals);
   }
 
   /// Calls visit(points) for each piece, its points to the left round.
   template <class Visit>
   void visit(Visit&& visit) const {
-    std::vector<bool> is_done(ways_.size(), false);
+    std::vector<bool> is_done(motions_.size(), false);
     std::vector<std::uint32_t> piece;
-    for (std::uint32_t begin = 0; begin < ways_.size(); ++begin) {
+    for (std::uint32_t begin = 0; begin < motions_.size(); ++begin) {
       if (is_done[begin]) continue;
       piece.clear();
-      for (std::uint32_t way = begin; !is_done[way]; way = following(way)) {
-        is_done[way] = true;
-        piece.push_back(start_of(way));
+      for (std::uint32_t motion = begin; !is_done[motion]; motion = following(motion)) {
+        is_done[motion] = true;
+        piece.push_back(start_of(motion));
       }
       visit(piece);
     }
@@ -46,7 +46,7 @@ class Pieces {
     std::uint32_t diagonal;
   };
 
-  std::uint32_t start_of(std::uint32_t way) const { return starts_[way]; }
+  std::uint32_t start_of(std::uint32_t motion) const { return starts_[motion]; }
 
   /// The ring's next point lies at angle 0 of the inside; what is less than half a turn from it comes before the rest.
   bool comes_before(std::uint32_t at, std::uint32_t a, std::uint32_t b) const {
@@ -58,36 +58,36 @@ class Pieces {
   }
 
   void sort_ways(const std::vector<PolygonFlaw>& diagonals) {
-    std::vector<std::uint32_t> filled(first_way_.begin(), first_way_.end() - 1);
-    for (std::uint32_t i = 0; i < rings_.points.size(); ++i) ways_[filled[i]++] = {rings_.next[i], kRing};
+    std::vector<std::uint32_t> filled(first_motion_.begin(), first_motion_.end() - 1);
+    for (std::uint32_t i = 0; i < rings_.points.size(); ++i) motions_[filled[i]++] = {rings_.next[i], kRing};
     for (std::uint32_t d = 0; d < diagonals.size(); ++d) {
-      ways_[filled[diagonals[d].first]++] = {diagonals[d].second, d};
-      ways_[filled[diagonals[d].second]++] = {diagonals[d].first, d};
+      motions_[filled[diagonals[d].first]++] = {diagonals[d].second, d};
+      motions_[filled[diagonals[d].second]++] = {diagonals[d].first, d};
     }
-    starts_.resize(ways_.size());
+    starts_.resize(motions_.size());
     std::vector<std::uint32_t> other(diagonals.size(), kRing);
     for (std::uint32_t i = 0; i < rings_.points.size(); ++i) {
-      std::sort(ways_.begin() + first_way_[i] + 1, ways_.begin() + first_way_[i + 1],
+      std::sort(motions_.begin() + first_motion_[i] + 1, motions_.begin() + first_motion_[i + 1],
                 [&](const Way& a, const Way& b) { return comes_before(i, a.to, b.to); });
-      for (std::uint32_t w = first_way_[i]; w < first_way_[i + 1]; ++w) {
+      for (std::uint32_t w = first_motion_[i]; w < first_motion_[i + 1]; ++w) {
         starts_[w] = i;
-        if (ways_[w].diagonal == kRing) continue;
-        std::uint32_t& partner = other[ways_[w].diagonal];
+        if (motions_[w].diagonal == kRing) continue;
+        std::uint32_t& partner = other[motions_[w].diagonal];
         if (partner != kRing) twin_[w] = partner, twin_[partner] = w;
         partner = w;
       }
     }
   }
 
-  std::uint32_t following(std::uint32_t way) const {
+  std::uint32_t following(std::uint32_t motion) const {
     // Along the ring one arrives behind all the ways out; along a diagonal, at its other end.
-    if (ways_[way].diagonal == kRing) return first_way_[ways_[way].to + 1] - 1;
-    return twin_[way] - 1;
+    if (motions_[motion].diagonal == kRing) return first_motion_[motions_[motion].to + 1] - 1;
+    return twin_[motion] - 1;
   }
 
   const PolygonRings& rings_;
-  std::vector<std::uint32_t> first_way_;  // by point
-  std::vector<Way> ways_;
+  std::vector<std::uint32_t> first_motion_;  // by point
+  std::vector<Way> motions_;
   std::vector<std::uint32_t> starts_;  // of the ways
   std::vector<std::uint32_t> twin_;    // of a diagonal's way, the one back
 };

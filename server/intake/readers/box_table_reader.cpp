@@ -72,12 +72,12 @@ class BoxTableReader {
 
   /// The first of the ways of naming columns of which all are there.
   template <std::size_t kCount>
-  std::optional<Columns<kCount>> columns(std::initializer_list<std::array<const char*, kCount>> ways) const {
-    for (const auto& way : ways) {
+  std::optional<Columns<kCount>> columns(std::initializer_list<std::array<const char*, kCount>> motions) const {
+    for (const auto& displacement : motions) {
       Columns<kCount> numbers{};
       std::size_t found = 0;
       for (; found < kCount; ++found) {
-        const std::optional<std::size_t> number = column(way[found]);
+        const std::optional<std::size_t> number = column(displacement[found]);
         if (!number) break;
         numbers[found] = *number;
       }

@@ -25,13 +25,13 @@ json parse_json(const Reading& reading, std::string_view text) {
 }
 
 void JsonView::complain(const std::string& what) const {
-  if (way_.empty()) refuse(*reading_, "the root " + what);
+  if (motion_.empty()) refuse(*reading_, "the root " + what);
   // Members are named by the file, so the way may hold anything and be of any length.
   constexpr std::size_t kShown = 120;
-  std::string way = way_.substr(0, kShown) + (way_.size() > kShown ? "..." : "");
+  std::string motion = motion_.substr(0, kShown) + (motion_.size() > kShown ? "..." : "");
   std::replace_if(
-      way.begin(), way.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  refuse(*reading_, fmt::format("{} {}", way, what));
+      motion.begin(), motion.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  refuse(*reading_, fmt::format("{} {}", motion, what));
 }
 
 JsonView JsonView::at(const char* key) const {

@@ -48,11 +48,11 @@ class JsonView {
 
  private:
   JsonView(const JsonView& parent, const nlohmann::json& value, const std::string& step)
-      : reading_(parent.reading_), value_(&value), way_(parent.way_ + '/' + step) {}
+      : reading_(parent.reading_), value_(&value), motion_(parent.motion_ + '/' + step) {}
 
   const Reading* reading_;
   const nlohmann::json* value_;
-  std::string way_;
+  std::string motion_;
 };
 
 }  // namespace collided::engine

@@ -53,7 +53,7 @@ class OctomapReader {
       } else if (key == "res") {
         cell_m_ = cursor.finite_number("resolution");
       } else if (key == "size") {
-        told_nodes_ = cursor.integer("number of nodes");
+        reported_nodes_ = cursor.integer("number of nodes");
       } else {
         cursor.complain(fmt::format("{} is no word of the header", quoted(key)));
       }
@@ -67,7 +67,7 @@ class OctomapReader {
   }
 
   void walk() {
-    if (told_nodes_ == 0) return;
+    if (reported_nodes_ == 0) return;
     constexpr std::int64_t kHalf = std::int64_t{1} << (kDepth - 1);
     std::vector<Node> waiting{{0, -kHalf, -kHalf, -kHalf}};
     while (!waiting.empty()) {
@@ -105,7 +105,7 @@ class OctomapReader {
 
   const Reading& reading_;
   double cell_m_ = 0;
-  std::int64_t told_nodes_ = -1;
+  std::int64_t reported_nodes_ = -1;
   std::size_t at_ = 0;
   SceneObject map_;
 };

@@ -47,17 +47,17 @@ void sync_directory_of(const std::string& path) {
 
 std::string replace_file(const std::string& path, std::span<const std::span<const std::byte>> pieces) {
   static std::atomic<unsigned> file_count = 0;
-  const std::string beside = fmt::format("{}.{}.{}.part", path, ::getpid(), file_count.fetch_add(1));
-  const int file = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  const std::string summand = fmt::format("{}.{}.{}.part", path, ::getpid(), file_count.fetch_add(1));
+  const int file = ::open(summand.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) {
     return fmt::format("cannot be created: {}", std::strerror(errno));
   }
   const bool written = write_pieces(file, pieces);
   const int write_error = errno;
   const bool closed = ::close(file) == 0;
-  if (!written || !closed || std::rename(beside.c_str(), path.c_str()) != 0) {
+  if (!written || !closed || std::rename(summand.c_str(), path.c_str()) != 0) {
     const int error = written ? errno : write_error;
-    ::unlink(beside.c_str());
+    ::unlink(summand.c_str());
     return fmt::format("cannot be written: {}", std::strerror(error));
   }
   sync_directory_of(path);

@@ -74,7 +74,7 @@ json point_json(const Vec3& point) { return {number_json(point.x()), number_json
 std::string point_text(const Vec3& point) {
   return fmt::format("{} {} {}", shortest(point.x()), shortest(point.y()), shortest(point.z()));
 }
-const char* level_name(const Verdict& verdict) {
+const char* level_name(const ExactResult& verdict) {
   return verdict.level == Level::filter ? "double" : verdict.level == Level::expansion ? "expansions" : "rationals";
 }
 
@@ -84,7 +84,7 @@ std::string normal_text(const ImplicitHit& hit) {
   return fmt::format("normal {} ±{:.2g}", point_text(hit.normal), hit.normal_error);
 }
 
-void print_hit(const Verdict& verdict, const ImplicitHit& hit, bool as_json) {
+void print_hit(const ExactResult& verdict, const ImplicitHit& hit, bool as_json) {
   if (!as_json) {
     fmt::print("hit  distance {} ±{:.2g}  at {}  {}  t in [{}, {}]{}\n", shortest(hit.distance_m), hit.distance_error_m,
                point_text(hit.point), normal_text(hit), shortest(hit.low), shortest(hit.high),
@@ -109,13 +109,13 @@ void print_hit(const Verdict& verdict, const ImplicitHit& hit, bool as_json) {
   std::puts(answer.dump().c_str());
 }
 
-void print_word(const char* word, const Verdict& verdict, bool as_json) {
+void print_word(const char* word, const ExactResult& verdict, bool as_json) {
   std::puts(as_json ? json{{"answer", word}, {"by", level_name(verdict)}}.dump().c_str() : word);
 }
 
 int ask_ray(const ImplicitSurface& surface, const Ray& ray, bool as_json) {
   ImplicitHit hit;
-  const Verdict verdict = cast_ray(ray, surface, hit);
+  const ExactResult verdict = cast_ray(ray, surface, hit);
   if (verdict.yes()) {
     print_hit(verdict, hit, as_json);
     return kYes;
@@ -127,7 +127,7 @@ int ask_ray(const ImplicitSurface& surface, const Ray& ray, bool as_json) {
 
 int ask_point(const ImplicitSurface& surface, const Vec3& point, bool as_json) {
   Side side = Side::outside;
-  const Verdict verdict = side_of(point, surface, side);
+  const ExactResult verdict = side_of(point, surface, side);
   if (!verdict.yes()) {
     print_word("undecided", verdict, as_json);
     return kUndecided;

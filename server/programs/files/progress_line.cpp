@@ -18,8 +18,8 @@ ProgressLine::~ProgressLine() {
 void ProgressLine::tell(double fraction) {
   const std::lock_guard lock(mutex_);
   const Clock::time_point now = Clock::now();
-  if (!on_terminal_ || now - begun_ < 400ms || now - told_ < 100ms) return;
-  told_ = now;
+  if (!on_terminal_ || now - begun_ < 400ms || now - reported_ < 100ms) return;
+  reported_ = now;
   is_shown_ = true;
   const double spent_s = std::chrono::duration<double>(now - begun_).count();
   const double left_s = fraction > 0 ? spent_s / fraction - spent_s : 0;

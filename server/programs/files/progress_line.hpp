@@ -26,7 +26,7 @@ class ProgressLine {
   bool on_terminal_;
   bool is_shown_ = false;
   Clock::time_point begun_ = Clock::now();
-  Clock::time_point told_ = begun_;
+  Clock::time_point reported_ = begun_;
 };
 
 }  // namespace collided::engine::files

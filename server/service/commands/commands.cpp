@@ -271,7 +271,7 @@ json Commands::plan(const Arguments& arguments) const {
   std::vector<PlanRow> rows = plan_of(*state, loop_.contacts_wanted());
   rows.push_back(plan_of_probes(loop_.probe_count(), loop_.probes_wanted()));
   for (const PlanRow& row : rows) {
-    structures.push_back({{"structure", row.structure}, {"built", row.built}, {"why", row.why}, {"saves", row.saves}});
+    structures.push_back({{"structure", row.structure}, {"built", row.built}, {"why", row.reason}, {"saves", row.saves}});
   }
   json pairs = json::array();
   for (const PairRow& row : pair_table()) pairs.push_back({{"a", row.a}, {"b", row.b}, {"how", row.how}});

@@ -172,8 +172,8 @@ std::string encode_poses(const Snapshot& state) {
   for (const auto& info : *state.objects) {
     if (info && info->moving) ids.push_back(info->id);
   }
-  if (ids.size() > kMaxPosesTold) {
-    throw BadCommand(fmt::format("{} objects move; the poses of {} at most are told", ids.size(), kMaxPosesTold));
+  if (ids.size() > kMaxPosesReported) {
+    throw BadCommand(fmt::format("{} objects move; the poses of {} at most are told", ids.size(), kMaxPosesReported));
   }
   std::vector<double> numbers;
   numbers.reserve(wire_contract::kPoseNumbers * ids.size());

@@ -15,7 +15,7 @@ namespace collided::engine::service {
 /// may be read by any thread. The work grows with what is told, so that the world's thread has no part in it.
 
 inline constexpr std::uint64_t kMaxGeometryBytes = std::uint64_t{512} << 20;  // of one buffer
-inline constexpr std::uint64_t kMaxPosesTold = 400'000;
+inline constexpr std::uint64_t kMaxPosesReported = 400'000;
 
 /// What cannot be told says why: a BadCommand.
 std::string encode_objects(const Snapshot& state, const std::function<bool(const ObjectInfo&)>& wanted,

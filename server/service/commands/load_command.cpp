@@ -88,13 +88,13 @@ void Commands::load_upload(CommandAsk ask, const std::string& path) {
 void Commands::load_one(Load load) {
   const CommandAsk& ask = load.ask;
   const std::string path = load.path;
-  std::atomic<std::int64_t> told_ns{steady_ns()};
+  std::atomic<std::int64_t> reported_ns{steady_ns()};
   load.options.cancelled = [this] { return stopping_.load(); };
   load.options.progress = [&](double fraction) {
-    std::int64_t last_ns = told_ns.load();
+    std::int64_t last_ns = reported_ns.load();
     const std::int64_t now_ns = steady_ns();
     // Reported from any of the threads that build; one of them wins.
-    if (now_ns - last_ns < kProgressPeriodNs || !told_ns.compare_exchange_strong(last_ns, now_ns)) return;
+    if (now_ns - last_ns < kProgressPeriodNs || !reported_ns.compare_exchange_strong(last_ns, now_ns)) return;
     send(ask, ReplyStatus::progress, fmt::format("{{\"fraction\": {:.4f}}}", fraction));
   };
   const auto loaded = std::make_shared<LoadedScene>();
@@ -156,7 +156,7 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
   const std::uint64_t version = step();
   json left_out = json::array();
   for (const PlanRow& row : plan_of(*world.newest(), loop_.contacts_wanted())) {
-    if (!row.built) left_out.push_back(fmt::format("{}: {}", row.structure, row.why));
+    if (!row.built) left_out.push_back(fmt::format("{}: {}", row.structure, row.reason));
   }
   return {{"scene", loaded.scene.name},
           {"triangles", loaded.triangles},

@@ -22,17 +22,17 @@ json number(double value) { return std::isfinite(value) ? json(value) : json("in
 
 json described(const ProofPart& proof_part) {
   static constexpr const char* kBeside[] = {"nothing", "ball", "box", "ellipsoid", "disc", "half_space"};
-  using Beside = PartNumbers::Beside;
+  using Summand = PartNumbers::Summand;
   const PartNumbers set = numbers_of(proof_part.part);
-  json part{{"beside", kBeside[static_cast<std::size_t>(set.beside)]}, {"points", json::array()}};
+  json part{{"beside", kBeside[static_cast<std::size_t>(set.summand)]}, {"points", json::array()}};
   if (proof_part.triangle != wire_contract::kNoTriangle) part["triangle"] = proof_part.triangle;
   for (const Vec3& point : set.points) part["points"].push_back(numbers(point));
-  if (set.beside == Beside::box || set.beside == Beside::ellipsoid || set.beside == Beside::half_space) {
+  if (set.summand == Summand::box || set.summand == Summand::ellipsoid || set.summand == Summand::half_space) {
     part["axes"] = {numbers(set.axes.col(0)), numbers(set.axes.col(1)), numbers(set.axes.col(2))};
     part["half_m"] = numbers(set.half_m);
   }
-  if (set.beside == Beside::ball || set.beside == Beside::disc) part["radius_m"] = set.radius_m;
-  if (set.beside == Beside::disc) part["tapers"] = set.tapers;
+  if (set.summand == Summand::ball || set.summand == Summand::disc) part["radius_m"] = set.radius_m;
+  if (set.summand == Summand::disc) part["tapers"] = set.tapers;
   return part;
 }
 

@@ -44,13 +44,13 @@ bool sync_to_disk(const fs::path& path, int flags) {
 std::string replace_file(const fs::path& path, const std::string& text) {
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
-  const fs::path beside = path.string() + fmt::format(".{}", getpid());
-  std::ofstream out(beside, std::ios::trunc);
+  const fs::path summand = path.string() + fmt::format(".{}", getpid());
+  std::ofstream out(summand, std::ios::trunc);
   out << text;
   out.close();
-  if (!out || !sync_to_disk(beside, O_RDONLY))
-    return fmt::format("{} cannot be written: {}", beside.string(), std::strerror(errno));
-  fs::rename(beside, path, error);
+  if (!out || !sync_to_disk(summand, O_RDONLY))
+    return fmt::format("{} cannot be written: {}", summand.string(), std::strerror(errno));
+  fs::rename(summand, path, error);
   if (error) return fmt::format("{} cannot be replaced: {}", path.string(), error.message());
   // The rename is lasting once its folder is.
   sync_to_disk(path.parent_path(), O_RDONLY | O_DIRECTORY);

@@ -45,10 +45,10 @@ void Journal::read() {
   }
   const layout::Head head = layout::head_of(file);
   const bool are_records_whole = read_records(file, layout::kHeadBytes);
-  const std::uint64_t told_bytes = head.newest ? head.newest->bytes : 0;
-  if (file_bytes_ < told_bytes) {
+  const std::uint64_t reported_bytes = head.newest ? head.newest->bytes : 0;
+  if (file_bytes_ < reported_bytes) {
     damage_ += fmt::format("{}{}: {} records and {} bytes were acknowledged, {} and {} are left; what came after is lost",
-                           damage_.empty() ? "" : ". ", name_, head.newest->records, told_bytes, file_records_, file_bytes_);
+                           damage_.empty() ? "" : ". ", name_, head.newest->records, reported_bytes, file_records_, file_bytes_);
   } else if (!are_records_whole && head.newest) {
     damage_ += "; none of it had been acknowledged";
   } else if (!head.newest) {
@@ -163,14 +163,14 @@ void Journal::write(std::span<const std::byte> records, std::uint64_t count, Syn
 
 /// All that is live into a new file, then that one in place of the old, which stays until then.
 void Journal::rewrite() {
-  const std::string beside = name_ + ".new";
+  const std::string summand = name_ + ".new";
   const std::uint64_t bytes = live_bytes();
-  bool done = disk_->create(beside) && disk_->append(beside, std::as_bytes(std::span(layout::kMagic)));
+  bool done = disk_->create(summand) && disk_->append(summand, std::as_bytes(std::span(layout::kMagic)));
   for (const std::uint64_t number : {0, 1}) {
-    done = done && disk_->append(beside, layout::encode(layout::Slot{.number = number, .records = entries_.size(), .bytes = bytes}));
+    done = done && disk_->append(summand, layout::encode(layout::Slot{.number = number, .records = entries_.size(), .bytes = bytes}));
   }
-  for (const Entry& entry : entries_) done = done && disk_->append(beside, layout::encode(entry, false));
-  done = done && disk_->sync(beside) && disk_->rename(beside, name_);
+  for (const Entry& entry : entries_) done = done && disk_->append(summand, layout::encode(entry, false));
+  done = done && disk_->sync(summand) && disk_->rename(summand, name_);
   problem_ = done ? std::string() : fmt::format("{} cannot be written: {}", name_, std::strerror(errno));
   has_file_ = done;
   if (!done) return;

@@ -20,7 +20,7 @@
 
 namespace collided::engine::service {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
 
@@ -49,7 +49,7 @@ class Answering::Worker {
   void work(AskPointer ask);
   void work(TextReply text);
   void work(Resume resume);
-  void work(Sweep sweep);
+  void work(ExpireLeases sweep);
   void answer_or_throw(Client& client, const Ask& ask);
   void answer_sweeps(Client& client, const Ask& ask);
   void answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover);
@@ -161,7 +161,7 @@ void Answering::Worker::work(Resume resume) {
   for (AskPointer& ask : owner_.clients_.resume(resume.place)) work(std::move(ask));
 }
 
-void Answering::Worker::work(Sweep sweep) {
+void Answering::Worker::work(ExpireLeases sweep) {
   for (AskPointer& ask : owner_.clients_.sweep(sweep.askers, steady_ns())) {
     ++owner_.counts_.unanswerable;
     owner_.pool_.put(std::move(ask));
@@ -218,9 +218,9 @@ void Answering::Worker::count_levels(QueryKind kind) {
 void Answering::Worker::doubt(const Questions& questions) {
   const bool any_will_do = questions.kind == QueryKind::ray && questions.mode == wire_contract::RayMode::any;
   for (std::size_t i = 0; i < answers_.answers.size(); ++i) {
-    const bool hit = answers_.answers[i] == Answer::hit;
-    if (answers_.answers[i] != Answer::miss && (!hit || any_will_do)) continue;
-    answers_.answers[i] = Answer::undecided;
+    const bool hit = answers_.answers[i] == Verdict::hit;
+    if (answers_.answers[i] != Verdict::miss && (!hit || any_will_do)) continue;
+    answers_.answers[i] = Verdict::undecided;
     answers_.reasons[i] = wire_contract::UndecidedReason::recovering;
   }
 }
@@ -436,7 +436,7 @@ bool Answering::was_pressed() {
 std::uint64_t Answering::least_version(const wire::Query& query) const {
   if (query.fence_publisher != 0) return std::numeric_limits<std::uint64_t>::max();
   const std::shared_ptr<Client> client = clients_.find(query.client);
-  return client ? client->told_version() : 0;
+  return client ? client->reported_version() : 0;
 }
 
 void Answering::refuse_later(AskPointer ask, std::string reason) {
@@ -468,7 +468,7 @@ void Answering::tick(std::vector<std::uint64_t> askers) {
                      : fmt::format("sample {} of publisher {:016x} did not come in time; applied: {}",
                                    query.fence_sequence, query.fence_publisher, applied));
   }
-  queue_.push_own(Sweep{std::move(askers)});
+  queue_.push_own(ExpireLeases{std::move(askers)});
 }
 
 void Answering::stop() {

@@ -83,10 +83,10 @@ class Answering {
   struct Resume {
     std::uint32_t place = 0;
   };
-  struct Sweep {
+  struct ExpireLeases {
     std::vector<std::uint64_t> askers;
   };
-  using Work = std::variant<AskPointer, TextReply, Resume, Sweep>;
+  using Work = std::variant<AskPointer, TextReply, Resume, ExpireLeases>;
   class Worker;
 
   void refuse_later(AskPointer ask, std::string reason);

@@ -109,7 +109,7 @@ void BackgroundAudit::work_out(const Item& item) {
     ++counts_.audited;
     if (difference.empty()) return;
     ++counts_.differing;
-    tell = differences_.size() < kMostTold;
+    tell = differences_.size() < kMostReported;
     if (tell) differences_.push_back(difference);
   }
   if (tell) notice_("audit: an answer of world " + std::to_string(item.state->version) + " differs: " + difference);

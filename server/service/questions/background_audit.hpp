@@ -42,7 +42,7 @@ class BackgroundAudit {
   /// States kept alive for auditing: the world's writer needs the others.
   static constexpr std::size_t kMostStates = 4;
   static constexpr std::size_t kMostWaiting = 4'096;
-  static constexpr std::size_t kMostTold = 16;
+  static constexpr std::size_t kMostReported = 16;
 
   struct Pinned {
     std::uint64_t version = 0;

@@ -13,8 +13,8 @@ bool Client::write(const wire::Reply& reply) {
 }
 
 void Client::note_told(std::uint64_t version) {
-  std::uint64_t told = told_version_.load(std::memory_order_relaxed);
-  while (told < version && !told_version_.compare_exchange_weak(told, version, std::memory_order_relaxed)) {
+  std::uint64_t told = reported_version_.load(std::memory_order_relaxed);
+  while (told < version && !reported_version_.compare_exchange_weak(told, version, std::memory_order_relaxed)) {
   }
 }
 

@@ -40,7 +40,7 @@ class Client {
   /// False: nobody took it, or nobody is there any more.
   [[nodiscard]] bool write(const wire::Reply& reply);
   /// The newest version of the world that an answer to it was about; any thread.
-  std::uint64_t told_version() const { return told_version_.load(std::memory_order_relaxed); }
+  std::uint64_t reported_version() const { return reported_version_.load(std::memory_order_relaxed); }
   void note_told(std::uint64_t version);
 
  private:
@@ -53,7 +53,7 @@ class Client {
   std::mutex mutex_;
   std::vector<AskPointer> waiting_;
   std::atomic<std::uint64_t> asker_{0};  // its query writer
-  std::atomic<std::uint64_t> told_version_{0};
+  std::atomic<std::uint64_t> reported_version_{0};
 };
 
 /// Every client that has asked and still lives. A reply written before a reader was matched would be lost, so asks wait for

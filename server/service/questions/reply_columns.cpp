@@ -5,7 +5,7 @@
 namespace collided::engine::service {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::UndecidedReason;
 
 constexpr std::size_t kBytesPerAnswer = 3 + 3 * 4;
@@ -80,7 +80,7 @@ void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
   }
   columns.objects.push_back(hit.object);
   const ObjectInfo* info = is_object ? info_of(hit.object) : nullptr;
-  columns.triangles.push_back(info ? info->told_triangle(hit.triangle) : hit.triangle);
+  columns.triangles.push_back(info ? info->reported_triangle(hit.triangle) : hit.triangle);
   columns.hit_flags.push_back(hit.flags);
   const std::size_t end = columns.numbers.size();
   columns.numbers.resize(end + wire_contract::kHitNumbers);
@@ -109,14 +109,14 @@ bool ReplyFiller::add_question(ReplyColumns& columns) {
     add_hit(hit, columns);
   }
   const bool cut = kept < hit_count;
-  const Answer answer = cut ? Answer::undecided : answers_.answers[question_];
+  const Verdict answer = cut ? Verdict::undecided : answers_.answers[question_];
   columns.answers.push_back(static_cast<std::uint8_t>(answer));
   columns.reasons.push_back(static_cast<std::uint8_t>(cut ? UndecidedReason::truncated : answers_.reasons[question_]));
   columns.levels.push_back(answers_.levels[question_]);
   columns.hit_counts.push_back(static_cast<std::uint32_t>(kept));
   columns.nodes.push_back(answers_.nodes[question_]);
   columns.exact_tests.push_back(answers_.exact_tests[question_]);
-  if (answer == Answer::undecided) ++undecided_;
+  if (answer == Verdict::undecided) ++undecided_;
   hit_ += hit_count;
   return true;
 }

@@ -5,7 +5,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "server/exact_phase/motion/body_way.hpp"
+#include "server/exact_phase/motion/body_motion.hpp"
 #include "server/world/events/events.hpp"
 
 namespace collided::engine {
@@ -25,7 +25,7 @@ struct FoundContact {
   double velocity_error = 0;              // |truth - relative_velocity| <= velocity_error
 };
 
-inline void set_velocity(FoundContact& found, const BodyWay::PointVelocity& of_a, const BodyWay::PointVelocity& of_b) {
+inline void set_velocity(FoundContact& found, const BodyMotion::PointVelocity& of_a, const BodyMotion::PointVelocity& of_b) {
   found.relative_velocity = of_b.mps - of_a.mps;
   found.velocity_error = (of_a.error_mps + of_b.error_mps) * (1 + 0x1p-40) + 0x1p-52 * (of_a.mps.norm() + of_b.mps.norm());
 }

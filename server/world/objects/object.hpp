@@ -48,7 +48,7 @@ struct ObjectInfo {
   CutTriangles cut;                         // of these
 
   /// What answers call a triangle.
-  std::uint32_t told_triangle(std::uint32_t triangle) const { return cut.told(triangle, part_triangles); }
+  std::uint32_t reported_triangle(std::uint32_t triangle) const { return cut.told(triangle, part_triangles); }
 };
 
 /// Nothing but triangles.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
 
@@ -55,7 +55,7 @@ void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, s
   row.bounds = bounds_of(*info, row.frame);
   row.lone_sphere = lone_sphere(*info);
   row.reach_m = reach_of(*info);
-  row.has_way = false;
+  row.has_motion = false;
   row.posed_ns = row.posed_before_ns = row.said_before_ns = row.born_ns = info->moving ? born_ns : 0;
   news_[slot_of(info->id)] = kDefined;
   put(std::move(info));
@@ -96,7 +96,7 @@ bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion 
   // An object's time does not go back, whatever its publisher's clock does: brackets are measured in it.
   row.posed_ns = std::max(row.posed_ns, at.time_ns);
   news_[slot] |= kPosed;
-  row.has_way = how == Motion::moved;
+  row.has_motion = how == Motion::moved;
   mark(slot, how);
   return true;
 }

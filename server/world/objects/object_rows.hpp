@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "server/exact_phase/motion/body_way.hpp"
+#include "server/exact_phase/motion/body_motion.hpp"
 #include "server/world/objects/object.hpp"
 #include "server/world/objects/snapshot.hpp"
 #include "server/world/objects/sources.hpp"
@@ -33,7 +33,7 @@ struct ObjectRow {
   Aabb bounds;
   std::optional<Sphere> lone_sphere;   // that the object is, where it is nothing else
   double reach_m = 0;                  // no point is farther from the frame's origin
-  bool has_way = false;                // the last two poses are the ends of a way
+  bool has_motion = false;                // the last two poses are the ends of a way
   bool is_stale = false;
   std::int64_t born_ns = 0;            // where its definition's pose begins to hold
   std::int64_t said_before_ns = 0;     // of its pose before, however long it rested since

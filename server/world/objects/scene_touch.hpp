@@ -4,14 +4,14 @@
 #include <limits>
 #include <vector>
 
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
 
 /// One part of a static scene that was touched, or may have been (touch.undecided).
 struct PartTouch {
   std::uint32_t part = 0;
-  Touch touch;
+  ContactSearch touch;
 };
 
 /// The touched parts of a scene, in the order of first candidate.
@@ -23,7 +23,7 @@ class PartTouches {
     wanted_ = contacts_wanted;
     list_.clear();
   }
-  Touch& of(std::uint32_t part) {
+  ContactSearch& of(std::uint32_t part) {
     // Neighbouring triangles are of the same part, so the last one asked for is mostly right.
     if (!list_.empty() && list_.back().part == part) return list_.back().touch;
     const auto found = std::find_if(list_.begin(), list_.end(), [&](const PartTouch& t) { return t.part == part; });

@@ -91,7 +91,7 @@ void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
     const auto is_new = [&](std::int64_t instant) { return instant > source.settled_ns; };
     const bool has_several = std::count_if(source.instants.begin(), source.instants.end(), is_new) > 1;
     const bool leaves_out = source.posed_count > 0 && source.posed_count < source.object_count;
-    const bool is_uneven = has_several || leaves_out || source.has_own_ways;
+    const bool is_uneven = has_several || leaves_out || source.has_own_motions;
     needs_common_time_ = needs_common_time_ || source.is_streamed || (source.has_spoken && is_uneven);
   }
   // Who was behind the others when the last step ended is to catch up, even where nobody says instants any more.
@@ -112,7 +112,7 @@ void Sources::end_step() {
   for (Source& source : sources_) {
     source.settled_ns = std::max(source.settled_ns, source.known_ns);
     source.posed_count = 0;
-    source.has_own_ways = source.has_spoken = false;
+    source.has_own_motions = source.has_spoken = false;
     if (source.object_count == 0) continue;
     newest_ns = std::max(newest_ns, source.settled_ns);
     oldest_ns = std::min(oldest_ns, source.settled_ns - (source.is_streamed ? kStreamGapNs : 0));

@@ -20,7 +20,7 @@ struct Source {
   std::uint64_t publisher = 0;
   std::uint32_t object_count = 0;  // that move
   std::uint32_t posed_count = 0;   // since the last step
-  bool has_own_ways = false;       // since the last step, of objects that jumped or were new
+  bool has_own_motions = false;       // since the last step, of objects that jumped or were new
   bool has_spoken = false;         // an instant, since the last step
   bool is_timed = false;           // else its objects are known up to the step's own time
   bool is_streamed = false;        // some of its objects are known up to their own newest pose only
@@ -67,9 +67,9 @@ class Sources {
   /// It says no more instants: from now on its objects are known up to the step's own time.
   void lose(std::uint64_t publisher);
   /// has_own_way: one that others of its instant may not share.
-  void note_posed(std::uint32_t source, bool has_own_way) {
+  void note_posed(std::uint32_t source, bool has_own_motion) {
     ++sources_[source].posed_count;
-    sources_[source].has_own_ways = sources_[source].has_own_ways || has_own_way;
+    sources_[source].has_own_motions = sources_[source].has_own_motions || has_own_motion;
   }
   void note_streamed(std::uint32_t source);
 

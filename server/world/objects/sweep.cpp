@@ -15,7 +15,7 @@ template <class Part>
 void sweep_any(SphereSweep& sweep, const Part& part, std::uint32_t triangle) {
   SweptTouch& found = sweep.found;
   TimeBracket bracket;
-  const Verdict verdict = first_contact(sweep.mover, part, sweep.width, bracket);
+  const ExactResult verdict = first_contact(sweep.mover, part, sweep.width, bracket);
   ++found.exact_tests;
   if (verdict.decision == Decision::undecided) found.undecided = true;
   if (!verdict.yes()) return;
@@ -61,11 +61,11 @@ SweptTouch turned_round(SweptTouch touch) {
 
 double reach_of(const ObjectInfo& info) {
   double reach_m = info.mesh && !info.mesh->mesh->vertices.empty() ? info.mesh->radius_m : 0;
-  const BodyWay nowhere;
+  const BodyMotion nowhere;
   for (const Primitive& primitive : info.primitives) {
     // It does not move.
     if (std::holds_alternative<HalfSpace>(primitive)) continue;
-    reach_m = std::max(reach_m, PartOnWay(part_of(primitive), nowhere).reach_m);
+    reach_m = std::max(reach_m, PartMotion(part_of(primitive), nowhere).reach_m);
   }
   return reach_m;
 }
@@ -73,15 +73,15 @@ double reach_of(const ObjectInfo& info) {
 /// A turn by an angle t changes the matrix by sqrt(8) sin(t / 2), of which t is at most pi / sqrt(8) times as much.
 double most_turn_rad(const Frame& from, const Frame& to) { return 1.1108 * (to.rotation - from.rotation).norm(); }
 
-double longest_way_m(const Frame& from, const Frame& to, double reach_m) {
+double longest_displacement_m(const Frame& from, const Frame& to, double reach_m) {
   return (to.position - from.position).norm() + most_turn_rad(from, to) * reach_m;
 }
 
 /// An arc bulges out of its chord by no more than an eighth of reach angle^2.
-Aabb bounds(const ObjectInfo& info, const BodyWay& way, double reach_m) {
-  Aabb all = bounds_of(info, way.from);
-  all.extend(bounds_of(info, way.to));
-  return grown(all, reach_m * way.turn_rad * way.turn_rad / 8 + 2 * way.error_m(reach_m));
+Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m) {
+  Aabb all = bounds_of(info, motion.from);
+  all.extend(bounds_of(info, motion.to));
+  return grown(all, reach_m * motion.turn_rad * motion.turn_rad / 8 + 2 * motion.error_m(reach_m));
 }
 
 Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end, double reach_m) {

@@ -5,7 +5,7 @@
 
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "server/world/objects/swept_object.hpp"
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
 
@@ -35,10 +35,10 @@ double reach_of(const ObjectInfo& info);
 double most_turn_rad(const Frame& from, const Frame& to);
 
 /// How far a point within reach_m goes at most between the two frames.
-double longest_way_m(const Frame& from, const Frame& to, double reach_m);
+double longest_displacement_m(const Frame& from, const Frame& to, double reach_m);
 
 /// Contains the object at every time.
-Aabb bounds(const ObjectInfo& info, const BodyWay& way, double reach_m);
+Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m);
 /// So does this, of the way between two frames, from its bounds at the last: somewhat wider, without the way's arc cosine.
 Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end, double reach_m);
 

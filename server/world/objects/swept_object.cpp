@@ -5,9 +5,9 @@
 #include <variant>
 #include <vector>
 
-#include "server/exact_phase/motion/ground_on_way.hpp"
+#include "server/exact_phase/motion/ground_motion.hpp"
 #include "server/geometry/aabb.hpp"
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
 namespace {
@@ -45,17 +45,17 @@ class Search {
  private:
   template <class Near>
   void look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near, const auto& meet);
-  void meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay& b, std::uint32_t b_triangle, TimeSpan span);
+  void meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle, TimeSpan span);
   void meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a);
-  void primitive_and_mesh(const PartOnWay& primitive, const SweptBody& other, bool primitive_is_a);
+  void primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a);
   void meshes();
   bool is_settled(std::uint32_t b_triangle, const TimeSpan& span) const {
     const SweptTouch* touch = touch_of_(b_triangle);
     return touch == nullptr || (touch->yes && touch->bracket.high <= span.low);
   }
   static bool has_mesh(const SweptBody& body) { return body.mesh != nullptr && !body.mesh->triangles.empty(); }
-  static PartOnWay triangle_of(const SweptBody& body, std::uint32_t number) {
-    return {body.mesh->triangle(number), body.way};
+  static PartMotion triangle_of(const SweptBody& body, std::uint32_t number) {
+    return {body.mesh->triangle(number), body.motion};
   }
 
   const SweptBody& a_;
@@ -66,7 +66,7 @@ class Search {
   std::uint32_t looks_ = 0;
 };
 
-void Search::meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay& b, std::uint32_t b_triangle,
+void Search::meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
                   TimeSpan span) {
   SweptTouch* touch = touch_of_(b_triangle);
   if (touch == nullptr) return;
@@ -74,7 +74,7 @@ void Search::meet(const PartOnWay& a, std::uint32_t a_triangle, const PartOnWay&
   if (span.high < span.low) return;
   ++touch->exact_tests;
   TimeBracket found;
-  const Verdict verdict = first_contact(a, b, span, options_.width, found, &looks_);
+  const ExactResult verdict = first_contact(a, b, span, options_.width, found, &looks_);
   touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
   if (!verdict.yes()) return;
   if (touch->take(found, a_triangle, b_triangle) && options_.contacts) touch->contact = contact_at(a, b, found.high);
@@ -120,7 +120,7 @@ struct Listing {
 };
 
 /// How far the parts go against each other from the middle of a piece to its ends, along each axis, roundings included.
-Vec3 half_motion(const BodyWay& a, double a_reach_m, const BodyWay& b, double b_reach_m, double length) {
+Vec3 half_motion(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double length) {
   const double turn_m = a.turn_rad * a_reach_m + b.turn_rad * b_reach_m;
   const double error_m = 2 * (a.error_m(a_reach_m) + b.error_m(b_reach_m));
   return ((a.travel - b.travel).cwiseAbs().array() + turn_m).matrix() * (length / 2 * (1 + 0x1p-40)) + Vec3::Constant(error_m);
@@ -129,33 +129,33 @@ Vec3 half_motion(const BodyWay& a, double a_reach_m, const BodyWay& b, double b_
 double size_of(const Aabb& box) { return (box.high - box.low).maxCoeff(); }
 
 /// Ways so long that their roundings are larger than both bodies: no part of them could be told from another.
-bool are_blurred(const BodyWay& a, double a_reach_m, const BodyWay& b, double b_reach_m, double size_m) {
+bool are_blurred(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double size_m) {
   return size_m > 0 && !(a.error_m(a_reach_m) + b.error_m(b_reach_m) <= size_m);
 }
 
-void Search::primitive_and_mesh(const PartOnWay& primitive, const SweptBody& other, bool primitive_is_a) {
+void Search::primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a) {
   const Aabb own = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(0));
   const double largest_m = std::max(size_of(own), size_of(other.tree->bounds()));
-  if (are_blurred(*primitive.way, primitive.reach_m, other.way, other.mesh_reach_m, largest_m)) {
+  if (are_blurred(*primitive.motion, primitive.reach_m, other.motion, other.mesh_reach_m, largest_m)) {
     looks_ = options_.most_looks;
     return;
   }
-  const double motion_m = primitive.way->length_m(primitive.reach_m) + other.way.length_m(other.mesh_reach_m);
+  const double motion_m = primitive.motion->length_m(primitive.reach_m) + other.motion.length_m(other.mesh_reach_m);
   const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
     const double middle = span.low + (span.high - span.low) / 2;
     Aabb box = std::visit([](const auto& shape) { return bounds(shape); }, primitive.at(middle));
-    const Vec3 motion = half_motion(*primitive.way, primitive.reach_m, other.way, other.mesh_reach_m, span.high - span.low);
+    const Vec3 motion = half_motion(*primitive.motion, primitive.reach_m, other.motion, other.mesh_reach_m, span.high - span.low);
     box.low -= motion;
     box.high += motion;
     Listing listing{found, most};
     const auto candidate = [&](std::uint32_t triangle) {
       return is_settled(primitive_is_a ? triangle : kNoTriangle, span) || listing.add({0, triangle});
     };
-    other.tree->walk_box(seen_from(other.way.at(middle), box, other.mesh_reach_m), candidate, cost_);
+    other.tree->walk_box(seen_from(other.motion.at(middle), box, other.mesh_reach_m), candidate, cost_);
     return listing.is_all;
   };
   const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
-    const PartOnWay triangle = triangle_of(other, pair.b);
+    const PartMotion triangle = triangle_of(other, pair.b);
     if (primitive_is_a) meet(primitive, kNoTriangle, triangle, pair.b, span);
     else meet(triangle, pair.b, primitive, kNoTriangle, span);
   };
@@ -163,17 +163,17 @@ void Search::primitive_and_mesh(const PartOnWay& primitive, const SweptBody& oth
 }
 
 void Search::meshes() {
-  const double motion_m = a_.way.length_m(a_.mesh_reach_m) + b_.way.length_m(b_.mesh_reach_m);
+  const double motion_m = a_.motion.length_m(a_.mesh_reach_m) + b_.motion.length_m(b_.mesh_reach_m);
   const auto [smaller_m, larger_m] = std::minmax({size_of(a_.tree->bounds()), size_of(b_.tree->bounds())});
-  if (are_blurred(a_.way, a_.mesh_reach_m, b_.way, b_.mesh_reach_m, larger_m)) {
+  if (are_blurred(a_.motion, a_.mesh_reach_m, b_.motion, b_.mesh_reach_m, larger_m)) {
     looks_ = options_.most_looks;
     return;
   }
   const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
     const double middle = span.low + (span.high - span.low) / 2;
-    const Frame a = a_.way.at(middle);
-    const Frame b = b_.way.at(middle);
-    const Vec3 motion = half_motion(a_.way, a_.mesh_reach_m, b_.way, b_.mesh_reach_m, span.high - span.low);
+    const Frame a = a_.motion.at(middle);
+    const Frame b = b_.motion.at(middle);
+    const Vec3 motion = half_motion(a_.motion, a_.mesh_reach_m, b_.motion, b_.mesh_reach_m, span.high - span.low);
     Listing listing{found, most};
     const auto candidate = [&](std::uint32_t triangle_b, std::uint32_t triangle_a) {
       return is_settled(triangle_b, span) || listing.add({triangle_a, triangle_b});
@@ -195,15 +195,15 @@ void Search::meshes() {
 void Search::meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a) {
   SweptTouch* touch = touch_of_(kNoTriangle);
   if (touch == nullptr) return;
-  const HalfSpace placed = place(holder.way.to, ground);
-  if (has_mesh(body) && !surely_stays_above(body.way, body.mesh_reach_m, placed)) touch->undecided = true;
+  const HalfSpace placed = place(holder.motion.to, ground);
+  if (has_mesh(body) && !surely_stays_above(body.motion, body.mesh_reach_m, placed)) touch->undecided = true;
   for (const Primitive& own : body.primitives) {
     if (std::holds_alternative<HalfSpace>(own)) continue;
     ++looks_;
     ++touch->exact_tests;
-    const PartOnWay part(part_of(own), body.way);
+    const PartMotion part(part_of(own), body.motion);
     TimeBracket found;
-    const Verdict verdict = first_contact(part, placed, {0, touch->yes ? touch->bracket.high : 1}, options_.width, found);
+    const ExactResult verdict = first_contact(part, placed, {0, touch->yes ? touch->bracket.high : 1}, options_.width, found);
     touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
     if (!verdict.yes() || !touch->take(found, kNoTriangle, kNoTriangle) || !options_.contacts) continue;
     touch->contact = std::visit([&](const auto& shape) { return contact(placed, shape); }, part.at(found.high));
@@ -218,15 +218,15 @@ void Search::run() {
       meet_ground(b_, a_, *ground, true);
       continue;
     }
-    const PartOnWay part(part_of(own), a_.way);
+    const PartMotion part(part_of(own), a_.motion);
     for (const Primitive& other : b_.primitives) {
-      if (!ground_of(other)) meet(part, kNoTriangle, {part_of(other), b_.way}, kNoTriangle, {0, 1});
+      if (!ground_of(other)) meet(part, kNoTriangle, {part_of(other), b_.motion}, kNoTriangle, {0, 1});
     }
     if (has_mesh(b_)) primitive_and_mesh(part, b_, true);
   }
   for (const Primitive& other : b_.primitives) {
     if (const HalfSpace* ground = ground_of(other)) meet_ground(a_, b_, *ground, false);
-    else if (has_mesh(a_)) primitive_and_mesh({part_of(other), b_.way}, a_, false);
+    else if (has_mesh(a_)) primitive_and_mesh({part_of(other), b_.motion}, a_, false);
   }
   if (has_mesh(a_) && has_mesh(b_)) meshes();
 }
@@ -246,7 +246,7 @@ bool SweptTouch::take(const TimeBracket& found, std::uint32_t a, std::uint32_t b
   return true;
 }
 
-SweptBody::SweptBody(const ObjectInfo& info, const BodyWay& on) : way(on), primitives(info.primitives) {
+SweptBody::SweptBody(const ObjectInfo& info, const BodyMotion& on) : motion(on), primitives(info.primitives) {
   if (!info.mesh) return;
   mesh = info.mesh->mesh.get();
   tree = &info.mesh->tree;

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "server/broad_phase/hierarchy/bvh.hpp"
-#include "server/exact_phase/motion/part_on_way.hpp"
+#include "server/exact_phase/motion/part_motion.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/world/objects/object.hpp"
 
@@ -12,13 +12,13 @@ namespace collided::engine {
 
 /// Something on its way, or resting: the primitives and the mesh of an object, or a scene's triangles.
 struct SweptBody {
-  BodyWay way;
+  BodyMotion motion;
   std::span<const Primitive> primitives;
   const TriangleMesh* mesh = nullptr;
   const Bvh* tree = nullptr;
   double mesh_reach_m = 0;  // no vertex is farther from the frame's origin
 
-  SweptBody(const ObjectInfo& info, const BodyWay& on);
+  SweptBody(const ObjectInfo& info, const BodyMotion& on);
   /// Static triangles, in world coordinates.
   explicit SweptBody(const StaticScene& scene);
 };

@@ -18,7 +18,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
 using wire_contract::UndecidedReason;
@@ -215,7 +215,7 @@ void Auditor::check_near() {
 
 std::string audit(const Snapshot& snapshot, const Questions& question, const Answers& given) {
   const OwnFloatEnvironment own_floats;
-  const bool claims = given.answers[0] == Answer::hit || given.answers[0] == Answer::miss ||
+  const bool claims = given.answers[0] == Verdict::hit || given.answers[0] == Verdict::miss ||
                       given.reasons[0] == UndecidedReason::truncated;
   return claims ? Auditor(snapshot, question, given).run() : std::string();
 }

@@ -43,7 +43,7 @@ struct Crossings {
   double operator()(std::uint32_t number, double limit) {
     constexpr double kNearEdge = 1e-6;
     RayHit hit;
-    const Verdict verdict = cast_ray(ray, place(*object.frame, object.info->mesh->mesh->triangle(number)), hit);
+    const ExactResult verdict = cast_ray(ray, place(*object.frame, object.info->mesh->mesh->triangle(number)), hit);
     if (verdict.decision == Decision::undecided) doubtful = true;
     if (verdict.yes()) {
       doubtful = doubtful || hit.weights.minCoeff() < kNearEdge;

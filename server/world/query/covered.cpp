@@ -110,11 +110,11 @@ Extent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const
   const Vec3 from = point_of(n);
   const Vec3 to = point_of(n + wire_contract::kPoseNumbers);
   const double part = hits.empty() ? 1 : std::min(1.0, hits.front().exit_m * (1 + kSlack) + kSlack);
-  Aabb way;
-  way.extend(from);
-  way.extend(part == 1 ? to : Vec3(from + part * (to - from)));
+  Aabb motion;
+  motion.extend(from);
+  motion.extend(part == 1 ? to : Vec3(from + part * (to - from)));
   const double roundings_m = kSlack * 0x1p-8 * from.cwiseAbs().cwiseMax(to.cwiseAbs()).maxCoeff();
-  return extent_of(from, grown(way, reach_of(mover) * (1 + kSlack) + (part == 1 ? 0 : roundings_m)));
+  return extent_of(from, grown(motion, reach_of(mover) * (1 + kSlack) + (part == 1 ? 0 : roundings_m)));
 }
 
 /// How far from its origin the ray, which is somewhere in the box, stays in it, but for the roundings.

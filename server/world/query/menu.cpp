@@ -18,7 +18,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 
 struct Method {
@@ -88,7 +88,7 @@ class Truth {
 };
 
 void judge(const Answers& given, const Truth& truth, MenuRow& row) {
-  if (given.answers[0] == Answer::undecided) {
+  if (given.answers[0] == Verdict::undecided) {
     ++row.undecided;
     return;
   }

@@ -70,7 +70,7 @@ bool NearWalk::is_within(const Closest& found, ObjectId object, const auto& part
     return false;
   }
   // The bound leaves it open whether it is within reach: a ball of that radius decides exactly.
-  const Verdict verdict = overlaps(Sphere{.center = point, .radius_m = within_m}, part);
+  const ExactResult verdict = overlaps(Sphere{.center = point, .radius_m = within_m}, part);
   question.count(verdict);
   return verdict.yes();
 }

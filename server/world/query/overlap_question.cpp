@@ -25,7 +25,7 @@ void meet_scene(const Sphere& asked, const StaticScene& scene, bool any, WalkCos
   double limit_m2 = square_up(asked.radius_m);
   visit_scene_near(scene, asked.center, limit_m2, cost, allowed,
                    [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
-                     const Touch& touch = meet(triangle, part, corners);
+                     const ContactSearch& touch = meet(triangle, part, corners);
                      if (touch.yes && any) return -1.0;
                      if (touch.yes && scene.parts.size() == 1) {
                        const double nearest_m = asked.radius_m - touch.contact.depth_m;
@@ -42,7 +42,7 @@ void ask_overlap(Question& question, const Asked& asked) {
   question.found.clear();
   const bool any = question.asked.mode == wire_contract::RayMode::any;
   const auto ended = [&] { return any && !question.found.empty(); };
-  const auto take = [&](ObjectId object, const Touch& touch) {
+  const auto take = [&](ObjectId object, const ContactSearch& touch) {
     question.exact_tests += touch.exact_tests;
     question.level = std::max(question.level, touch.level);
     if (touch.undecided && !touch.yes) question.undecided = true;
@@ -60,9 +60,9 @@ void ask_overlap(Question& question, const Asked& asked) {
   for (const auto& scene : question.snapshot.scenes) {
     touches.clear(!any);
     const auto allowed = [&](std::uint32_t part) { return question.allows_part(*scene, part); };
-    const auto meet = [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) -> const Touch& {
-      Touch& touch = touches.of(part);
-      touch_parts(asked, wire_contract::kNoTriangle, corners, triangle - scene->parts[part].first_triangle, touch);
+    const auto meet = [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) -> const ContactSearch& {
+      ContactSearch& touch = touches.of(part);
+      search_parts(asked, wire_contract::kNoTriangle, corners, triangle - scene->parts[part].first_triangle, touch);
       return touch;
     };
     meet_scene(asked, *scene, any, question.walk, allowed, meet);
@@ -73,9 +73,9 @@ void ask_overlap(Question& question, const Asked& asked) {
   const Primitive primitive = asked;
   const auto candidate = [&](std::uint32_t slot) {
     if (!question.allows(question.object(slot).id)) return true;
-    Touch touch;
+    ContactSearch touch;
     touch.wanted = !any;
-    touch_object(primitive, question.placed(slot), touch, question.walk);
+    search_object(primitive, question.placed(slot), touch, question.walk);
     take(question.object(slot).id, touch);
     return !ended();
   };

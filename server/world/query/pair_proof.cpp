@@ -121,14 +121,14 @@ class ApartSearch {
     Vec3 on_a = middle_of(a[0].part);
     Vec3 on_b = middle_of(b[0].part);
     for (int i = 0; i < kMostTurns; ++i) {
-      const Vec3 way = on_b - on_a;
-      if (way.isZero(0)) return false;
+      const Vec3 displacement = on_b - on_a;
+      if (displacement.isZero(0)) return false;
       looks_ += a.size() + b.size();
-      const Vec3 far_a = support_of(a, way);
-      const Vec3 far_b = support_of(b, -way);
-      if (way.dot(far_b - far_a) > 0) return keep(way, far_a / 2 + far_b / 2, a, b);
-      const Vec3 turn = (far_b - far_a) - way;
-      const double share = std::clamp(-way.dot(turn) / std::max(turn.squaredNorm(), 1e-300), 0.0, 1.0);
+      const Vec3 far_a = support_of(a, displacement);
+      const Vec3 far_b = support_of(b, -displacement);
+      if (displacement.dot(far_b - far_a) > 0) return keep(displacement, far_a / 2 + far_b / 2, a, b);
+      const Vec3 turn = (far_b - far_a) - displacement;
+      const double share = std::clamp(-displacement.dot(turn) / std::max(turn.squaredNorm(), 1e-300), 0.0, 1.0);
       on_a += share * (far_a - on_a);
       on_b += share * (far_b - on_b);
     }
@@ -165,7 +165,7 @@ class ApartSearch {
     normals.push_back(squared_up);
     for (const ConvexPart* part : {&a, &b}) {
       const PartNumbers numbers = numbers_of(*part);
-      for (int k = 0; numbers.beside == PartNumbers::Beside::box && k < 3; ++k) {
+      for (int k = 0; numbers.summand == PartNumbers::Summand::box && k < 3; ++k) {
         const Vec3 n = Vec3(numbers.axes.col((k + 1) % 3)).cross(Vec3(numbers.axes.col((k + 2) % 3)));
         normals.push_back(n.dot(apart.normal) < 0 ? Vec3(-n) : n);
       }

@@ -11,14 +11,14 @@ namespace collided::engine {
 namespace {
 
 /// An object as the walks over pairs want it: a part of a scene gets a mesh of its own, whose index is built here.
-struct Standing {
+struct PlacedObject {
   ObjectInfo own;
   Frame frame;
   Placed placed;
   Aabb reach;             // where it may be
   bool is_stale = false;  // and nobody knows where in it
 
-  Standing(const Snapshot& snapshot, ObjectId id) {
+  PlacedObject(const Snapshot& snapshot, ObjectId id) {
     const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
     frame = snapshot.frames[slot_of(id)];
     placed = {.info = &info, .frame = &frame, .bounds = snapshot.bounds[slot_of(id)]};
@@ -35,8 +35,8 @@ struct Standing {
     placed = {.info = &own, .frame = &frame, .bounds = bounds_of(own, frame)};
     reach = placed.bounds;
   }
-  Standing(const Standing&) = delete;
-  Standing& operator=(const Standing&) = delete;
+  PlacedObject(const PlacedObject&) = delete;
+  PlacedObject& operator=(const PlacedObject&) = delete;
 
   static std::shared_ptr<const TriangleMesh> mesh_of_part(const Snapshot& snapshot, const ObjectInfo& info) {
     auto mesh = std::make_shared<TriangleMesh>();
@@ -54,7 +54,7 @@ struct Standing {
   }
 };
 
-Decision decision_of(const Touch& touch) {
+Decision decision_of(const ContactSearch& touch) {
   if (touch.yes) return Decision::yes;
   return touch.undecided ? Decision::undecided : Decision::no;
 }
@@ -80,14 +80,14 @@ void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairRe
   }
 }
 
-PairReport report_in_order(const Standing& first, const Standing& second, const PairAsk& ask) {
+PairReport report_in_order(const PlacedObject& first, const PlacedObject& second, const PairAsk& ask) {
   const Placed& a = first.placed;
   const Placed& b = second.placed;
   PairReport report;
   report.is_stale = first.is_stale || second.is_stale;
   WalkCost cost;
-  Touch touch;
-  touch_objects(a, b, touch, cost);
+  ContactSearch touch;
+  search_objects(a, b, touch, cost);
   report.touches = decision_of(touch);
   if (report.is_stale && report.touches == Decision::no && overlaps(first.reach, second.reach)) report.touches = Decision::undecided;
   if (touch.yes) {
@@ -128,8 +128,8 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
   const OwnFloatEnvironment own_floats;
   const auto order = [&](ObjectId id) { return std::tie((*snapshot.objects)[slot_of(id)]->name, id); };
   const bool turned = order(b) < order(a);
-  const Standing first(snapshot, turned ? b : a);
-  const Standing second(snapshot, turned ? a : b);
+  const PlacedObject first(snapshot, turned ? b : a);
+  const PlacedObject second(snapshot, turned ? a : b);
   PairAsk without_proof = ask;
   without_proof.certificate = ask.certificate && !turned;
   PairReport report = report_in_order(first, second, without_proof);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/exact_phase/part.hpp"
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
 

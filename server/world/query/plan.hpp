@@ -10,7 +10,7 @@ namespace collided::engine {
 struct PlanRow {
   std::string structure;
   bool built = false;
-  std::string why;
+  std::string reason;
   std::string saves;
 };
 

@@ -6,7 +6,7 @@
 
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/objects/sources.hpp"
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 #include "server/world/step/step_motion.hpp"
 
 namespace collided::engine {
@@ -80,15 +80,15 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
   }
   if (!step.rows.is_posed(slot)) return;
   const bool has_source = life.source != Sources::kResting;
-  const WayTimes times = way_times(row, step.rows.is_new(slot), has_source ? &step.sources[life.source] : nullptr);
+  const MotionTimes times = motion_times(row, step.rows.is_new(slot), has_source ? &step.sources[life.source] : nullptr);
   add_move(life, {.from_ns = times.from_ns, .to_ns = times.to_ns, .pose = row.pose});
 }
 
 void PoseMemory::add_move(Life& life, const Move& move) {
   forget(life);
   const double way_m = (move.pose.position - life.last().position).norm();
-  const double way_s = 1e-9 * static_cast<double>(move.to_ns - move.from_ns);
-  if (way_s > 0) life.largest_mps = std::max(life.largest_mps, way_m / way_s);
+  const double motion_s = 1e-9 * static_cast<double>(move.to_ns - move.from_ns);
+  if (motion_s > 0) life.largest_mps = std::max(life.largest_mps, way_m / motion_s);
   life.moves.push_back(move);
   ++move_count_;
 }
@@ -189,7 +189,7 @@ Frame PoseMemory::frame_at(const Life& life, std::int64_t time_ns) const {
   const Frame before = frame_of(next == begin ? life.first : std::prev(next)->pose);
   if (next == life.moves.end() || time_ns <= next->from_ns) return before;
   const double part = static_cast<double>(time_ns - next->from_ns) / static_cast<double>(next->to_ns - next->from_ns);
-  return way_between(lone_sphere(*life.info), before, frame_of(next->pose)).at(part);
+  return motion_between(lone_sphere(*life.info), before, frame_of(next->pose)).at(part);
 }
 
 }  // namespace collided::engine

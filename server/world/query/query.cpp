@@ -14,7 +14,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::UndecidedReason;
 
@@ -91,7 +91,7 @@ void ask(Question& question, const double* numbers) {
   }
 }
 
-void push_plain(Answers& answers, Answer answer, UndecidedReason reason) {
+void push_plain(Answers& answers, Verdict answer, UndecidedReason reason) {
   answers.answers.push_back(answer);
   answers.reasons.push_back(reason);
   answers.levels.push_back(0);
@@ -103,14 +103,14 @@ void push_plain(Answers& answers, Answer answer, UndecidedReason reason) {
 /// A certain hit is a hit, however many others are in doubt; a miss needs every test to have said no.
 void push_answer(Answers& answers, const Question& question) {
   UndecidedReason reason = UndecidedReason::none;
-  Answer answer = question.found.empty() ? Answer::miss : Answer::hit;
+  Verdict answer = question.found.empty() ? Verdict::miss : Verdict::hit;
   const bool one_is_enough = question.asked.mode == wire_contract::RayMode::any;
-  if (question.undecided && (answer == Answer::miss || !one_is_enough)) {
+  if (question.undecided && (answer == Verdict::miss || !one_is_enough)) {
     reason = UndecidedReason::numeric;
   } else if (question.truncated) {
     reason = UndecidedReason::truncated;
   }
-  if (reason != UndecidedReason::none) answer = Answer::undecided;
+  if (reason != UndecidedReason::none) answer = Verdict::undecided;
   push_plain(answers, answer, reason);
   answers.levels.back() = static_cast<std::uint8_t>(question.level);
   answers.hit_counts.back() = static_cast<std::uint32_t>(question.found.size());
@@ -121,11 +121,11 @@ void push_answer(Answers& answers, const Question& question) {
 
 /// As with lost publishers: what is known stays for who wants it, behind it where it ends.
 void doubt_where_not_covered(Answers& answers, const Question& question, const double* numbers) {
-  const bool is_claim = answers.answers.back() == Answer::miss || answers.answers.back() == Answer::hit;
+  const bool is_claim = answers.answers.back() == Verdict::miss || answers.answers.back() == Verdict::hit;
   if (!is_claim) return;
   const std::optional<Leaving> leaving = leaves_covered(question.asked, numbers, question.found, *question.snapshot.covers);
   if (!leaving) return;
-  answers.answers.back() = Answer::undecided;
+  answers.answers.back() = Verdict::undecided;
   answers.reasons.back() = UndecidedReason::not_covered;
   answers.hits.push_back({.flags = wire_contract::kUncovered, .distance_m = leaving->covered_m, .point = leaving->point});
   ++answers.hit_counts.back();
@@ -140,15 +140,15 @@ void note_age(Answers& answers, const Question& question) {
 }
 
 /// What is said at once: this is no question, or it is too late for it.
-std::optional<Answer> answer_at_once(const Questions& asked, const double* numbers) {
-  if (!is_question(asked.kind, numbers)) return Answer::invalid;
-  if (asked.kind == QueryKind::sweep && asked.mover == nullptr) return Answer::invalid;
-  if (asked.deadline_ns != 0 && steady_now_ns() > asked.deadline_ns) return Answer::undecided;
+std::optional<Verdict> answer_at_once(const Questions& asked, const double* numbers) {
+  if (!is_question(asked.kind, numbers)) return Verdict::invalid;
+  if (asked.kind == QueryKind::sweep && asked.mover == nullptr) return Verdict::invalid;
+  if (asked.deadline_ns != 0 && steady_now_ns() > asked.deadline_ns) return Verdict::undecided;
   return std::nullopt;
 }
 
-void push_at_once(Answers& answers, Answer answer) {
-  push_plain(answers, answer, answer == Answer::invalid ? UndecidedReason::none : UndecidedReason::deadline);
+void push_at_once(Answers& answers, Verdict answer) {
+  push_plain(answers, answer, answer == Verdict::invalid ? UndecidedReason::none : UndecidedReason::deadline);
 }
 
 /// Questions one after the other, or rays in groups.
@@ -164,7 +164,7 @@ struct QuestionBatch {
     note_age(answers, question);
   }
   void answer_one(const double* numbers) const {
-    if (const std::optional<Answer> at_once = answer_at_once(asked, numbers)) return push_at_once(answers, *at_once);
+    if (const std::optional<Verdict> at_once = answer_at_once(asked, numbers)) return push_at_once(answers, *at_once);
     Question question{.snapshot = snapshot, .asked = asked, .allowed = scratch.allowed,
                       .open_scenes = scratch.open_scenes, .found = scratch.found};
     ask(question, numbers);
@@ -186,7 +186,7 @@ void QuestionBatch::answer_rays(const double* numbers, std::size_t count) const 
   };
   for (std::size_t i = 0; i < count; ++i) {
     const double* ray = numbers + i * wire_contract::kRayNumbers;
-    if (const std::optional<Answer> at_once = answer_at_once(asked, ray)) {
+    if (const std::optional<Verdict> at_once = answer_at_once(asked, ray)) {
       ask_group();
       push_at_once(answers, *at_once);
       continue;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "idl/topics.hpp"
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/vector.hpp"
 #include "server/world/objects/snapshot.hpp"
 
@@ -51,7 +51,7 @@ struct AnswerHit {
 
 /// One answer a question and its hits in question order. Reused between calls so that answering does not allocate.
 struct Answers {
-  std::vector<wire_contract::Answer> answers;
+  std::vector<wire_contract::Verdict> answers;
   std::vector<wire_contract::UndecidedReason> reasons;
   std::vector<std::uint8_t> levels;
   std::vector<std::uint32_t> hit_counts;

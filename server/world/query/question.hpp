@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/query/query.hpp"
 
@@ -40,7 +40,7 @@ struct Question {
   std::uint8_t flags_of(ObjectId id) const {
     return snapshot.stale[slot_of(id)] != 0 ? std::uint8_t{wire_contract::kStale} : std::uint8_t{0};
   }
-  void count(const Verdict& verdict) {
+  void count(const ExactResult& verdict) {
     ++exact_tests;
     level = std::max(level, verdict.level);
     if (verdict.decision == Decision::undecided) undecided = true;

@@ -45,7 +45,7 @@ struct RayWalk {
 template <class Part>
 void RayWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
   RayHit hit;
-  const Verdict verdict = cast_ray(ray, part, hit);
+  const ExactResult verdict = cast_ray(ray, part, hit);
   question.count(verdict);
   if (!verdict.yes()) return;
   if constexpr (std::is_same_v<Part, Triangle>) {

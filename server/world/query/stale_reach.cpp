@@ -10,7 +10,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
 
@@ -53,10 +53,10 @@ double least_distance(const Vec3& point, const Aabb& region) {
 }
 
 Aabb way_of(const ObjectInfo& mover, const double* n) {
-  Aabb way;
-  way.extend(Vec3(n[0], n[1], n[2]));
-  way.extend(Vec3(n[7], n[8], n[9]));
-  return grown(way, reach_of(mover) * (1 + 0x1p-40));
+  Aabb motion;
+  motion.extend(Vec3(n[0], n[1], n[2]));
+  motion.extend(Vec3(n[7], n[8], n[9]));
+  return grown(motion, reach_of(mover) * (1 + 0x1p-40));
 }
 
 /// Distance of the farthest hit that was told, endless where more would have been.
@@ -102,10 +102,10 @@ void doubt_where_stale_objects_reach(const Snapshot& snapshot, const Questions& 
     for (std::size_t i = 0; i < answers.answers.size(); ++i) {
       const std::span<const AnswerHit> hits = std::span(answers.hits).subspan(first_hit, answers.hit_counts[i]);
       first_hit += hits.size();
-      const bool is_claim = answers.answers[i] == Answer::miss || answers.answers[i] == Answer::hit;
+      const bool is_claim = answers.answers[i] == Verdict::miss || answers.answers[i] == Verdict::hit;
       const bool is_met = std::any_of(hits.begin(), hits.end(), [&](const AnswerHit& hit) { return hit.object == object.id; });
       if (!is_claim || is_met || !could_change(questions, &questions.numbers[i * stride], hits, region)) continue;
-      answers.answers[i] = Answer::undecided;
+      answers.answers[i] = Verdict::undecided;
       answers.reasons[i] = wire_contract::UndecidedReason::stale_object;
     }
   }

@@ -49,14 +49,14 @@ void meet_scene(Question& question, const SweptBody& body, const StaticScene& sc
 void ask_sweep(Question& question, const double* n) {
   question.found.clear();
   const ObjectInfo& mover = *question.asked.mover;
-  const SweptBody body(mover, BodyWay(frame_at(n), frame_at(n + wire_contract::kPoseNumbers)));
+  const SweptBody body(mover, BodyMotion(frame_at(n), frame_at(n + wire_contract::kPoseNumbers)));
   First first;
   for (const auto& scene : question.snapshot.scenes) meet_scene(question, body, *scene, first);
   const auto candidate = [&](std::uint32_t slot) {
     const ObjectInfo& other = question.object(slot);
     if (!question.allows(other.id)) return true;
     SweptTouch touch;
-    const BodyWay rest = BodyWay::resting(question.snapshot.frames[slot]);
+    const BodyMotion rest = BodyMotion::resting(question.snapshot.frames[slot]);
     sweep(body, SweptBody(other, rest), {.width = kAskedWidth}, question.walk, touch);
     question.exact_tests += touch.exact_tests;
     question.undecided = question.undecided || touch.undecided;
@@ -64,7 +64,7 @@ void ask_sweep(Question& question, const double* n) {
     return true;
   };
   if (question.snapshot.grid) {
-    question.snapshot.grid->walk_box(bounds(mover, body.way, reach_of(mover)), candidate, question.walk);
+    question.snapshot.grid->walk_box(bounds(mover, body.motion, reach_of(mover)), candidate, question.walk);
   }
   if (!first.any) return;
   first.hit.exit_m = std::min(first.low, first.hit.distance_m);

@@ -83,7 +83,7 @@ bool Candidates::wait_for(std::uint32_t first, std::uint32_t second) {
   for (const std::uint32_t slot : {first, second}) {
     const auto* ball = reinterpret_cast<const char*>(&step_.motion.ball(slot));
     __builtin_prefetch(ball);
-    __builtin_prefetch(ball + sizeof(BallWay) - 1);
+    __builtin_prefetch(ball + sizeof(BallMotion) - 1);
   }
   waiting_.pairs[waiting_.count++] = {first, second};
   return waiting_.count < Waiting::kSize || consider_waiting();

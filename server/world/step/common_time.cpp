@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/exact_phase/motion/ball_way_filter.hpp"
+#include "server/exact_phase/motion/ball_motion_filter.hpp"
 #include "server/world/step/decisions.hpp"
 
 namespace collided::engine {
@@ -17,18 +17,18 @@ constexpr double kSweepWidth_s = 1e-9;
 /// Of where things are between two poses: a few roundings of the coordinates.
 constexpr double kPlaceSlack = 0x1p-49;
 
-bool rests(const BodyWay& way) { return way.turn_rad == 0 && way.from.position == way.to.position; }
+bool rests(const BodyMotion& path) { return path.turn_rad == 0 && path.from.position == path.to.position; }
 
 PairPiece turned_back(const PairPiece& piece) {
   return {.a = piece.a, .b = piece.b, .from_ns = piece.from_ns, .to_ns = piece.to_ns,
-          .a_way = {piece.a_way.to, piece.a_way.from}, .b_way = {piece.b_way.to, piece.b_way.from}};
+          .a_motion = {piece.a_motion.to, piece.a_motion.from}, .b_motion = {piece.b_motion.to, piece.b_motion.from}};
 }
 
 /// Of the object's point that is there at that time; who is on no way rests.
-BodyWay::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& point, std::int64_t time_ns, double slack_s) {
+BodyMotion::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& point, std::int64_t time_ns, double slack_s) {
   if (segment == nullptr) return {};
   const double length_ns = static_cast<double>(segment->to_ns - segment->from_ns);
-  return BodyWay(segment->from, segment->to)
+  return BodyMotion(segment->from, segment->to)
       .velocity(point, static_cast<double>(time_ns - segment->from_ns) / length_ns, length_ns * 1e-9, slack_s);
 }
 
@@ -42,11 +42,11 @@ bool Decisions::are_on_common_time(std::uint32_t first, std::uint32_t second) co
   if (!sources[source].has_spoken) return false;
   // Of one publisher: what it moved at one instant goes together, and nothing else does.
   if (!rows_.is_posed(first) || !rows_.is_posed(second)) return rows_.is_posed(first) || rows_.is_posed(second);
-  const auto has_own_way = [&](std::uint32_t slot) {
+  const auto has_own_motion = [&](std::uint32_t slot) {
     const ObjectRow& row = rows_[slot];
     return row.posed_before_ns >= row.posed_ns || (rows_.is_new(slot) && row.born_ns < row.posed_ns);
   };
-  if (has_own_way(first) || has_own_way(second) || rows_.motion(first) != rows_.motion(second)) return true;
+  if (has_own_motion(first) || has_own_motion(second) || rows_.motion(first) != rows_.motion(second)) return true;
   const ObjectRow& a = rows_[first];
   const ObjectRow& b = rows_[second];
   return a.posed_before_ns != b.posed_before_ns || a.posed_ns != b.posed_ns;
@@ -111,8 +111,8 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
     // Most pieces of most candidates, told from what two centres do.
     if (is_open || !are_balls || !balls_stay_apart(first, second, from_ns, to_ns)) {
       is_open = decide_piece({.a = first, .b = second, .from_ns = from_ns, .to_ns = to_ns,
-                              .a_way = history.way(first, from_ns, to_ns, rows_[first].frame),
-                              .b_way = history.way(second, from_ns, to_ns, rows_[second].frame)});
+                              .a_motion = history.motion(first, from_ns, to_ns, rows_[first].frame),
+                              .b_motion = history.motion(second, from_ns, to_ns, rows_[second].frame)});
     }
     if (history.jumps(first, to_ns) || history.jumps(second, to_ns)) {
       const double at_s = seconds_ago(to_ns);
@@ -129,12 +129,12 @@ bool Decisions::decide_piece(const PairPiece& piece) {
   const ObjectId b = rows_.info(piece.b)->id;
   const bool is_held = ledger_.holds(a, b);
   const bool is_in_doubt = ledger_.is_in_doubt(a, b);
-  if (rests(piece.a_way) && rests(piece.b_way)) return is_held || is_in_doubt;
+  if (rests(piece.a_motion) && rests(piece.b_motion)) return is_held || is_in_doubt;
   if (!is_held && surely_stay_apart(piece)) {
     ledger_.decided_apart(a, b, seconds_ago(piece.from_ns), seconds_ago(piece.to_ns));
     return false;
   }
-  const Touch touch = touch_at_end(piece);
+  const ContactSearch touch = touch_at_end(piece);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   if (is_held && touch.yes) {
     ledger_.touches(found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1));
@@ -153,7 +153,7 @@ bool Decisions::decide_piece(const PairPiece& piece) {
 }
 
 /// Neither found to touch nor to be apart: at the piece's end, or on the way there; or a doubt is over.
-void Decisions::doubt_piece(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep) {
+void Decisions::doubt_piece(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep) {
   FoundContact found{.a = rows_.info(piece.a)->id,
                      .b = rows_.info(piece.b)->id,
                      .contact = {},
@@ -170,7 +170,7 @@ void Decisions::doubt_piece(const PairPiece& piece, const Touch& touch, const Sw
   }
 }
 
-void Decisions::begin_on_way(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep) {
+void Decisions::begin_on_way(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep) {
   ++cost_.contacts;
   const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact.normal);
   if (touch.yes || touch.undecided) {
@@ -203,10 +203,10 @@ ContactEnd Decisions::parting(const PairPiece& piece) {
 Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const {
   const double length_ns = static_cast<double>(piece.to_ns - piece.from_ns);
   double place_m = 0;
-  for (const BodyWay* way : {&piece.a_way, &piece.b_way}) {
-    place_m += way->from.position.cwiseAbs().maxCoeff() + way->to.position.cwiseAbs().maxCoeff();
+  for (const BodyMotion* path : {&piece.a_motion, &piece.b_motion}) {
+    place_m += path->from.position.cwiseAbs().maxCoeff() + path->to.position.cwiseAbs().maxCoeff();
   }
-  const double closing_m = std::abs(normal.dot(piece.b_way.travel - piece.a_way.travel));
+  const double closing_m = std::abs(normal.dot(piece.b_motion.travel - piece.a_motion.travel));
   const double slack = kPlaceSlack * place_m < closing_m ? kPlaceSlack * place_m / closing_m : 1;
   const double low = std::clamp((bracket.low - slack) * length_ns, 0.0, length_ns);
   const double high = std::clamp((bracket.high + slack) * length_ns, 0.0, length_ns);
@@ -240,9 +240,9 @@ void Decisions::decide_where_known(std::uint32_t first, std::uint32_t second) {
 bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted) {
   const MotionHistory& history = step_.motion.history();
   const PairPiece instant{.a = a, .b = b, .from_ns = time_ns, .to_ns = time_ns,
-                          .a_way = BodyWay::resting(history.at(a, time_ns, rows_[a].frame)),
-                          .b_way = BodyWay::resting(history.at(b, time_ns, rows_[b].frame))};
-  const Touch touch = touch_at_end(instant);
+                          .a_motion = BodyMotion::resting(history.at(a, time_ns, rows_[a].frame)),
+                          .b_motion = BodyMotion::resting(history.at(b, time_ns, rows_[b].frame))};
+  const ContactSearch touch = touch_at_end(instant);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   const bool is_held = ledger_.holds(rows_.info(a)->id, rows_.info(b)->id);
   if (touch.yes && (is_held || may_begin())) {
@@ -259,25 +259,25 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
   return ledger_.is_open(rows_.info(a)->id, rows_.info(b)->id);
 }
 
-Touch Decisions::touch_at_end(const PairPiece& piece) {
-  Touch touch;
+ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
+  ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
   const auto placed_at = [&](std::uint32_t slot, const Frame& frame) {
     return Placed{.info = rows_.info(slot), .frame = &frame, .bounds = bounds_of(*rows_.info(slot), frame)};
   };
-  const Placed a = placed_at(piece.a, piece.a_way.to);
-  const Placed b = placed_at(piece.b, piece.b_way.to);
-  if (overlaps(a.bounds, b.bounds)) touch_objects(a, b, touch, walk_);
+  const Placed a = placed_at(piece.a, piece.a_motion.to);
+  const Placed b = placed_at(piece.b, piece.b_motion.to);
+  if (overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
   return touch;
 }
 
 /// A sphere against what does not turn is swept along the one's way as seen from the other, exactly.
 SweptTouch Decisions::sweep_piece(const PairPiece& piece) {
-  if (piece.b_way.turn_rad == 0) {
+  if (piece.b_motion.turn_rad == 0) {
     if (const std::optional<SweptTouch> found = sweep_sphere_piece(piece, true)) return *found;
   }
-  if (piece.a_way.turn_rad == 0) {
+  if (piece.a_motion.turn_rad == 0) {
     if (const std::optional<SweptTouch> found = sweep_sphere_piece(piece, false)) return turned_round(*found);
   }
   SweptTouch touch;
@@ -285,19 +285,19 @@ SweptTouch Decisions::sweep_piece(const PairPiece& piece) {
   const SweepOptions options{.width = std::clamp(kSweepWidth_s / length_s, 1e-12, 1e-3),
                              .contacts = true,
                              .most_looks = kSweepLooks};
-  sweep(SweptBody(*rows_.info(piece.a), piece.a_way), SweptBody(*rows_.info(piece.b), piece.b_way), options, walk_, touch);
+  sweep(SweptBody(*rows_.info(piece.a), piece.a_motion), SweptBody(*rows_.info(piece.b), piece.b_motion), options, walk_, touch);
   cost_.exact_tests += touch.exact_tests;
   return touch;
 }
 
 std::optional<SweptTouch> Decisions::sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere) {
   const std::uint32_t other = a_is_sphere ? piece.b : piece.a;
-  const BodyWay& way = a_is_sphere ? piece.a_way : piece.b_way;
-  const BodyWay& others = a_is_sphere ? piece.b_way : piece.a_way;
+  const BodyMotion& path = a_is_sphere ? piece.a_motion : piece.b_motion;
+  const BodyMotion& others = a_is_sphere ? piece.b_motion : piece.a_motion;
   const std::optional<Sphere>& sphere = rows_[a_is_sphere ? piece.a : piece.b].lone_sphere;
   if (!sphere) return std::nullopt;
-  SphereSweep sweep{.mover = {.start = place(way.from, sphere->center) + others.travel,
-                              .end = place(way.to, sphere->center),
+  SphereSweep sweep{.mover = {.start = place(path.from, sphere->center) + others.travel,
+                              .end = place(path.to, sphere->center),
                               .radius_m = sphere->radius_m},
                     .width = step_.options.sweep_width};
   const Placed at_end{.info = rows_.info(other), .frame = &others.to, .bounds = bounds_of(*rows_.info(other), others.to)};
@@ -310,15 +310,15 @@ bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t 
   const MotionHistory& history = step_.motion.history();
   const Sphere& ball = *rows_[a].lone_sphere;
   const Sphere& other = *rows_[b].lone_sphere;
-  const MotionHistory::PointWay way = history.center_way(a, ball.center, from_ns, to_ns, rows_[a].frame);
-  const MotionHistory::PointWay others = history.center_way(b, other.center, from_ns, to_ns, rows_[b].frame);
-  return kernel::surely_apart({.start = way.from + (others.to - others.from), .end = way.to, .radius_m = ball.radius_m},
+  const MotionHistory::PointMotion path = history.center_motion(a, ball.center, from_ns, to_ns, rows_[a].frame);
+  const MotionHistory::PointMotion others = history.center_motion(b, other.center, from_ns, to_ns, rows_[b].frame);
+  return kernel::surely_apart({.start = path.from + (others.to - others.from), .end = path.to, .radius_m = ball.radius_m},
                               {.center = others.to, .radius_m = other.radius_m});
 }
 
 bool Decisions::surely_stay_apart(const PairPiece& piece) const {
-  return !overlaps(bounds(*rows_.info(piece.a), piece.a_way, rows_[piece.a].reach_m),
-                   bounds(*rows_.info(piece.b), piece.b_way, rows_[piece.b].reach_m));
+  return !overlaps(bounds(*rows_.info(piece.a), piece.a_motion, rows_[piece.a].reach_m),
+                   bounds(*rows_.info(piece.b), piece.b_motion, rows_[piece.b].reach_m));
 }
 
 /// Whole brackets of an instant; those of a piece are set by who knows them.

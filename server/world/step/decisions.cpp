@@ -86,7 +86,7 @@ bool Decisions::is_timed(std::uint32_t slot) const {
 }
 
 /// For contacts first, for the time between: began now, began and parted on the way, or nothing new.
-void Decisions::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover) {
+void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover) {
   if (sweep != nullptr) {
     ++cost_.swept;
     cost_.exact_tests += sweep->exact_tests;
@@ -129,7 +129,7 @@ void Decisions::report(ObjectId a, ObjectId b, const Touch& touch, const SweptTo
 }
 
 /// Neither found to touch nor to be apart: at the step's end, or on the way there.
-void Decisions::report_doubt(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover) {
+void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover) {
   FoundContact found{.a = std::min(a, b), .b = std::max(a, b), .contact = {}};
   const bool is_on_way = sweep != nullptr && sweep->undecided && !ledger_.is_open(found.a, found.b);
   if (!touch.undecided && !is_on_way) return;
@@ -144,18 +144,18 @@ void Decisions::report_doubt(ObjectId a, ObjectId b, const Touch& touch, const S
 /// where its contact is timed, else from all that the two did in this step.
 void Decisions::set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const {
   const ObjectRow& row = rows_[mover];
-  const std::int64_t way_ns = rows_.motion(mover) == Motion::moved ? row.posed_ns - row.posed_before_ns : 0;
+  const std::int64_t motion_ns = rows_.motion(mover) == Motion::moved ? row.posed_ns - row.posed_before_ns : 0;
   if (sweep == nullptr || !sweep->yes) {
     set_bracket_of_moves(found);
   } else if (is_timed(mover)) {
-    const double way = static_cast<double>(way_ns);
-    found.bracket_low_s = seconds_ago(row.posed_ns - way_ns + static_cast<std::int64_t>(std::floor(sweep->bracket.low * way)));
-    found.bracket_high_s = seconds_ago(row.posed_ns - way_ns + static_cast<std::int64_t>(std::ceil(sweep->bracket.high * way)));
+    const double duration_ns = static_cast<double>(motion_ns);
+    found.bracket_low_s = seconds_ago(row.posed_ns - motion_ns + static_cast<std::int64_t>(std::floor(sweep->bracket.low * duration_ns)));
+    found.bracket_high_s = seconds_ago(row.posed_ns - motion_ns + static_cast<std::int64_t>(std::ceil(sweep->bracket.high * duration_ns)));
   } else {
     const double end_s = seconds_ago(row.posed_ns);
-    const double way_s = static_cast<double>(way_ns) * 1e-9;
-    found.bracket_low_s = std::max(0.0, end_s + way_s * (1 - sweep->bracket.low));
-    found.bracket_high_s = std::max(0.0, end_s + way_s * (1 - sweep->bracket.high));
+    const double motion_s = static_cast<double>(motion_ns) * 1e-9;
+    found.bracket_low_s = std::max(0.0, end_s + motion_s * (1 - sweep->bracket.low));
+    found.bracket_high_s = std::max(0.0, end_s + motion_s * (1 - sweep->bracket.high));
   }
   if (is_timed(mover)) found.parted_high_s = seconds_ago(row.posed_ns);
   // It parted some time between the first contact and the end.
@@ -189,16 +189,16 @@ void Decisions::set_bracket_of_moves(FoundContact& found) const {
 }
 
 /// Of the object's point that is there at that time of its last way, m/s.
-BodyWay::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const {
+BodyMotion::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const {
   const ObjectRow& row = rows_[slot];
-  const std::int64_t way_ns = row.posed_ns - row.posed_before_ns;
-  if (!row.has_way || way_ns <= 0 || row.posed_before_ns == kPosedAtStep) return {};
+  const std::int64_t motion_ns = row.posed_ns - row.posed_before_ns;
+  if (!row.has_motion || motion_ns <= 0 || row.posed_before_ns == kPosedAtStep) return {};
   // Who is left out of its publisher's instant rests. Who comes without instants is still under way for as long again as
   // its last way took.
   if (!rows_.has_moved(slot) && is_timed(slot)) return {};
-  if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > way_ns) return {};
-  const BodyWay way(row.frame_before, row.frame);
-  return way.velocity(point, rows_.has_moved(slot) ? time : 1, static_cast<double>(way_ns) * 1e-9, slack_s);
+  if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > motion_ns) return {};
+  const BodyMotion path(row.frame_before, row.frame);
+  return path.velocity(point, rows_.has_moved(slot) ? time : 1, static_cast<double>(motion_ns) * 1e-9, slack_s);
 }
 
 }  // namespace collided::engine

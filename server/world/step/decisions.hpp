@@ -57,8 +57,8 @@ struct PairPiece {
   std::uint32_t b = 0;
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
-  BodyWay a_way;
-  BodyWay b_way;
+  BodyMotion a_motion;
+  BodyMotion b_motion;
 };
 
 /// The decisions of one step: each candidate's contact at the end of the step, and on the way there, goes to the ledger.
@@ -87,11 +87,11 @@ class Decisions {
 
  private:
   // decisions.cpp: from what is found to the ledger
-  void report(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
-  void report_doubt(ObjectId a, ObjectId b, const Touch& touch, const SweptTouch* sweep, std::uint32_t mover);
+  void report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover);
+  void report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
   void set_bracket_of_moves(FoundContact& found) const;
-  BodyWay::PointVelocity velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const;
+  BodyMotion::PointVelocity velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const;
   void decide_unfound();
   void decide_where_known(std::uint32_t first, std::uint32_t second);
   double seconds_ago(std::int64_t time_ns) const;
@@ -102,7 +102,7 @@ class Decisions {
   void touch_scene_with_mesh(const Placed& a, const StaticScene& scene);
   void sweep_through(std::uint32_t mover, const StaticScene& scene);
   void sweep_parts(std::uint32_t mover, const StaticScene& scene);
-  void sweep_sphere_parts(const MovingSphere& way, const ObjectInfo& mover, const StaticScene& scene);
+  void sweep_sphere_parts(const MovingSphere& path, const ObjectInfo& mover, const StaticScene& scene);
   bool is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const;
   SweptTouch& part_sweep(std::uint32_t part);
 
@@ -119,11 +119,11 @@ class Decisions {
   bool balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const;
   void begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window);
   bool decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted);
-  Touch touch_at_end(const PairPiece& piece);
+  ContactSearch touch_at_end(const PairPiece& piece);
   SweptTouch sweep_piece(const PairPiece& piece);
   std::optional<SweptTouch> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere);
   bool surely_stay_apart(const PairPiece& piece) const;
-  void begin_on_way(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep);
+  void begin_on_way(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep);
   ContactEnd parting(const PairPiece& piece);
   FoundContact found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
                         const Contact& contact, double time) const;
@@ -134,7 +134,7 @@ class Decisions {
   PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
   std::int64_t clock_error_ns(std::uint32_t a, std::uint32_t b) const;
   bool may_begin();
-  void doubt_piece(const PairPiece& piece, const Touch& touch, const SweptTouch& sweep);
+  void doubt_piece(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep);
 
   // kept_apart.cpp: meshes that need no test for a while
   double gap_wanted_m(std::uint32_t slot) const;

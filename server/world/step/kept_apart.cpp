@@ -11,7 +11,7 @@ constexpr double kGapInSteps = 16;
 
 /// Of both together; not where one of them does not go on as it went.
 double Decisions::gap_wanted_m(std::uint32_t slot) const {
-  return kGapInSteps * motion_.longest_way_m(slot, rows_.info(slot)->mesh->radius_m);
+  return kGapInSteps * motion_.longest_displacement_m(slot, rows_.info(slot)->mesh->radius_m);
 }
 
 void Decisions::remember_gap(std::uint32_t slot, std::uint32_t partner, double gap_m, bool there_is) {

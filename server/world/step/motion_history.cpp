@@ -10,7 +10,7 @@ Frame place_on(const MotionSegment& segment, std::int64_t time_ns) {
   if (time_ns >= segment.to_ns) return segment.to;
   if (time_ns <= segment.from_ns) return segment.from;
   const double share = static_cast<double>(time_ns - segment.from_ns) / static_cast<double>(segment.to_ns - segment.from_ns);
-  return BodyWay(segment.from, segment.to).at(share);
+  return BodyMotion(segment.from, segment.to).at(share);
 }
 
 Vec3 center_on(const MotionSegment& segment, const Vec3& center, std::int64_t time_ns) {
@@ -90,19 +90,19 @@ const MotionSegment* MotionHistory::ending_after(std::uint32_t slot, std::int64_
   return nullptr;
 }
 
-BodyWay MotionHistory::way(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns, const Frame& resting) const {
-  if (!is_travelling(slot)) return BodyWay::resting(resting);
+BodyMotion MotionHistory::motion(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns, const Frame& resting) const {
+  if (!is_travelling(slot)) return BodyMotion::resting(resting);
   const MotionSegment* found = ending_after(slot, from_ns);
-  if (found == nullptr) return BodyWay::resting(segments_[slot].back().to);
+  if (found == nullptr) return BodyMotion::resting(segments_[slot].back().to);
   const bool rests = found->is_jump() || found->from_ns >= to_ns;
-  return rests ? BodyWay::resting(found->from) : BodyWay(place_on(*found, from_ns), place_on(*found, to_ns));
+  return rests ? BodyMotion::resting(found->from) : BodyMotion(place_on(*found, from_ns), place_on(*found, to_ns));
 }
 
-MotionHistory::PointWay MotionHistory::center_way(std::uint32_t slot, const Vec3& center, std::int64_t from_ns,
+MotionHistory::PointMotion MotionHistory::center_motion(std::uint32_t slot, const Vec3& center, std::int64_t from_ns,
                                                   std::int64_t to_ns, const Frame& resting) const {
   const auto at_rest = [&](const Frame& frame) {
     const Vec3 point = place(frame, center);
-    return PointWay{point, point};
+    return PointMotion{point, point};
   };
   if (!is_travelling(slot)) return at_rest(resting);
   const MotionSegment* found = ending_after(slot, from_ns);

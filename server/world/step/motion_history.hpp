@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/exact_phase/motion/body_way.hpp"
+#include "server/exact_phase/motion/body_motion.hpp"
 #include "server/geometry/aabb.hpp"
 
 namespace collided::engine {
@@ -45,13 +45,13 @@ class MotionHistory {
 
   /// From just after from_ns up to to_ns, before what jumps then; no time of add_times() lies between the two.
   /// resting: where the object is if it has no segment.
-  BodyWay way(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns, const Frame& resting) const;
+  BodyMotion motion(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns, const Frame& resting) const;
   /// The same of a point of an object that is one sphere, which costs less.
-  struct PointWay {
+  struct PointMotion {
     Vec3 from;
     Vec3 to;
   };
-  PointWay center_way(std::uint32_t slot, const Vec3& center, std::int64_t from_ns, std::int64_t to_ns,
+  PointMotion center_motion(std::uint32_t slot, const Vec3& center, std::int64_t from_ns, std::int64_t to_ns,
                       const Frame& resting) const;
   /// At that time, after what jumps then.
   Frame at(std::uint32_t slot, std::int64_t time_ns, const Frame& resting) const;

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/exact_phase/motion/ball_way_filter.hpp"
+#include "server/exact_phase/motion/ball_motion_filter.hpp"
 #include "server/world/step/decisions.hpp"
 
 namespace collided::engine {
@@ -23,9 +23,9 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   }
   const Placed a = placed(first);
   const Placed b = placed(second);
-  Touch touch;
+  ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
-  if (overlaps(a.bounds, b.bounds)) touch_objects(a, b, touch, walk_);
+  if (overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
   std::optional<SweptTouch> sweep;
   std::uint32_t mover = first;
@@ -35,25 +35,25 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
 }
 
 SweepOptions Decisions::sweep_options(std::uint32_t mover) const {
-  const double way_s = static_cast<double>(rows_[mover].posed_ns - rows_[mover].posed_before_ns) * 1e-9;
-  return {.width = std::clamp(step_.options.sweep_width_s / way_s, 1e-12, 1e-3),
+  const double motion_s = static_cast<double>(rows_[mover].posed_ns - rows_[mover].posed_before_ns) * 1e-9;
+  return {.width = std::clamp(step_.options.sweep_width_s / motion_s, 1e-12, 1e-3),
           .contacts = step_.step_options.contacts,
           .most_looks = kSweepLooks};
 }
 
-/// Two balls that certainly do not meet on their ways: most candidates, told from what lies in one place. The same way
+/// Two balls that certainly do not meet on their ways: most candidates, told from what lies in one place. The same path
 /// as in sweep_between, which is exact for the rest.
 bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
   if (motion_.ball(first).radius_m < 0 || motion_.ball(second).radius_m < 0) return false;
   if (rows_.has_lower_id(second, first)) std::swap(first, second);
-  const BallWay& a = motion_.ball(first);
-  const BallWay& b = motion_.ball(second);
-  MovingSphere way{.start = a.end, .end = a.end, .radius_m = a.radius_m};
+  const BallMotion& a = motion_.ball(first);
+  const BallMotion& b = motion_.ball(second);
+  MovingSphere path{.start = a.end, .end = a.end, .radius_m = a.radius_m};
   if (rows_.motion(first) != Motion::placed && rows_.motion(second) != Motion::placed) {
-    if (rows_.motion(first) == Motion::moved) way.start = a.start;
-    if (rows_.motion(second) == Motion::moved) way.start += b.displacement;
+    if (rows_.motion(first) == Motion::moved) path.start = a.start;
+    if (rows_.motion(second) == Motion::moved) path.start += b.displacement;
   }
-  return kernel::surely_apart(way, {.center = b.end, .radius_m = b.radius_m});
+  return kernel::surely_apart(path, {.center = b.end, .radius_m = b.radius_m});
 }
 
 /// A lone sphere is swept exactly past anything that does not turn.
@@ -71,13 +71,13 @@ std::optional<SweptTouch> Decisions::sweep_between(std::uint32_t first, std::uin
 
 SweptTouch Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second) {
   SweptTouch touch;
-  const SweptBody a(*rows_.info(first), motion_.body_way(first));
-  const SweptBody b(*rows_.info(second), motion_.body_way(second));
+  const SweptBody a(*rows_.info(first), motion_.body_motion(first));
+  const SweptBody b(*rows_.info(second), motion_.body_motion(second));
   sweep(a, b, sweep_options(motion_.is_swept(first) ? first : second), walk_, touch);
   return touch;
 }
 
-/// The mover's way as seen from the other object, which keeps its last orientation: its displacement is taken off.
+/// The mover's path as seen from the other object, which keeps its last orientation: its displacement is taken off.
 std::optional<SweptTouch> Decisions::sweep_sphere(std::uint32_t mover, std::uint32_t other) {
   const std::optional<Sphere>& sphere = rows_[mover].lone_sphere;
   if (!sphere) return std::nullopt;

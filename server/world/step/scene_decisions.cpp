@@ -35,8 +35,8 @@ void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
   lists_.part_touches.clear(step_.step_options.contacts);
   const auto test = [&](const auto& part_of_a, std::uint32_t a_triangle) {
     visit_scene(scene, bounds(part_of_a), walk_, allowed, [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
-      Touch& touch = lists_.part_touches.of(part);
-      if (!touch.done()) touch_parts(part_of_a, a_triangle, b, triangle - scene.parts[part].first_triangle, touch);
+      ContactSearch& touch = lists_.part_touches.of(part);
+      if (!touch.done()) search_parts(part_of_a, a_triangle, b, triangle - scene.parts[part].first_triangle, touch);
       return true;
     });
   };
@@ -49,8 +49,8 @@ void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
 /// Into part_sweeps: the parts that it meets on its way. Those that are not met at its end need a place in part_touches too.
 void Decisions::sweep_through(std::uint32_t mover, const StaticScene& scene) {
   lists_.part_sweeps.clear();
-  if (const std::optional<MovingSphere> way = motion_.sphere_way(mover)) {
-    sweep_sphere_parts(*way, *rows_.info(mover), scene);
+  if (const std::optional<MovingSphere> motion = motion_.sphere_motion(mover)) {
+    sweep_sphere_parts(*motion, *rows_.info(mover), scene);
   } else if (motion_.is_swept(mover)) {
     sweep_parts(mover, scene);
   }
@@ -73,9 +73,9 @@ SweptTouch& Decisions::part_sweep(std::uint32_t part) {
   return lists_.part_sweeps.back().touch;
 }
 
-void Decisions::sweep_sphere_parts(const MovingSphere& way, const ObjectInfo& mover, const StaticScene& scene) {
-  SphereSweep sweep{.mover = way, .width = step_.options.sweep_width};
-  visit_scene(scene, bounds(way), walk_, [&](std::uint32_t part) { return is_sweepable(mover, scene, part); },
+void Decisions::sweep_sphere_parts(const MovingSphere& motion, const ObjectInfo& mover, const StaticScene& scene) {
+  SphereSweep sweep{.mover = motion, .width = step_.options.sweep_width};
+  visit_scene(scene, bounds(motion), walk_, [&](std::uint32_t part) { return is_sweepable(mover, scene, part); },
               [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) {
                 sweep.found = part_sweep(part);
                 sweep_part(sweep, corners, triangle - scene.parts[part].first_triangle);
@@ -90,7 +90,7 @@ void Decisions::sweep_parts(std::uint32_t mover, const StaticScene& scene) {
     const std::uint32_t part = scene.part_of(triangle);
     return is_sweepable(info, scene, part) ? &part_sweep(part) : nullptr;
   };
-  const SweptBody body(info, motion_.body_way(mover));
+  const SweptBody body(info, motion_.body_motion(mover));
   if (!sweep_scene(body, SweptBody(scene), sweep_options(mover), walk_, touch_of)) ++cost_.sweeps_skipped;
   for (PartSweep& sweep : lists_.part_sweeps) sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
 }
@@ -102,9 +102,9 @@ void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene)
     const std::uint32_t number = scene.part_of(triangle);
     const Part& part = scene.parts[number];
     if (!may_meet(a.info->filter, part.filter)) return true;
-    Touch& touch = lists_.part_touches.of(number);
+    ContactSearch& touch = lists_.part_touches.of(number);
     if (touch.done()) return true;
-    touch_parts(own, a_triangle, b, triangle - part.first_triangle, touch);
+    search_parts(own, a_triangle, b, triangle - part.first_triangle, touch);
     if (touch.done()) --open_parts;
     return open_parts > 0;
   };

@@ -2,24 +2,24 @@
 
 #include <algorithm>
 
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
 
-BodyWay way_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now) {
+BodyMotion motion_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now) {
   if (!lone_sphere) return {before, now};
-  BodyWay way{now, now};
+  BodyMotion path{now, now};
   const Vec3& center = lone_sphere->center;
-  way.from.position = place(before, center) - (place(now, center) - now.position);
-  way.travel = way.to.position - way.from.position;
-  return way;
+  path.from.position = place(before, center) - (place(now, center) - now.position);
+  path.travel = path.to.position - path.from.position;
+  return path;
 }
 
-WayTimes way_times(const ObjectRow& row, bool is_new, const Source* source) {
+MotionTimes motion_times(const ObjectRow& row, bool is_new, const Source* source) {
   const std::int64_t settled_ns = source != nullptr ? source->settled_of(row.said_before_ns) : row.posed_before_ns;
   const std::int64_t since_ns = std::max({row.posed_before_ns, row.born_ns, settled_ns});
   const std::int64_t to_ns = std::max(row.posed_ns, is_new || source == nullptr ? row.born_ns : settled_ns + 1);
-  return {.from_ns = row.has_way && since_ns < to_ns ? since_ns : to_ns, .to_ns = to_ns};
+  return {.from_ns = row.has_motion && since_ns < to_ns ? since_ns : to_ns, .to_ns = to_ns};
 }
 
 void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
@@ -33,15 +33,15 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
   widened_.assign(rows_.moved().begin(), rows_.moved().end());
   for (const std::uint32_t slot : rows_.moved()) {
     const ObjectRow& row = rows_[slot];
-    const std::optional<MovingSphere> way = sphere_way(slot);
+    const std::optional<MovingSphere> path = sphere_motion(slot);
     swept_[slot] = needs_sweep(slot) ? 1 : 0;
     bounds_[slot] = row.bounds;
-    if (way) {
-      bounds_[slot].extend(engine::bounds(*way));
+    if (path) {
+      bounds_[slot].extend(engine::bounds(*path));
     } else if (is_swept(slot)) {
       bounds_[slot] = quick_bounds(*rows_.info(slot), row.frame_before, row.frame, row.bounds, row.reach_m);
     }
-    set_ball(slot, way);
+    set_ball(slot, path);
     count_way(slot, apart);
     if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
     if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
@@ -76,13 +76,13 @@ void StepMotion::end_step(std::int64_t floor_ns) {
 
 void StepMotion::remember(std::uint32_t slot, const Source& source) {
   const ObjectRow& row = rows_[slot];
-  const WayTimes times = way_times(row, rows_.is_new(slot), &source);
+  const MotionTimes times = motion_times(row, rows_.is_new(slot), &source);
   MotionSegment segment{.from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before, .to = row.frame, .bounds = row.bounds};
   if (!segment.is_jump()) {
-    const BodyWay way = way_between(row.lone_sphere, row.frame_before, row.frame);
-    segment.from = way.from;
-    segment.to = way.to;
-    segment.bounds = engine::bounds(*rows_.info(slot), way, row.reach_m);
+    const BodyMotion path = motion_between(row.lone_sphere, row.frame_before, row.frame);
+    segment.from = path.from;
+    segment.to = path.to;
+    segment.bounds = engine::bounds(*rows_.info(slot), path, row.reach_m);
   } else {
     segment.bounds.extend(bounds_of(*rows_.info(slot), row.frame_before));
   }
@@ -93,7 +93,7 @@ bool StepMotion::turns(std::uint32_t slot) const {
   return is_swept(slot) && rows_[slot].frame_before.rotation != rows_[slot].frame.rotation;
 }
 
-std::optional<MovingSphere> StepMotion::sphere_way(std::uint32_t slot) const {
+std::optional<MovingSphere> StepMotion::sphere_motion(std::uint32_t slot) const {
   const ObjectRow& row = rows_[slot];
   if (!row.lone_sphere || rows_.motion(slot) != Motion::moved) return std::nullopt;
   return MovingSphere{.start = place(row.frame_before, row.lone_sphere->center),
@@ -107,24 +107,24 @@ bool StepMotion::needs_sweep(std::uint32_t slot) const {
   return row.frame_before.position != row.frame.position || row.frame_before.rotation != row.frame.rotation;
 }
 
-BodyWay StepMotion::body_way(std::uint32_t slot) const {
+BodyMotion StepMotion::body_motion(std::uint32_t slot) const {
   const ObjectRow& row = rows_[slot];
-  return way_between(row.lone_sphere, rows_.motion(slot) == Motion::moved ? row.frame_before : row.frame, row.frame);
+  return motion_between(row.lone_sphere, rows_.motion(slot) == Motion::moved ? row.frame_before : row.frame, row.frame);
 }
 
-double StepMotion::longest_way_m(std::uint32_t slot, double reach_m) const {
+double StepMotion::longest_displacement_m(std::uint32_t slot, double reach_m) const {
   if (rows_.motion(slot) != Motion::moved) return 0;
-  return engine::longest_way_m(rows_[slot].frame_before, rows_[slot].frame, reach_m);
+  return engine::longest_displacement_m(rows_[slot].frame_before, rows_[slot].frame, reach_m);
 }
 
-void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& way) {
+void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>& path) {
   const ObjectRow& row = rows_[slot];
-  BallWay& ball = balls_[slot];
+  BallMotion& ball = balls_[slot];
   ball.radius_m = row.lone_sphere ? row.lone_sphere->radius_m : -1;
   if (!row.lone_sphere) return;
-  ball.end = way ? way->end : place(row.frame, row.lone_sphere->center);
-  if (!way) return;
-  ball.start = way->start;
+  ball.end = path ? path->end : place(row.frame, row.lone_sphere->center);
+  if (!path) return;
+  ball.start = path->start;
   ball.displacement = row.frame.position - row.frame_before.position;
 }
 
@@ -137,7 +137,7 @@ void StepMotion::count_way(std::uint32_t slot, SeparationCache& apart) const {
     return;
   }
   const double reach_m = info->mesh->radius_m;
-  apart.moved(slot, longest_way_m(slot, reach_m) * (1 + 0x1p-40) + placement_slack(rows_[slot].frame_before, 0, reach_m) +
+  apart.moved(slot, longest_displacement_m(slot, reach_m) * (1 + 0x1p-40) + placement_slack(rows_[slot].frame_before, 0, reach_m) +
                         placement_slack(rows_[slot].frame, 0, reach_m));
 }
 

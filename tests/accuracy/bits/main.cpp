@@ -29,7 +29,7 @@ class Hash {
   void add(const Vec3& v) {
     for (const double x : v) add(x);
   }
-  void add(const Verdict& v) {
+  void add(const ExactResult& v) {
     add_byte(static_cast<unsigned char>(v.decision));
     add_byte(static_cast<unsigned char>(v.level));
   }
@@ -45,7 +45,7 @@ template <class MakeCase>
 void ask_rays(Hash& hash, Maker& make, const Placing& at, MakeCase make_case) {
   const auto input = make_case(make);
   RayHit hit;
-  const Verdict verdict = cast_ray(placed(input.first, at), placed(input.second, at), hit);
+  const ExactResult verdict = cast_ray(placed(input.first, at), placed(input.second, at), hit);
   hash.add(verdict);
   if (!verdict.yes()) return;
   for (const double number : {hit.distance_m, hit.distance_error_m, hit.exit_m, hit.exit_error_m}) hash.add(number);
@@ -59,7 +59,7 @@ void ask_pairs(Hash& hash, Maker& make, const Placing& at, MakeCase make_case) {
   const auto [a, b] = make_case(make);
   const auto shape_a = placed(a, at);
   const auto shape_b = placed(b, at);
-  const Verdict verdict = overlaps(shape_a, shape_b);
+  const ExactResult verdict = overlaps(shape_a, shape_b);
   hash.add(verdict);
   if (!verdict.yes()) return;
   const Contact found = contact(shape_a, shape_b);

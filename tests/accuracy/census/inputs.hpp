@@ -127,7 +127,7 @@ class Maker {
   /// One step of the grid aside, or none.
   std::int64_t nudge() { return whole(-1, 1); }
   GridPoint nudged() { return {nudge(), nudge(), nudge()}; }
-  GridPoint beside(const GridPoint& p) { return {p[0] + nudge(), p[1] + nudge(), p[2] + nudge()}; }
+  GridPoint summand(const GridPoint& p) { return {p[0] + nudge(), p[1] + nudge(), p[2] + nudge()}; }
   /// The difference of two points, the first made first: compilers choose the order within an expression.
   GridPoint step() {
     const GridPoint to = point();

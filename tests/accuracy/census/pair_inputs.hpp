@@ -132,7 +132,7 @@ inline auto triangle_triangle(Maker& make) {
   if (kind == 0) b = {a.a, a.b, make.point()};               // a shared edge
   if (kind == 1) b = {a.c, make.point(), make.point()};      // a shared vertex
   if (kind == 2) b = {make.on(a), make.on(a), make.point()}; // an edge in the other's plane
-  if (kind == 3) b = {make.beside(make.on(a)), make.on(a) + 2 * (a.b - a.a), make.on(a) - (a.c - a.a)};  // nearly coplanar
+  if (kind == 3) b = {make.summand(make.on(a)), make.on(a) + 2 * (a.b - a.a), make.on(a) - (a.c - a.a)};  // nearly coplanar
   if (kind >= 4) move_together(make, a, b);      // edges cross, a vertex on a face, and beside it
   return std::pair{a, b};
 }

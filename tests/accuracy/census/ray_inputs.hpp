@@ -46,7 +46,7 @@ inline RayInput any_ray(Maker& make) {
 /// In the triangle's plane, or off it by one step in 2^20.
 inline RayInput grazing_ray(Maker& make, const TriangleInput& t) {
   RayInput ray{t.a + 3 * (t.b - t.a) - 2 * (t.c - t.a) + make.nudged(), {}};
-  ray.direction = make.beside(make.on(t)) - ray.origin;
+  ray.direction = make.summand(make.on(t)) - ray.origin;
   if (ray.direction == GridPoint{0, 0, 0}) ray.direction = {0, 0, 1};
   return ray;
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/exact_phase/arithmetic/precision.hpp"
-#include "server/exact_phase/arithmetic/verdict.hpp"
+#include "server/exact_phase/arithmetic/decision.hpp"
 
 namespace collided::census {
 using namespace engine;

@@ -22,7 +22,7 @@ void Stage::set(const Shape& shape) {
   publisher_.reset();
   (void)must(client_->command("clear", "{}"));
   publisher_.emplace(must(client_->publish("gallery")));
-  (void)must(publisher_->add({.name = "thing", .shape = shape, .moving = false, .when_lost = WhenLost::hold}));
+  (void)must(publisher_->add({.name = "thing", .shape = shape, .moving = false, .lost_policy = LostPolicy::hold}));
   (void)must(publisher_->flush());
   (void)must(publisher_->wait_applied(10s));
 }

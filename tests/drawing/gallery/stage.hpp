@@ -16,7 +16,7 @@ namespace collided::drawing_test {
 template <class T>
 T must(Result<T> result) {
   if (!result) throw std::runtime_error(result.error().message);
-  return std::move(*result);
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
 /// A server of the gallery's own, and what stands in it.

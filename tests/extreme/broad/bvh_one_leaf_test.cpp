@@ -50,9 +50,9 @@ TEST(ExtremeBvhOneLeaf, BesideThePileNothingIsTested) {
   extreme::Stage stage;
   stage.load("pile", identical(100'000));
   stage.step();
-  const Answers beside = stage.ray({2.25, 0.25, 1}, {0, 0, -1});
-  EXPECT_TRUE(extreme::is_miss(beside));
-  EXPECT_EQ(beside.exact_tests[0], 0u);
+  const Answers summand = stage.ray({2.25, 0.25, 1}, {0, 0, -1});
+  EXPECT_TRUE(extreme::is_miss(summand));
+  EXPECT_EQ(summand.exact_tests[0], 0u);
 }
 
 }  // namespace

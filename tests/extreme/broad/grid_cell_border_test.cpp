@@ -41,8 +41,8 @@ TEST(ExtremeGridCellBorder, OneStepBesideTheBorderParts) {
   for (const double border : {-64.0, -1.0, 1.0, 64.0, 0x1p30}) {
     const std::vector<Aabb> touching{{{border - 1, 0, 0}, {border, 1, 1}}, {{border, 0, 0}, {border + 1, 1, 1}}};
     EXPECT_EQ(extreme::pairs_of(extreme::grid_of(touching)).size(), 1u);
-    const double beside = std::nextafter(border, std::numeric_limits<double>::infinity());
-    const std::vector<Aabb> apart{{{border - 1, 0, 0}, {border, 1, 1}}, {{beside, 0, 0}, {border + 1, 1, 1}}};
+    const double summand = std::nextafter(border, std::numeric_limits<double>::infinity());
+    const std::vector<Aabb> apart{{{border - 1, 0, 0}, {border, 1, 1}}, {{summand, 0, 0}, {border + 1, 1, 1}}};
     EXPECT_TRUE(extreme::pairs_of(extreme::grid_of(apart)).empty()) << border;
   }
 }

@@ -41,9 +41,9 @@ TEST(ExtremeNeedlePairs, DistancesKeepTwelveDigits) {
     const Closest above = closest({0.5, kThin / 2, gap}, kNeedle);
     EXPECT_LE(std::abs(above.distance_m - gap), above.distance_error_m);
     EXPECT_LE(above.distance_error_m, 1e-12 * gap);
-    const Closest beside = closest({0.5, -gap, 0}, kNeedle);
-    EXPECT_LE(std::abs(beside.distance_m - gap), beside.distance_error_m);
-    EXPECT_LE(beside.distance_error_m, 1e-12 * gap);
+    const Closest summand = closest({0.5, -gap, 0}, kNeedle);
+    EXPECT_LE(std::abs(summand.distance_m - gap), summand.distance_error_m);
+    EXPECT_LE(summand.distance_error_m, 1e-12 * gap);
   }
 }
 

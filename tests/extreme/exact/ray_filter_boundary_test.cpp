@@ -42,7 +42,7 @@ TEST(ExactRayTriangle, AgreesWithRationalsAtTheFilterBoundary) {
     Aimed aimed = aimed_at_border(generator, i % 3 == 0 ? 1e-5 : 1, i % 2 == 0 ? 1 : 1e3);
     for (double& x : aimed.ray.direction) x += nudge(generator) * 0x1p-52 * std::abs(x);
     RayHit hit;
-    const Verdict verdict = cast_ray(aimed.ray, aimed.triangle, hit);
+    const ExactResult verdict = cast_ray(aimed.ray, aimed.triangle, hit);
     undecided_by_filter += verdict.level != Level::filter;
     ASSERT_EQ(verdict.yes(), oracle::first_parameter(aimed.ray, aimed.triangle).has_value()) << i;
   }

@@ -9,7 +9,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -63,7 +63,7 @@ TEST(ExtremeBorderRefusals, EachMalformedQuestionIsInvalidForItself) {
     numbers.insert(numbers.end(), bad.numbers.begin(), bad.numbers.end());
     numbers.insert(numbers.end(), good.begin(), good.end());
     const Answers answers = stage.ask(bad.kind, numbers);
-    EXPECT_EQ(answers.answers, (std::vector{Answer::hit, Answer::invalid, Answer::hit})) << bad.why;
+    EXPECT_EQ(answers.answers, (std::vector{Verdict::hit, Verdict::invalid, Verdict::hit})) << bad.why;
     EXPECT_EQ(answers.hit_counts.at(1), 0u) << bad.why;
   }
 }

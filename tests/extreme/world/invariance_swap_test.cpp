@@ -22,8 +22,8 @@ void expect_agree(double a, double a_error, double b, double b_error, const char
 
 template <class A>
 void expect_same_either_way(const A& a, const A& b, const char* family) {
-  const Verdict one = overlaps(a, b);
-  const Verdict other = overlaps(b, a);
+  const ExactResult one = overlaps(a, b);
+  const ExactResult other = overlaps(b, a);
   ASSERT_EQ(one.decision, other.decision) << family;
   if (!one.yes()) return;
   const Contact forth = contact(a, b);

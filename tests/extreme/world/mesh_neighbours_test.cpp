@@ -27,15 +27,15 @@ void expect_contact(const Vec3& offset, bool touching) {
 }
 
 TEST(ExtremeMeshNeighbours, CornerEdgeAndFace) {
-  const double beside = std::nextafter(1, 2);
+  const double summand = std::nextafter(1, 2);
   expect_contact({1, 0, 0}, true);
-  expect_contact({beside, 0, 0}, false);
+  expect_contact({summand, 0, 0}, false);
   expect_contact({1, 1, 0}, true);
-  expect_contact({1, beside, 0}, false);
+  expect_contact({1, summand, 0}, false);
   expect_contact({1, 1, 1}, true);
-  expect_contact({1, 1, beside}, false);
+  expect_contact({1, 1, summand}, false);
   expect_contact({-1, -1, -1}, true);
-  expect_contact({-1, -1, -beside}, false);
+  expect_contact({-1, -1, -summand}, false);
 }
 
 TEST(ExtremeMeshNeighbours, CornerInEdgeAndCornerInFace) {

@@ -63,7 +63,7 @@ TEST(ExtremeOnePoint, AHundredThousandAnswerWithinTheLimitsAsked) {
   Answers overlap;
   QueryScratch scratch;
   answer(*stage.world.newest(), questions, overlap, scratch);
-  EXPECT_EQ(overlap.answers.at(0), wire_contract::Answer::undecided);
+  EXPECT_EQ(overlap.answers.at(0), wire_contract::Verdict::undecided);
   EXPECT_EQ(overlap.reasons.at(0), wire_contract::UndecidedReason::truncated);
   ASSERT_EQ(overlap.hits.size(), 10u);
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(stage.world.info(overlap.hits[i].object)->name, "ball" + std::to_string(i));

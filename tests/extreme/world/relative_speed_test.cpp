@@ -38,16 +38,16 @@ TEST(ExtremeRelativeSpeed, ANanometreASecondDecides) {
 // Through each other head on, at twice the speed, and past each other by one step.
 TEST(ExtremeRelativeSpeed, HeadOnTheyPassThroughEachOtherAndAreReported) {
   for (const double speed : {1e3, 1e9, 1e15}) {
-    for (const double beside : {0.0, 2.0, std::nextafter(2, 3)}) {
+    for (const double summand : {0.0, 2.0, std::nextafter(2, 3)}) {
       extreme::Stage stage;
       const ObjectId a = stage.ball("a", {-speed, 0, 0}, 1);
-      const ObjectId b = stage.ball("b", {speed, beside, 0}, 1);
+      const ObjectId b = stage.ball("b", {speed, summand, 0}, 1);
       stage.step();
       stage.move(a, extreme::at({speed, 0, 0}));
-      stage.move(b, extreme::at({-speed, beside, 0}));
+      stage.move(b, extreme::at({-speed, summand, 0}));
       stage.step();
-      EXPECT_EQ(extreme::count_of(stage.world.events(), EventKind::began), beside <= 2 ? 1u : 0u) << speed << " " << beside;
-      EXPECT_EQ(extreme::count_of(stage.world.events(), EventKind::ended), beside <= 2 ? 1u : 0u);
+      EXPECT_EQ(extreme::count_of(stage.world.events(), EventKind::began), summand <= 2 ? 1u : 0u) << speed << " " << summand;
+      EXPECT_EQ(extreme::count_of(stage.world.events(), EventKind::ended), summand <= 2 ? 1u : 0u);
     }
   }
 }

@@ -28,7 +28,7 @@ void expect_tight(const extreme::Stage& stage, const TriangleMesh& mesh, const V
   }
   const Answers answers = stage.ask(wire_contract::QueryKind::ray, rays);
   std::size_t lost = 0;
-  for (const auto answer : answers.answers) lost += answer == wire_contract::Answer::hit ? 0 : 1;
+  for (const auto answer : answers.answers) lost += answer == wire_contract::Verdict::hit ? 0 : 1;
   EXPECT_EQ(lost, 0u) << "of " << answers.answers.size();
 }
 

@@ -2,7 +2,7 @@
 // its poses.
 #include <gtest/gtest.h>
 
-#include "server/exact_phase/motion/body_way.hpp"
+#include "server/exact_phase/motion/body_motion.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "tests/extreme/worlds.hpp"
 #include "tests/oracle/seed.hpp"
@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 
 std::vector<double> numbers_of_way(const Pose& from, const Pose& to) {
@@ -68,10 +68,10 @@ TEST(ExtremeSweepQuestion, WhatIsNoQuestionIsInvalid) {
   extreme::Stage stage;
   stage.step();
   const ObjectInfo cube = without_world(extreme::box_shape({1, 1, 1}));
-  EXPECT_EQ(sweep_of(stage, nullptr, extreme::at({0, 0, 0}), extreme::at({1, 0, 0})).answers.at(0), Answer::invalid);
-  EXPECT_EQ(sweep_of(stage, &cube, extreme::at({NAN, 0, 0}), extreme::at({1, 0, 0})).answers.at(0), Answer::invalid);
+  EXPECT_EQ(sweep_of(stage, nullptr, extreme::at({0, 0, 0}), extreme::at({1, 0, 0})).answers.at(0), Verdict::invalid);
+  EXPECT_EQ(sweep_of(stage, &cube, extreme::at({NAN, 0, 0}), extreme::at({1, 0, 0})).answers.at(0), Verdict::invalid);
   const Pose scaled = extreme::at({1, 0, 0}, Quat(2, 0, 0, 0));
-  EXPECT_EQ(sweep_of(stage, &cube, extreme::at({0, 0, 0}), scaled).answers.at(0), Answer::invalid);
+  EXPECT_EQ(sweep_of(stage, &cube, extreme::at({0, 0, 0}), scaled).answers.at(0), Verdict::invalid);
   EXPECT_TRUE(extreme::is_miss(sweep_of(stage, &cube, extreme::at({0, 0, 0}), extreme::at({1, 0, 0}))));
 }
 
@@ -95,12 +95,12 @@ TEST(ExtremeSweepQuestion, OverlapQuestionsAlongTheWayAgree) {
   for (int i = 0; i < 60; ++i) {
     const Pose from = extreme::at(point(5), turn()), to = extreme::at(point(5), i % 3 == 0 ? from.rotation : turn());
     const Answers found = sweep_of(stage, &mover, from, to);
-    ASSERT_NE(found.answers[0], Answer::undecided) << i;
+    ASSERT_NE(found.answers[0], Verdict::undecided) << i;
     const bool is_hit = extreme::is_hit(found);
     (is_hit ? hits : misses) += 1;
-    const BodyWay way(frame_of(from), frame_of(to));
+    const BodyMotion motion(frame_of(from), frame_of(to));
     const auto touches = [&](double t) {
-      const Frame frame = way.at(t);
+      const Frame frame = motion.at(t);
       const Quat q(frame.rotation);
       return extreme::is_hit(stage.ask(QueryKind::box, {frame.position.x(), frame.position.y(), frame.position.z(), half.x(),
                                                         half.y(), half.z(), q.w(), q.x(), q.y(), q.z()},

@@ -58,13 +58,13 @@ TEST(ExtremeThinWall, AWallWithoutThicknessAtEverySpeed) {
 }
 
 TEST(ExtremeThinWall, OneStepBesideTheEdgeNothingIsMet) {
-  for (const double beside : {0.0, 0x1p-51}) {
+  for (const double summand : {0.0, 0x1p-51}) {
     extreme::Stage stage;
     stage.block("wall", {0, 0, 0}, {kHalfWall, 2, 2});
-    const ObjectId ball = stage.ball("ball", {-512, 2 + kRadius + beside, 0}, kRadius);
+    const ObjectId ball = stage.ball("ball", {-512, 2 + kRadius + summand, 0}, kRadius);
     stage.step();
-    stage.move(ball, extreme::at({512, 2 + kRadius + beside, 0}));
-    EXPECT_EQ(stage.step().size(), beside == 0 ? 2u : 0u) << beside;
+    stage.move(ball, extreme::at({512, 2 + kRadius + summand, 0}));
+    EXPECT_EQ(stage.step().size(), summand == 0 ? 2u : 0u) << summand;
   }
 }
 

@@ -80,10 +80,10 @@ class Bench {
     const std::optional<Event> began = watch_->next(2s);
     move(1, source_time == 0ns ? source_time : source_time + 1ms);
     const std::optional<Event> ended = watch_->next(2s);
-    const bool told = began && began->what == What::began && ended && ended->what == What::ended && ended->why == Why::separated &&
+    const bool told = began && began->kind == EventKind::began && ended && ended->kind == EventKind::ended && ended->reason == EndReason::separated &&
                       ended->episode == began->episode;
     if (!answered) std::fprintf(stderr, "no right answer: %s\n", answer ? "wrong" : answer.error().message.c_str());
-    if (!told) std::fprintf(stderr, "no right events: %s\n", !began ? "no began" : began->what != What::began ? "not began" : !ended ? "no ended" : "not ended as it should");
+    if (!told) std::fprintf(stderr, "no right events: %s\n", !began ? "no began" : began->kind != EventKind::began ? "not began" : !ended ? "no ended" : "not ended as it should");
     return answered && told;
   }
   /// Nothing more was told than serves() has looked at.

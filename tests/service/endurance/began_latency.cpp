@@ -117,7 +117,7 @@ int run(const std::string& server_path, std::chrono::seconds time, int movers, d
   Client client = value_of(Client::connect({.domain = own_domain(), .wait = 10s}), "connect");
   Watch watch = value_of(client.watch({}, [&](const Event& event) {
     const std::lock_guard lock(mutex);
-    if (event.what == What::began && !event.resync) began.push_back({happened(event), SteadyClock::now()});
+    if (event.kind == EventKind::began && !event.resync) began.push_back({happened(event), SteadyClock::now()});
   }), "watch");
   Half stands(own_domain(), "stands", movers / 2, hertz, 0ns);
   Half goes(own_domain(), "goes", movers / 2, hertz * 1.07, 3ms);

@@ -78,7 +78,7 @@ class RoundMaker {
       const Vec3 near = middle + vector(1.2 * size);
       const Vec3 velocity = vector(speed);
       // Between the poses of a slow publisher a sharp bend would be cut off far from the other.
-      ways_.push_back({near, velocity, vector(std::min(0.3 * speed, size * round_.publishers[publisher].rate_hz)), near_ns});
+      motions_.push_back({near, velocity, vector(std::min(0.3 * speed, size * round_.publishers[publisher].rate_hz)), near_ns});
     }
   }
 
@@ -101,7 +101,7 @@ class RoundMaker {
         if (round_.bodies[i].publisher != publisher) continue;
         auto& instants = round_.bodies[i].moving.instants;
         const bool is_left_out = stamp_ns > 0 && stamp_ns < kLongNs && chance(0.05);
-        const Vec3 at = is_left_out ? instants.back().position : ways_[i].at(stamp_ns);
+        const Vec3 at = is_left_out ? instants.back().position : motions_[i].at(stamp_ns);
         if (!is_left_out) flush.poses.emplace_back(i, at);
         instants.push_back({stamp_ns, at});
       }
@@ -118,7 +118,7 @@ class RoundMaker {
         if (!instants.empty() && stamp_ns - instants.back().time_ns > kGapNs) {
           instants.push_back({stamp_ns - kGapNs, instants.back().position});
         }
-        instants.push_back({stamp_ns, ways_[i].at(stamp_ns)});
+        instants.push_back({stamp_ns, motions_[i].at(stamp_ns)});
         by_time[stamp_ns].poses.emplace_back(i, instants.back().position);
       }
     }
@@ -141,7 +141,7 @@ class RoundMaker {
   std::mt19937_64 random_;
   std::size_t lanes_;
   CrossingRound round_;
-  std::vector<Way> ways_;
+  std::vector<Way> motions_;
 };
 
 }  // namespace

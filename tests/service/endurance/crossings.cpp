@@ -127,7 +127,7 @@ class CrossingWatcher {
 
   std::map<Pair, std::vector<Event>> take() {
     const std::lock_guard lock(mutex_);
-    return std::move(told_);
+    return std::move(reported_);
   }
   /// Whether all has come that the server has told up to now.
   bool wait_whole() {
@@ -155,12 +155,12 @@ class CrossingWatcher {
   void hear(const Event& event) {
     const std::lock_guard lock(mutex_);
     sequence_ = std::max(sequence_, event.sequence);
-    told_[std::minmax(event.a, event.b)].push_back(event);
+    reported_[std::minmax(event.a, event.b)].push_back(event);
   }
 
   std::mutex mutex_;
   std::uint64_t sequence_ = 0;
-  std::map<Pair, std::vector<Event>> told_;
+  std::map<Pair, std::vector<Event>> reported_;
   Client client_;
   Watch watch_;
 };
@@ -182,8 +182,8 @@ oracle::Bracket bracket_of(const Event& event, nanoseconds start) {
 std::vector<oracle::ToldMeeting> meetings_of(const std::vector<Event>& events, nanoseconds start, CrossingCounts& counts) {
   std::vector<oracle::ToldMeeting> told;
   for (const Event& event : events) {
-    counts.doubtful += event.what == What::ended && event.why != Why::separated ? 1 : 0;
-    if (event.what != What::ended) told.push_back({.began = bracket_of(event, start), .ended = {}});
+    counts.doubtful += event.kind == EventKind::ended && event.reason != EndReason::separated ? 1 : 0;
+    if (event.kind != EventKind::ended) told.push_back({.began = bracket_of(event, start), .ended = {}});
     else if (!told.empty() && !told.back().ended) told.back().ended = bracket_of(event, start);
     else ++counts.tally.invented;
   }

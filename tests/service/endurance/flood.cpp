@@ -130,7 +130,7 @@ class Marker {
  private:
   void hear(const Event& event) {
     const std::lock_guard lock(mutex_);
-    const bool began = event.what != What::ended;
+    const bool began = event.kind != EventKind::ended;
     if (sent_.empty() || sent_.front().touches != began) {
       ++wrong_;
       return;

@@ -37,7 +37,7 @@ class Subscriber {
   void hear_all() {
     while (const std::optional<Event> event = watch_.next(0ns)) {
       const Pair pair = std::minmax(event->a, event->b);
-      const bool fits = event->what == What::ended ? open_.erase(pair) == 1 : open_.insert(pair).second;
+      const bool fits = event->kind == EventKind::ended ? open_.erase(pair) == 1 : open_.insert(pair).second;
       unpaired_ += fits ? 0 : 1;
     }
   }

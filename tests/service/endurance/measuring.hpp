@@ -27,9 +27,11 @@ inline double percentile(std::vector<double> values, double part) {
 /// Ends the program with code 2 where there is none: nothing can be measured then.
 template <class T>
 T value_of(Result<T> result, const char* what) {
-  if (result) return std::move(*result);
-  std::fprintf(stderr, "%s: %s\n", what, result.error().message.c_str());
-  std::exit(2);
+  if (!result) {
+    std::fprintf(stderr, "%s: %s\n", what, result.error().message.c_str());
+    std::exit(2);
+  }
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
 /// Looks every `pause` until the condition holds; false when it never did within `most`.

@@ -105,8 +105,8 @@ class Bookkeeper {
   void hear(const Event& event) {
     const std::lock_guard lock(mutex_);
     const NamedPair pair = std::minmax(event.a, event.b);
-    unpaired_ += (event.what == What::ended ? open_.erase(pair) == 1 : open_.insert(pair).second) ? 0 : 1;
-    const bool follows = event.resync || event.what == What::open || event.epoch != epoch_ || event.sequence <= sequence_ + 1;
+    unpaired_ += (event.kind == EventKind::ended ? open_.erase(pair) == 1 : open_.insert(pair).second) ? 0 : 1;
+    const bool follows = event.resync || event.kind == EventKind::open || event.epoch != epoch_ || event.sequence <= sequence_ + 1;
     if (!follows) gaps_.push_back(resyncs_seen_);
     sequence_ = event.epoch == epoch_ ? std::max(sequence_, event.sequence) : event.sequence;
     epoch_ = event.epoch;

@@ -38,15 +38,15 @@ int run_publisher(int domain, const std::string& name, double x) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   Client client = value_of(Client::connect({.domain = domain, .wait = 10s}), "connect");
   Publisher publisher = value_of(client.publish(name), "publish");
-  const auto ball = [&](const char* what, const Vec3& at, WhenLost when_lost) {
+  const auto ball = [&](const char* what, const Vec3& at, LostPolicy lost_policy) {
     return value_of(publisher.add({.name = name + "/" + what, .shape = {SphereShape{.radius_m = 0.5}}, .pose = {.position = at},
-                                   .when_lost = when_lost}), "add");
+                                   .lost_policy = lost_policy}), "add");
   };
-  ball("a", {x, 0, 100}, WhenLost::remove);
-  ball("b", {x + 0.5, 0, 100}, WhenLost::remove);
-  ball("post", {x, 20, 100}, WhenLost::remove);
-  const Publisher::Object mover = ball("mover", {x, 25, 100}, WhenLost::remove);
-  ball("kept", {x, 10, 100}, WhenLost::freeze);
+  ball("a", {x, 0, 100}, LostPolicy::remove);
+  ball("b", {x + 0.5, 0, 100}, LostPolicy::remove);
+  ball("post", {x, 20, 100}, LostPolicy::remove);
+  const Publisher::Object mover = ball("mover", {x, 25, 100}, LostPolicy::remove);
+  ball("kept", {x, 10, 100}, LostPolicy::freeze);
   std::printf("up\n");
   std::fflush(stdout);
   auto last = SteadyClock::now();
@@ -67,10 +67,10 @@ class Told {
   void hear(const Event& event) {
     const std::lock_guard lock(mutex_);
     const Pair pair = std::minmax(event.a, event.b);
-    const bool ended = event.what == What::ended;
-    unpaired_ += (ended ? open_.erase(pair) == 1 : open_.emplace(pair, event.what).second) ? 0 : 1;
+    const bool ended = event.kind == EventKind::ended;
+    unpaired_ += (ended ? open_.erase(pair) == 1 : open_.emplace(pair, event.kind).second) ? 0 : 1;
     if (!ended) return;
-    ended_.push_back({event.a.substr(0, event.a.find('/')), event.why});
+    ended_.push_back({event.a.substr(0, event.a.find('/')), event.reason});
   }
   bool holds(const std::string& publisher) {
     const std::lock_guard lock(mutex_);
@@ -81,7 +81,7 @@ class Told {
     const std::lock_guard lock(mutex_);
     std::vector<std::string> lost;
     for (const auto& [publisher, why] : ended_) {
-      if (why == Why::publisher_lost) lost.push_back(publisher);
+      if (why == EndReason::publisher_lost) lost.push_back(publisher);
     }
     ended_.clear();
     return lost;
@@ -93,8 +93,8 @@ class Told {
 
  private:
   std::mutex mutex_;
-  std::map<Pair, What> open_;
-  std::vector<std::pair<std::string, Why>> ended_;
+  std::map<Pair, EventKind> open_;
+  std::vector<std::pair<std::string, EndReason>> ended_;
   int unpaired_ = 0;
 };
 
@@ -106,10 +106,10 @@ class PublisherFaults {
         server_({server, "--domain", std::to_string(domain_), "--state-dir", folder_.path()}, folder_.path(), "server") {
     if (!server_.says("ready:", 20s)) std::exit(2);
     client_.emplace(value_of(Client::connect({.domain = domain_, .wait = 10s}), "connect"));
-    watch_.emplace(value_of(client_->watch({}, [this](const Event& event) { told_.hear(event); }), "watch"));
+    watch_.emplace(value_of(client_->watch({}, [this](const Event& event) { reported_.hear(event); }), "watch"));
     for (int i = 0; i < kOwners; ++i) {
       owners_.push_back(start(name_of(i), place_of(i)));
-      await(wait_until([&] { return told_.holds(name_of(i)); }, kPatience), "an owner's contact");
+      await(wait_until([&] { return reported_.holds(name_of(i)); }, kPatience), "an owner's contact");
     }
   }
 
@@ -127,7 +127,7 @@ class PublisherFaults {
   }
 
   int report(int rounds) {
-    const int unpaired = told_.unpaired();
+    const int unpaired = reported_.unpaired();
     const double flagged_max = percentile(flagged_ms_, 1);
     std::printf("rounds=%d ghosts=%d flagged_p50=%.0f flagged_max=%.0f spurious_ended=%d flips=%d unpaired=%d late=%d\n", rounds,
                 ghosts_, percentile(flagged_ms_, 0.5), flagged_max, spurious_, flips_, unpaired, late_);
@@ -186,7 +186,7 @@ class PublisherFaults {
   /// From the fault on until the contact is said to have ended and the ball that stays is flagged.
   void expect_flagged(int owner, SteadyClock::time_point since) {
     const std::string name = name_of(owner);
-    const bool ended = wait_until([&] { return !told_.holds(name); }, kPatience, 1ms);
+    const bool ended = wait_until([&] { return !reported_.holds(name); }, kPatience, 1ms);
     await(ended, "a contact of a lost publisher ends");
     const bool flagged = wait_until([&] { return is_stale(name + "/kept"); }, kPatience, 1ms);
     await(flagged, "a kept object of a lost publisher is flagged");
@@ -195,7 +195,7 @@ class PublisherFaults {
   }
   void expect_back(int owner) {
     const std::string name = name_of(owner);
-    await(wait_until([&] { return told_.holds(name); }, kPatience), "the contact of one that is back");
+    await(wait_until([&] { return reported_.holds(name); }, kPatience), "the contact of one that is back");
     await(wait_until([&] { return is_fresh(name + "/kept"); }, kPatience), "the kept object of one that is back");
   }
 
@@ -220,7 +220,7 @@ class PublisherFaults {
     end(owners_[static_cast<std::size_t>(owner)]);
     owners_[static_cast<std::size_t>(owner)] = start(name_of(owner), place_of(owner));
     // The new one waits for its names until the old one is known to be lost.
-    await(wait_until([&] { return !told_.holds(name_of(owner)); }, kPatience, 1ms), "the old one's contact ends");
+    await(wait_until([&] { return !reported_.holds(name_of(owner)); }, kPatience, 1ms), "the old one's contact ends");
     flagged_ms_.push_back(ms_since(since));
     lost_rightly_[name_of(owner)] += 1;
     expect_back(owner);
@@ -268,7 +268,7 @@ class PublisherFaults {
   }
   /// Each of a lost publisher's contacts ends once for a loss; any more were none.
   void count_spurious() {
-    for (const std::string& publisher : told_.take_lost()) {
+    for (const std::string& publisher : reported_.take_lost()) {
       const int owner = publisher.back() - '0';
       const bool was_paused = owners_[static_cast<std::size_t>(owner)]->output().find("paused") != std::string::npos;
       if (lost_rightly_.contains(publisher) || was_paused) continue;
@@ -283,7 +283,7 @@ class PublisherFaults {
   int domain_;
   ChildProcess server_;
   std::mt19937_64 random_{20261122};
-  Told told_;
+  Told reported_;
   std::optional<Client> client_;
   std::optional<Watch> watch_;
   std::vector<Process> owners_;

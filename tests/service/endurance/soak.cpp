@@ -56,7 +56,7 @@ int run_guest(int domain, std::uint64_t seed) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> coordinate(0, 9);
-  std::uniform_real_distribution<double> way(-0.05, 0.05);
+  std::uniform_real_distribution<double> motion(-0.05, 0.05);
   Client client = value_of(Client::connect({.domain = domain, .wait = 10s}), "connect");
   Watch watch = value_of(client.watch(), "watch");
   Publisher publisher = value_of(client.publish("guest"), "publish");
@@ -66,11 +66,11 @@ int run_guest(int domain, std::uint64_t seed) {
     places.emplace_back(100 + coordinate(random), coordinate(random), coordinate(random));
     const ShapePart part = i % 2 == 0 ? ShapePart(SphereShape{.radius_m = 0.5}) : ShapePart(tetrahedron(0.5 + 1e-6 * static_cast<double>(random() % 1'000'000)));
     objects.push_back(value_of(publisher.add({.name = std::to_string(seed) + "/" + std::to_string(i), .shape = {part}, .pose = {.position = places.back()},
-                                              .when_lost = i % 4 == 0 ? WhenLost::freeze : WhenLost::remove}), "add"));
+                                              .lost_policy = i % 4 == 0 ? LostPolicy::freeze : LostPolicy::remove}), "add"));
   }
   for (int round = 0; round < 20; ++round) {
     for (std::size_t i = 0; i < objects.size(); ++i) {
-      places[i] += Vec3(way(random), way(random), way(random));
+      places[i] += Vec3(motion(random), motion(random), motion(random));
       static_cast<void>(publisher.move(objects[i], {.position = places[i]}));
     }
     static_cast<void>(publisher.flush());

@@ -48,9 +48,9 @@ TEST(SweepAndPrune, EqualsAllPairsInEveryFrameOfCoherentMotion) {
     SweepAndPrune sweep;
     for (int frame = 0; frame < 20; ++frame) {
       for (Aabb& box : boxes) {
-        const Vec3 way = 0.05 * in_cube(random);
-        box.low += way;
-        box.high += way;
+        const Vec3 motion = 0.05 * in_cube(random);
+        box.low += motion;
+        box.high += motion;
       }
       sweep.update(boxes);
       ASSERT_EQ(pairs_of(sweep), pairs_by_force(boxes)) << count << " boxes, frame " << frame;
@@ -112,9 +112,9 @@ TEST(SweepAndPrune, SwapsLittleWhereLittleMovesAndSortsAnewAfterATeleport) {
   sweep.update(boxes);
   EXPECT_TRUE(sweep.report().is_sorted_anew);
   for (Aabb& box : boxes) {
-    const Vec3 way = in_cube(random);
-    box.low += way;
-    box.high += way;
+    const Vec3 motion = in_cube(random);
+    box.low += motion;
+    box.high += motion;
   }
   sweep.update(boxes);
   EXPECT_FALSE(sweep.report().is_sorted_anew);

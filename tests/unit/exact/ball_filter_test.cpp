@@ -4,7 +4,7 @@
 
 #include "server/exact_phase/arithmetic/ladder.hpp"
 #include "server/exact_phase/kernels/overlap_kernel.hpp"
-#include "server/exact_phase/motion/ball_way_filter.hpp"
+#include "server/exact_phase/motion/ball_motion_filter.hpp"
 #include "server/exact_phase/overlap/ball_filter.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "tests/oracle/seed.hpp"

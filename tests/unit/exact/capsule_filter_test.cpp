@@ -75,13 +75,13 @@ TEST(CapsuleFilter, DecidesAsRationalsDoNearTouchingOnEveryScale) {
     for (double& x : side) x = random() % 2 == 0 ? std::copysign(1.0, x) : x;
     const Vec3 outward = side.unaryExpr([](double x) { return std::abs(x) == 1 ? x : 0.0; });
     if (outward.isZero()) continue;
-    Capsule beside = at(box.center + box.axes * box.half_m.cwiseProduct(side), box.axes * outward, radius, random);
-    beside.radius_m = radius;
-    for (Capsule* c : {&core, &other, &beside}) *c = {scale * (c->a + far), scale * (c->b + far), scale * c->radius_m};
+    Capsule summand = at(box.center + box.axes * box.half_m.cwiseProduct(side), box.axes * outward, radius, random);
+    summand.radius_m = radius;
+    for (Capsule* c : {&core, &other, &summand}) *c = {scale * (c->a + far), scale * (c->b + far), scale * c->radius_m};
     box.center = scale * (box.center + far);
     box.half_m *= scale;
     capsules.check(core, other, "capsules", i);
-    boxes.check(box, beside, "box", i);
+    boxes.check(box, summand, "box", i);
   }
   std::printf("capsules: %d decided, %d left open; boxes: %d and %d\n", capsules.decided, capsules.open, boxes.decided, boxes.open);
   EXPECT_GT(capsules.decided, 6'000);

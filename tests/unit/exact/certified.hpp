@@ -9,7 +9,7 @@ inline CertifiedPart::Numbers numbers(const Vec3& v) { return {v.x(), v.y(), v.z
 
 inline CertifiedPart certified(const ProofPart& proof_part) {
   const PartNumbers from = numbers_of(proof_part.part);
-  CertifiedPart part{.beside = static_cast<CertifiedPart::Beside>(from.beside), .radius_m = from.radius_m, .tapers = from.tapers,
+  CertifiedPart part{.summand = static_cast<CertifiedPart::Summand>(from.summand), .radius_m = from.radius_m, .tapers = from.tapers,
                      .half_m = numbers(from.half_m)};
   for (const Vec3& point : from.points) part.points.push_back(numbers(point));
   for (int k = 0; k < 3; ++k) part.axes[static_cast<std::size_t>(k)] = numbers(from.axes.col(k));

@@ -94,7 +94,7 @@ Shape moved(Shape shape, const Vec3& by) {
 /// Against polytopes inside and outside of the round ones, by rationals; and depths by carrying them out.
 template <class A, class B>
 void check_pair(const A& a, const B& b, double size_m, Tally& tally) {
-  const Verdict verdict = overlaps(a, b);
+  const ExactResult verdict = overlaps(a, b);
   ASSERT_EQ(verdict.decision, overlaps(b, a).decision);
   const auto by_rationals = [&](bool outer) {
     return kernel::polytopes_meet(kernel::Convex(polytope(a, outer)), kernel::Convex(polytope(b, outer)));
@@ -140,7 +140,7 @@ void check_against_all(Make&& make_one, RandomShapes& make, double size_m, Tally
 /// must overlap.
 template <class A, class B>
 void check_known(const A& a, const B& b, bool depths) {
-  const Verdict known = overlaps(a, b);
+  const ExactResult known = overlaps(a, b);
   ASSERT_EQ(overlaps_in_general(&a, &b).decision, known.decision) << typeid(std::pair<A, B>).name();
   if (!known.yes() || !depths) return;
   const Contact expected = contact(a, b);
@@ -208,7 +208,7 @@ TEST_P(ExactGeneral, PairsAgreeWithPolytopesAndDepthsPartThem) {
 template <class Shape>
 void check_ray(const Ray& ray, const Shape& shape, Tally& tally) {
   RayHit hit;
-  const Verdict verdict = cast_ray(ray, shape, hit);
+  const ExactResult verdict = cast_ray(ray, shape, hit);
   const Vec3 d = ray.direction.normalized();
   const auto held = [&](double t) {
     return kernel::holds_point<Dyadic>(shape, Vec3(ray.origin + t * d)) == Decision::yes;
@@ -289,7 +289,7 @@ template <class A, class B>
 void check_near_touching(const A& a, const B& b, int& checked) {
   if (!overlaps(a, b).yes()) return;
   const Contact found = contact(a, b);
-  const auto at = [&](double way) { return overlaps(a, moved(b, Vec3(way * found.normal))).decision; };
+  const auto at = [&](double motion) { return overlaps(a, moved(b, Vec3(motion * found.normal))).decision; };
   double in = 0;
   double out = 2 * found.depth_m + 1;
   ASSERT_EQ(at(out), Decision::no);

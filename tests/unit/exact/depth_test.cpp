@@ -42,7 +42,7 @@ Any made(RandomShapes& make, int kind) {
   }
 }
 
-Verdict overlap_of(const Primitive& a, const Any& b) {
+ExactResult overlap_of(const Primitive& a, const Any& b) {
   return std::visit([&](const auto& other) { return overlaps(a, other); }, b);
 }
 Contact contact_of(const Primitive& a, const Any& b) {

@@ -7,7 +7,7 @@
 #include "server/exact_phase/distance/convex.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/manifold.hpp"
-#include "server/exact_phase/motion/body_way.hpp"
+#include "server/exact_phase/motion/body_motion.hpp"
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "server/exact_phase/overlap/neighbours.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
@@ -26,7 +26,7 @@ Hull cube(double half_m, const Vec3& position = Vec3::Zero()) {
   return {.mesh = std::make_shared<const TriangleMesh>(*convex_hull(corners)), .position = position};
 }
 
-TEST(ExactBodyWay, BeginsAndEndsAtItsPosesToTheBit) {
+TEST(ExactBodyMotion, BeginsAndEndsAtItsPosesToTheBit) {
   std::mt19937_64 random = oracle::seeded(240);
   std::uniform_real_distribution<double> number(-1, 1);
   const auto frame = [&] {
@@ -36,9 +36,9 @@ TEST(ExactBodyWay, BeginsAndEndsAtItsPosesToTheBit) {
   for (int i = 0; i < 50; ++i) {
     const Frame from = frame();
     const Frame to = frame();
-    const BodyWay way(from, to);
-    EXPECT_TRUE(way.at(0).position == from.position && way.at(0).rotation == from.rotation) << i;
-    EXPECT_TRUE(way.at(1).position == to.position && way.at(1).rotation == to.rotation) << i;
+    const BodyMotion motion(from, to);
+    EXPECT_TRUE(motion.at(0).position == from.position && motion.at(0).rotation == from.rotation) << i;
+    EXPECT_TRUE(motion.at(1).position == to.position && motion.at(1).rotation == to.rotation) << i;
   }
 }
 
@@ -56,15 +56,15 @@ TEST(ExactHull, ARayEntersAtTheNearestFaceAndLeavesAtTheFarthest) {
     for (const double side : {-1.0, 1.0}) {
       Vec3 direction = Vec3::Zero();
       direction[axis] = side;
-      Vec3 beside(0.125, 0.0625, -0.25);
-      beside[axis] = 0;
+      Vec3 summand(0.125, 0.0625, -0.25);
+      summand[axis] = 0;
       RayHit hit;
-      ASSERT_TRUE(cast_ray(Ray{beside - 2 * direction, direction}, hull, hit).yes()) << axis << ' ' << side;
+      ASSERT_TRUE(cast_ray(Ray{summand - 2 * direction, direction}, hull, hit).yes()) << axis << ' ' << side;
       EXPECT_NEAR(hit.distance_m, 1.5, hit.distance_error_m) << axis << ' ' << side;
       EXPECT_NEAR(hit.exit_m, 2.5, hit.exit_error_m) << axis << ' ' << side;
       EXPECT_EQ(hit.normal, -direction);
       EXPECT_LT(hit.distance_error_m + hit.exit_error_m, 1e-12);
-      ASSERT_TRUE(cast_ray(Ray{beside, direction}, hull, hit).yes()) << axis << ' ' << side;
+      ASSERT_TRUE(cast_ray(Ray{summand, direction}, hull, hit).yes()) << axis << ' ' << side;
       EXPECT_TRUE(hit.inside && hit.distance_m == 0) << axis << ' ' << side;
       EXPECT_NEAR(hit.exit_m, 0.5, hit.exit_error_m) << axis << ' ' << side;
       EXPECT_EQ(hit.normal, direction) << "of the exit";

@@ -269,7 +269,7 @@ TEST(GeneralFirstContact, ABallMeetsRoundThingsWhereItsWaySays) {
   for (const Primitive& other : {Primitive(Ellipsoid{.center = Vec3::Zero(), .half_m = {2, 1, 0.5}}), Primitive(Cylinder{{-2, 0, 0}, {2, 0, 0}, 0.5}),
                                  Primitive(Cone{{-2, 0, 0}, {2, 0, 0}, 0.5}), Primitive(Cone{{2, 0, 0}, {-2, 0, 0}, 0.5})}) {
     TimeBracket bracket;
-    const Verdict verdict = first_contact(mover, other, 1e-9, bracket);
+    const ExactResult verdict = first_contact(mover, other, 1e-9, bracket);
     EXPECT_TRUE(verdict.yes()) << other.index();
     EXPECT_LE(bracket.low, 0.35) << other.index();
     EXPECT_GE(bracket.high, 0.35) << other.index();

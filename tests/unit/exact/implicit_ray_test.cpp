@@ -139,7 +139,7 @@ Truth truth_of(const Ray& ray, const Twin& twin, const ImplicitSurface& surface)
 }
 
 /// Holds an answer against the truth.
-void expect_true(const Truth& truth, const Verdict& verdict, const ImplicitHit& hit) {
+void expect_true(const Truth& truth, const ExactResult& verdict, const ImplicitHit& hit) {
   ASSERT_NE(verdict.decision, Decision::undecided);
   ASSERT_EQ(verdict.yes(), truth.is_met);
   if (!verdict.yes()) return;
@@ -203,7 +203,7 @@ void cast_and_compare(const Ray& ray, const Twin& twin, const std::string& box, 
   const ImplicitSurface surface = read_implicit_surface(twin.text + box);
   const Truth truth = truth_of(ray, twin, surface);
   ImplicitHit hit;
-  const Verdict verdict = cast_ray(ray, surface, hit);
+  const ExactResult verdict = cast_ray(ray, surface, hit);
   expect_true(truth, verdict, hit);
   ImplicitHit exact_hit;
   expect_true(truth, cast_ray_by_rationals(ray, surface, exact_hit), exact_hit);
@@ -329,7 +329,7 @@ TEST(ExactImplicitRayPlanted, TangentRaysTouchAndAnUlpDecides) {
         const Ray ray{{center.x() - 5, y, center.z()}, {1, 0, 0}};
         cast_and_compare(ray, twin, "", counts);
         ImplicitHit hit;
-        const Verdict verdict = cast_ray(ray, surface, hit);
+        const ExactResult verdict = cast_ray(ray, surface, hit);
         if (exactly - center.y() == radius) {
           EXPECT_EQ(verdict.yes(), step <= 0) << far << " " << radius << " " << step;
         }
@@ -353,10 +353,10 @@ TEST(ExactImplicitRayPlanted, GrazingRaysHoldTheirBrackets) {
     const Vec3 aside = any_point(generator, 1);
     const Vec3 across = Vec3(0, 1, 0).cross(aside).normalized();
     const Vec3 top(0.1, 1 - depth, -0.2);
-    const double way = exponent % 2 == 0 ? 3 : 1e7;
-    const Vec3 origin = Vec3(top.x(), 0, top.z()) - way * across + top.y() * Vec3(0, 1, 0);
+    const double displacement = exponent % 2 == 0 ? 3 : 1e7;
+    const Vec3 origin = Vec3(top.x(), 0, top.z()) - displacement * across + top.y() * Vec3(0, 1, 0);
     cast_and_compare({origin, across}, sphere({0.1, 0, -0.2}, 1), "", counts);
-    cast_and_compare({{-way, 3 - depth, 0.25 * depth}, {1, 0, 0}}, torus(), exponent % 3 == 0 ? " in -1 2 -1 1 4 1" : "",
+    cast_and_compare({{-displacement, 3 - depth, 0.25 * depth}, {1, 0, 0}}, torus(), exponent % 3 == 0 ? " in -1 2 -1 1 4 1" : "",
                      counts);
     if (HasFatalFailure()) return;
   }
@@ -467,10 +467,10 @@ TEST(ExactImplicitRayPlanted, InsideOnAndOutsideAreToldApart) {
   EXPECT_EQ(side(surface, {down, 0, 0}), Side::inside);
   EXPECT_EQ(side(surface, {3, 1e-300, 0}), Side::outside);
   for (int i = 0; i < 50 * ray_count(); ++i) {
-    const Vec3 way = any_point(generator, 1).normalized();
+    const Vec3 displacement = any_point(generator, 1).normalized();
     // Rounded onto the tube: within an ulp or so, where the double that is nearest does not say which side.
-    const Vec3 middle = 2 * Vec3(way.x(), way.y(), 0).normalized();
-    const Vec3 point = i % 4 == 0 ? any_point(generator, 3) : Vec3(middle + way);
+    const Vec3 middle = 2 * Vec3(displacement.x(), displacement.y(), 0).normalized();
+    const Vec3 point = i % 4 == 0 ? any_point(generator, 3) : Vec3(middle + displacement);
     const Rational f = ring.exact.at(oracle::exact(point));
     const Side expected = f < 0 ? Side::inside : f > 0 ? Side::outside : Side::on;
     ASSERT_EQ(side(surface, point), expected) << point.transpose();

@@ -47,9 +47,9 @@ TEST(ExactImplicitSphere, TheSignOfFIsThatOfRationals) {
   for (std::uint64_t i = 0; i < point_count(); ++i) {
     const Sphere sphere{std::ldexp(1.0, exponent(generator)) * Vec3(any(generator), any(generator), any(generator)),
                         std::ldexp(0.5 + std::abs(any(generator)), exponent(generator))};
-    const Vec3 way = Vec3(any(generator), any(generator), any(generator)).normalized();
+    const Vec3 displacement = Vec3(any(generator), any(generator), any(generator)).normalized();
     // A tenth anywhere; the others rounded onto the surface, then at most an ulp beside that along each axis.
-    Vec3 point = sphere.center + (i % 10 == 0 ? 2 * std::abs(any(generator)) : 1.0) * sphere.radius_m * way;
+    Vec3 point = sphere.center + (i % 10 == 0 ? 2 * std::abs(any(generator)) : 1.0) * sphere.radius_m * displacement;
     if (i % 10 != 0) {
       for (double& number : point) number = stepped(number, ulps(generator));
     }
@@ -80,9 +80,9 @@ TEST(ExactImplicitSphere, AnUlpDecidesAtPointsOnTheSurface) {
             EXPECT_TRUE(is_in_ball(point, sphere));
             for (int axis = 0; axis < 3; ++axis) {
               for (const int step : {-1, 1}) {
-                Vec3 beside = point;
-                beside[axis] = stepped(point[axis], step);
-                ASSERT_EQ(is_in_ball(beside, sphere), sign_of_implicit(beside, sphere) <= 0) << beside.transpose();
+                Vec3 summand = point;
+                summand[axis] = stepped(point[axis], step);
+                ASSERT_EQ(is_in_ball(summand, sphere), sign_of_implicit(summand, sphere) <= 0) << summand.transpose();
               }
             }
           }

@@ -28,7 +28,7 @@ TEST(ExactMovingBall, NoBracketEndsBeforeABallTouchesACurvedSolid) {
     const auto expect_half = [&](const auto& solid, const char* kind) {
       for (const double width : {0.0, 1e-15, 1e-12, 1e-6}) {
         TimeBracket bracket;
-        const Verdict verdict = first_contact(ball, solid, width, bracket);
+        const ExactResult verdict = first_contact(ball, solid, width, bracket);
         ASSERT_NE(verdict.decision, Decision::no) << kind;
         if (!verdict.yes()) continue;
         EXPECT_GE(bracket.high, 0.5) << kind << ' ' << far << ' ' << width;
@@ -62,7 +62,7 @@ void expect_holds(const TimeBracket& bracket, const TimeBracket& truth, const st
   }
 }
 
-void expect_at(const Verdict& verdict, const TimeBracket& bracket, double truth) {
+void expect_at(const ExactResult& verdict, const TimeBracket& bracket, double truth) {
   ASSERT_EQ(verdict.decision, Decision::yes);
   expect_holds(bracket, {truth, truth}, "at " + std::to_string(truth));
   EXPECT_LE(bracket.high - bracket.low, 4 * kEpsilon * truth);
@@ -80,7 +80,7 @@ Count judge(const std::vector<MovingQuery>& queries, double width) {
   Count count;
   for (const MovingQuery& query : queries) {
     TimeBracket bracket;
-    const Verdict verdict = oracle::ask(query, width, bracket);
+    const ExactResult verdict = oracle::ask(query, width, bracket);
     ++count.asked;
     count.missed += query.hit && verdict.decision == Decision::no;
     count.false_hits += !query.hit && verdict.yes();
@@ -164,7 +164,7 @@ TEST(ExactMovingFeatures, ContactAtTheStartIsZeroZero) {
 
 /// A face that tips over and a point that flies along it: at s = 2t - 1 the plane stands at -(s + s^2) / 2 under the
 /// point, the point itself at k - s / 2; so it is s^2 / 2 + k above, and never near an edge but at the ends.
-Verdict over_tipping_face(double k, TimeBracket& bracket) {
+ExactResult over_tipping_face(double k, TimeBracket& bracket) {
   const MovingTriangle face{{{0, -4, 1}, {0, -4, -1}}, {{0, 4, 1}, {0, 4, -1}}, at_rest({4, 0, 0})};
   return first_contact(MovingPoint{{4, 0, 0.5 + k}, {0, 0, -0.5 + k}}, face, 0, bracket);
 }
@@ -203,8 +203,8 @@ TEST(ExactMovingFeatures, ATriangleThatShrinksToAPointMeetsAPoint) {
 TEST(ExactMovingFeatures, APointThatStaysInThePlaneEntersOverAnEdge) {
   TimeBracket bracket;
   expect_at(first_contact(MovingPoint{{-1, 0.25, 0}, {3, 0.25, 0}}, resting_floor(), 0, bracket), bracket, 0.25);
-  const MovingPoint beside{{-1, -kEpsilon, 0}, {3, -kEpsilon, 0}};
-  EXPECT_EQ(first_contact(beside, resting_floor(), 0, bracket).decision, Decision::no);
+  const MovingPoint summand{{-1, -kEpsilon, 0}, {3, -kEpsilon, 0}};
+  EXPECT_EQ(first_contact(summand, resting_floor(), 0, bracket).decision, Decision::no);
 }
 
 TEST(ExactMovingFeatures, APointAlongTheLineOfAnEdgeMeetsItsEnd) {
@@ -223,13 +223,13 @@ TEST(ExactMovingFeatures, PointsAsSegmentsMeetOnlyWhereTheyAreOne) {
   const MovingPoint left{{-1, 0, 0}, {1, 0, 0}};
   const MovingPoint right{{3, 0, 0}, {-1, 0, 0}};
   TimeBracket bracket;
-  const Verdict verdict = first_contact(MovingSegment{left, left}, MovingSegment{right, right}, 0, bracket);
+  const ExactResult verdict = first_contact(MovingSegment{left, left}, MovingSegment{right, right}, 0, bracket);
   ASSERT_TRUE(verdict.yes());
   // -1 + 2t = 3 - 4t: two thirds, not a double.
   EXPECT_EQ(bracket.low, 2.0 / 3);  // which is less than two thirds
   EXPECT_EQ(bracket.high, std::nextafter(2.0 / 3, 1.0));
-  const MovingPoint beside{{3, 0, 0x1p-300}, {-1, 0, 0x1p-300}};
-  EXPECT_EQ(first_contact(MovingSegment{left, left}, MovingSegment{beside, beside}, 0, bracket).decision, Decision::no);
+  const MovingPoint summand{{3, 0, 0x1p-300}, {-1, 0, 0x1p-300}};
+  EXPECT_EQ(first_contact(MovingSegment{left, left}, MovingSegment{summand, summand}, 0, bracket).decision, Decision::no);
 }
 
 TEST(ExactMovingFeatures, EqualGreatSpeedsLeaveASmallOneExact) {

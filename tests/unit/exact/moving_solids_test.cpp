@@ -15,8 +15,8 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 Triangle wall_at(double x) { return {{x, -9, -9}, {x, 9, -9}, {x, 0, 9}}; }
 
-Translated<Box> unit_box(const Vec3& way) {
-  return {.start = {.center = {0, 0, 0}, .half_m = {1, 1, 1}}, .from = {0, 0, 0}, .to = way};
+Translated<Box> unit_box(const Vec3& displacement) {
+  return {.start = {.center = {0, 0, 0}, .half_m = {1, 1, 1}}, .from = {0, 0, 0}, .to = displacement};
 }
 
 TEST(ExactMovingSolids, ABoxReachesAWallWhereItsFaceDoes) {
@@ -39,8 +39,8 @@ TEST(ExactMovingSolids, ABulletOfABoxDoesNotPassThroughASheet) {
 
 TEST(ExactMovingSolids, ABoxThatTouchesAtRestDoesSoFromTheStart) {
   TimeBracket bracket;
-  for (const Vec3& way : {Vec3(0, 0, 0), Vec3(-1, 0, 0), Vec3(0, 3, 0)}) {
-    ASSERT_TRUE(first_contact(unit_box(way), wall_at(1), 0, bracket).yes());
+  for (const Vec3& displacement : {Vec3(0, 0, 0), Vec3(-1, 0, 0), Vec3(0, 3, 0)}) {
+    ASSERT_TRUE(first_contact(unit_box(displacement), wall_at(1), 0, bracket).yes());
     EXPECT_EQ(bracket.high, 0);
   }
   // A triangle wholly inside a solid touches it.
@@ -105,7 +105,7 @@ TEST(ExactMovingSolids, ABoxAnswersAsTheTrianglesOfItsSurface) {
     const Translated<Box> mover{box, from, grid.point(2)};
     const Triangle other = grid.triangle();
     TimeBracket bracket;
-    const Verdict verdict = first_contact(mover, other, 1e-9, bracket);
+    const ExactResult verdict = first_contact(mover, other, 1e-9, bracket);
     if (overlaps(box, other).yes()) {
       ASSERT_TRUE(verdict.yes());
       ASSERT_EQ(bracket.high, 0);
@@ -136,13 +136,13 @@ TEST(ExactMovingSolids, ACapsuleWithoutRadiusAnswersAsAMovingSegment) {
   for (int i = 0; i < 400; ++i) {
     const Vec3 from = grid.point(1);
     const Translated<Capsule> mover{{from + grid.point(1), from + grid.point(1), 0}, from, grid.point(2)};
-    const Vec3 way = mover.to - mover.from;
-    const MovingPoint a{mover.start.a, mover.start.a + way};
-    const MovingPoint b{mover.start.b, mover.start.b + way};
+    const Vec3 displacement = mover.to - mover.from;
+    const MovingPoint a{mover.start.a, mover.start.a + displacement};
+    const MovingPoint b{mover.start.b, mover.start.b + displacement};
     const Triangle other = grid.triangle();
     TimeBracket bracket;
     TimeBracket twin;
-    const Verdict verdict = first_contact(mover, other, 1e-9, bracket);
+    const ExactResult verdict = first_contact(mover, other, 1e-9, bracket);
     ASSERT_EQ(verdict.decision, first_contact(MovingTriangle{a, b, b}, at_rest(other), 1e-9, twin).decision);
     if (!verdict.yes()) continue;
     ++hits;
@@ -163,7 +163,7 @@ TEST(ExactMovingSolids, SamplingFindsACapsuleNowhereBeforeItsFirstContact) {
     const Translated<Capsule> mover{capsule, from, grid.point(2)};
     const Triangle other = grid.triangle();
     TimeBracket bracket;
-    const Verdict verdict = first_contact(mover, other, 1e-6, bracket);
+    const ExactResult verdict = first_contact(mover, other, 1e-6, bracket);
     hits += verdict.yes();
     const auto meets_at = [&](int i) {
       const Vec3 gone = static_cast<double>(i) / kSamples * (mover.to - mover.from);

@@ -71,7 +71,7 @@ struct Tally {
 void compare_with_rationals(const std::array<MovingPoint, 4>& p, kernel::Quartet::Kind kind, Tally& tally) {
   const bool edges = kind == kernel::Quartet::Kind::edge_edge;
   TimeBracket bracket;
-  const Verdict verdict = edges ? first_contact(MovingSegment{p[0], p[1]}, MovingSegment{p[2], p[3]}, 1e-6, bracket)
+  const ExactResult verdict = edges ? first_contact(MovingSegment{p[0], p[1]}, MovingSegment{p[2], p[3]}, 1e-6, bracket)
                                 : first_contact(p[0], MovingTriangle{p[1], p[2], p[3]}, 1e-6, bracket);
   TimeBracket exact;
   ASSERT_EQ(verdict.decision, kernel::first_contact_exactly({p, kind}, 0, 0, exact));
@@ -151,7 +151,7 @@ TEST(ExactMovingTwin, SamplingFindsNoContactBeforeTheFirst) {
     const MovingTriangle a = lattice_sweep(make);
     const MovingTriangle b = lattice_sweep(make);
     TimeBracket bracket;
-    const Verdict verdict = first_contact(a, b, 1e-6, bracket);
+    const ExactResult verdict = first_contact(a, b, 1e-6, bracket);
     hits += verdict.yes();
     undecided += verdict.decision == Decision::undecided;
     const int clear = verdict.yes() ? static_cast<int>(std::floor(bracket.low * kSamples)) : kSamples;
@@ -179,8 +179,8 @@ TEST(ExactMovingTwin, TrianglesAnswerAlikeInEitherOrder) {
     const MovingTriangle b = lattice_sweep(make);
     TimeBracket one;
     TimeBracket other;
-    const Verdict verdict = first_contact(a, b, 1e-9, one);
-    const Verdict swapped = first_contact(MovingTriangle{b.c, b.a, b.b}, MovingTriangle{a.b, a.a, a.c}, 1e-9, other);
+    const ExactResult verdict = first_contact(a, b, 1e-9, one);
+    const ExactResult swapped = first_contact(MovingTriangle{b.c, b.a, b.b}, MovingTriangle{a.b, a.a, a.c}, 1e-9, other);
     ASSERT_EQ(swapped.decision, verdict.decision);
     if (!verdict.yes()) continue;
     ASSERT_LE(one.low, other.high);

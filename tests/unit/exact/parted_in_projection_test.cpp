@@ -17,8 +17,8 @@ namespace collided::engine {
 namespace {
 
 int turn_by_rationals(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v) {
-  const auto way = [&](const Vec3& to, int k) { return mpq_class(mpq_class(to[k]) - mpq_class(o[k])); };
-  return sgn(mpq_class(way(p, u) * way(q, v) - way(p, v) * way(q, u)));
+  const auto displacement = [&](const Vec3& to, int k) { return mpq_class(mpq_class(to[k]) - mpq_class(o[k])); };
+  return sgn(mpq_class(displacement(p, u) * displacement(q, v) - displacement(p, v) * displacement(q, u)));
 }
 
 TEST(ExactPartedInProjection, ATurnThatIsSaidIsThatOfRationals) {

@@ -33,7 +33,7 @@ void compare(int count, std::uint64_t seed, MakeShape make, Twin twin) {
       const auto shape = make(shapes);
       const Ray ray = shapes.ray(i % 3 == 0);
       RayHit hit;
-      const Verdict verdict = cast_ray(ray, shape, hit);
+      const ExactResult verdict = cast_ray(ray, shape, hit);
       const std::optional<Wide> truth = twin(ray, shape);
       ASSERT_EQ(verdict.decision, truth ? Decision::yes : Decision::no) << name(family) << " " << i;
       ++(truth ? yes : no);

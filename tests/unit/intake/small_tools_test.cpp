@@ -87,10 +87,10 @@ TEST(IntakeGrowingTree, BoxesThatTouchOnceTheyAreRoundedAreFound) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
       for (const auto& [apart, is_found] : {std::pair{0x1p-22, true}, {0x1p-20, false}}) {
-        Aabb beside{Vec3::Constant(-1), Vec3::Constant(1)};
-        beside.low[axis] = side > 0 ? 1 + apart : -3;
-        beside.high[axis] = side > 0 ? 3 : -1 - apart;
-        EXPECT_EQ(found_by(tree, {beside}).size(), is_found ? 1u : 0u) << axis << ' ' << side << ' ' << apart;
+        Aabb summand{Vec3::Constant(-1), Vec3::Constant(1)};
+        summand.low[axis] = side > 0 ? 1 + apart : -3;
+        summand.high[axis] = side > 0 ? 3 : -1 - apart;
+        EXPECT_EQ(found_by(tree, {summand}).size(), is_found ? 1u : 0u) << axis << ' ' << side << ' ' << apart;
       }
     }
   }

@@ -14,7 +14,7 @@ TEST(ImplicitRayMemory, RaysThatDoubleDecidesAllocateNothing) {
     ImplicitHit hit;
     const std::size_t before = test::held_bytes();
     test::most_held_from_now();
-    const Verdict verdict = cast_ray(ray, torus, hit, 0x1p-40);
+    const ExactResult verdict = cast_ray(ray, torus, hit, 0x1p-40);
     EXPECT_EQ(verdict.level, level);
     EXPECT_EQ(verdict.yes(), met);
     return test::most_held_bytes() - before;

@@ -12,7 +12,7 @@
 namespace collided::engine::service {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 
 class ServiceBackgroundAudit : public testing::Test {
@@ -39,7 +39,7 @@ class ServiceBackgroundAudit : public testing::Test {
   /// That nothing is where the first ball is.
   void lie() {
     ASSERT_EQ(given.hit_counts[0], 1U);
-    given.answers[0] = Answer::miss;
+    given.answers[0] = Verdict::miss;
     given.hits.erase(given.hits.begin());
     given.hit_counts[0] = 0;
   }

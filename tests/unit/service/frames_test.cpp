@@ -122,7 +122,7 @@ TEST_F(ServiceFrames, AHitOnWhatIsNotInTheStateHasNoNameBesideIt) {
   const auto state = world.newest();
   const ObjectId beyond = state->objects->size();
   Answers answers;
-  answers.answers = {wire_contract::Answer::hit};
+  answers.answers = {wire_contract::Verdict::hit};
   answers.reasons = {wire_contract::UndecidedReason::none};
   answers.levels = {0};
   answers.hit_counts = {1};
@@ -165,10 +165,10 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
   const ObjectId a = define("left", {0, 0, 0});
   const ObjectId b = define("right", {3, 0, 0});
   world.step(1, 1, {});
-  using wire_contract::Answer;
+  using wire_contract::Verdict;
   using wire_contract::UndecidedReason;
   Answers answers;
-  answers.answers = {Answer::hit, Answer::miss, Answer::undecided, Answer::invalid};
+  answers.answers = {Verdict::hit, Verdict::miss, Verdict::undecided, Verdict::invalid};
   answers.reasons = {UndecidedReason::none, UndecidedReason::none, UndecidedReason::not_covered, UndecidedReason::none};
   answers.levels = {2, 0, 1, 0};
   answers.hit_counts = {2, 0, 2, 0};

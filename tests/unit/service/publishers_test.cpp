@@ -633,8 +633,8 @@ TEST_F(PublishersTest, EveryPublisherIsShownWithItsNameAndSilence) {
   define(other);
   step();
   std::vector<std::pair<std::string, std::int64_t>> shown;
-  const std::int64_t told_ns = now_ns - 1;
-  publishers.for_each(told_ns + 100, [&](const PublisherView& view) {
+  const std::int64_t reported_ns = now_ns - 1;
+  publishers.for_each(reported_ns + 100, [&](const PublisherView& view) {
     EXPECT_EQ(view.publisher, shown.empty() ? kPublisher : 8U);
     shown.emplace_back(view.name, view.silent_ns);
   });

@@ -16,7 +16,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
 using wire_contract::UndecidedReason;
@@ -84,9 +84,9 @@ TEST_F(WorldByHand, ARayMeetsNothingOfASceneThatMayNotAnswer) {
   for (const RayMode mode : {RayMode::any, RayMode::closest, RayMode::all}) {
     const std::vector<double> down{0.5, 0.25, 3, 0, 0, -1, INFINITY};
     Questions question{.kind = QueryKind::ray, .mode = mode, .mask = 1, .numbers = {}};
-    EXPECT_EQ(ask(question, down).answers[0], Answer::miss);
+    EXPECT_EQ(ask(question, down).answers[0], Verdict::miss);
     question.mask = 2;
-    EXPECT_EQ(ask(question, down).answers[0], Answer::hit);
+    EXPECT_EQ(ask(question, down).answers[0], Verdict::hit);
   }
 }
 
@@ -148,7 +148,7 @@ TEST_F(WorldByHand, ShortRaysOfACameraMeetWhatIsNear) {
       const Answers answers = ask({.kind = QueryKind::ray, .mode = mode, .numbers = {}}, rays);
       ASSERT_EQ(answers.answers.size(), 64U);
       for (std::size_t i = 0; i < 64; ++i) {
-        EXPECT_EQ(answers.answers[i], Answer::hit) << i << ", " << length_m << " m";
+        EXPECT_EQ(answers.answers[i], Verdict::hit) << i << ", " << length_m << " m";
         if (mode == RayMode::any) continue;
         const Vec3 direction(rays[7 * i + 3], rays[7 * i + 4], rays[7 * i + 5]);
         EXPECT_NEAR(answers.hits.at(i).distance_m, direction.norm(), 1e-12) << i;
@@ -158,7 +158,7 @@ TEST_F(WorldByHand, ShortRaysOfACameraMeetWhatIsNear) {
   std::vector<double> shorter;
   for (int i = 0; i < 64; ++i) shorter.insert(shorter.end(), {0.5, 0.25, 1, 0, 0, -1, i % 2 == 0 ? 0.5 : 1.5});
   const Answers answers = ask({.kind = QueryKind::ray, .numbers = {}}, shorter);
-  for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(answers.answers[i], i % 2 == 0 ? Answer::miss : Answer::hit) << i;
+  for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(answers.answers[i], i % 2 == 0 ? Verdict::miss : Verdict::hit) << i;
 }
 
 // A hit names its object and triangle: the shapes so named, where they are.
@@ -360,7 +360,7 @@ TEST_F(WorldByHand, ThePlanSaysWhatATriangleOfTheIndexCosts) {
   ASSERT_EQ(scene.mesh.triangles.size(), 128U);
   const PlanRow tree = plan_of(*lease, false)[0];
   EXPECT_EQ(tree.structure, "bvh (static)");
-  EXPECT_NE(tree.why.find(bytes), std::string::npos) << tree.why << "\nwithout" << bytes;
+  EXPECT_NE(tree.reason.find(bytes), std::string::npos) << tree.reason << "\nwithout" << bytes;
 }
 
 // Mending has cut the object's first triangle: its second piece stands at the end and has the first one's number.
@@ -381,7 +381,7 @@ TEST_F(WorldByHand, APieceOfAPlacedObjectsTriangleHasTheNumberOfTheFile) {
     const SnapshotRing::Lease lease = world.newest();
     const Answers answers = ask({.kind = QueryKind::ray, .numbers = {}}, {x, y, 1, 0, 0, -1, INFINITY});
     const AnswerHit& hit = answers.hits.at(0);
-    return lease->objects->at(slot_of(hit.object))->told_triangle(hit.triangle);
+    return lease->objects->at(slot_of(hit.object))->reported_triangle(hit.triangle);
   };
   EXPECT_EQ(told(0.25, 0.25), 0U);
   EXPECT_EQ(told(1.25, 0.25), 1U);
@@ -402,7 +402,7 @@ TEST_F(WorldByHand, ThePlanSaysWhatMovingThingsTake) {
     EXPECT_FALSE(row(structure).built) << structure;
     EXPECT_NE(row(structure).saves, "") << structure;
   }
-  EXPECT_EQ(row("pair search").why, "nothing moves");
+  EXPECT_EQ(row("pair search").reason, "nothing moves");
   define("ball", {0, 0, 0}, ball(1));
   define("rock", {3, 0, 0}, rock());
   step();
@@ -410,8 +410,8 @@ TEST_F(WorldByHand, ThePlanSaysWhatMovingThingsTake) {
     EXPECT_TRUE(row(structure).built) << structure;
     EXPECT_EQ(row(structure).saves, "") << structure;
   }
-  EXPECT_EQ(row("pair search").why, "2 movers");
-  EXPECT_EQ(row("mesh x mesh").why, "1 moving meshes");
+  EXPECT_EQ(row("pair search").reason, "2 movers");
+  EXPECT_EQ(row("mesh x mesh").reason, "1 moving meshes");
 }
 
 // The ray meets the ball surely; whether it meets the edge of the wall before it, doubles cannot say.
@@ -427,23 +427,23 @@ TEST_F(WorldByHand, OneSureHitIsEnoughForWhoAsksForAnyAlone) {
   const auto asked = [&](RayMode mode, Level highest) {
     return ask({.kind = QueryKind::ray, .mode = mode, .highest = highest, .numbers = {}}, ray);
   };
-  EXPECT_EQ(asked(RayMode::any, Level::filter).answers.at(0), Answer::hit);
+  EXPECT_EQ(asked(RayMode::any, Level::filter).answers.at(0), Verdict::hit);
   EXPECT_EQ(asked(RayMode::any, Level::filter).reasons.at(0), UndecidedReason::none);
   for (const RayMode mode : {RayMode::closest, RayMode::all}) {
-    EXPECT_EQ(asked(mode, Level::filter).answers.at(0), Answer::undecided) << "the wall may be the nearest";
+    EXPECT_EQ(asked(mode, Level::filter).answers.at(0), Verdict::undecided) << "the wall may be the nearest";
     EXPECT_EQ(asked(mode, Level::filter).reasons.at(0), UndecidedReason::numeric);
-    EXPECT_EQ(asked(mode, Level::rational).answers.at(0), Answer::hit);
+    EXPECT_EQ(asked(mode, Level::rational).answers.at(0), Verdict::hit);
   }
 }
 
 TEST(WorldPlan, ProbesAreBuiltWhereSomebodyReadsThem) {
   EXPECT_FALSE(plan_of_probes(0, true).built);
-  EXPECT_EQ(plan_of_probes(0, true).why, "no ray is fixed to an object");
+  EXPECT_EQ(plan_of_probes(0, true).reason, "no ray is fixed to an object");
   EXPECT_FALSE(plan_of_probes(3, false).built);
-  EXPECT_EQ(plan_of_probes(3, false).why, "3 probes; nobody reads them");
+  EXPECT_EQ(plan_of_probes(3, false).reason, "3 probes; nobody reads them");
   EXPECT_EQ(plan_of_probes(3, false).saves, "a ray a probe and step");
   EXPECT_TRUE(plan_of_probes(3, true).built);
-  EXPECT_EQ(plan_of_probes(3, true).why, "3 probes that somebody reads");
+  EXPECT_EQ(plan_of_probes(3, true).reason, "3 probes that somebody reads");
   EXPECT_EQ(plan_of_probes(3, true).saves, "");
 }
 

@@ -12,7 +12,7 @@ namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
 
@@ -117,7 +117,7 @@ TEST(WorldAskedError, AGrazingDistanceIsSharpenedOnlyForWhoNeedsIt) {
   const Vec3 origin = target - 100 * direction;
   const std::vector<double> numbers{origin.x(), origin.y(), origin.z(), direction.x(), direction.y(), direction.z(), INFINITY};
   const Asked asked = ask_both(*world.newest(), {.kind = QueryKind::ray, .numbers = numbers}, 1e-2);
-  ASSERT_EQ(asked.exact.answers[0], Answer::hit);
+  ASSERT_EQ(asked.exact.answers[0], Verdict::hit);
   expect_promise_kept(asked, 1e-2);
   EXPECT_LT(asked.exact.hits[0].error_m, 1e-7);
   EXPECT_GT(asked.loose.hits[0].error_m, asked.exact.hits[0].error_m) << "the exact distance was worked out for nobody";
@@ -136,10 +136,10 @@ TEST(WorldAskedError, ALadderThatEndsAtDoubleSaysUndecidedAndNeverMiss) {
   QueryScratch scratch;
   Questions questions{.kind = QueryKind::sphere, .numbers = numbers};
   answer(*world.newest(), questions, exact, scratch);
-  ASSERT_EQ(exact.answers[0], Answer::miss);
+  ASSERT_EQ(exact.answers[0], Verdict::miss);
   questions.highest = Level::filter;
   answer(*world.newest(), questions, capped, scratch);
-  EXPECT_EQ(capped.answers[0], Answer::undecided);
+  EXPECT_EQ(capped.answers[0], Verdict::undecided);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
 
@@ -61,7 +61,7 @@ TEST_F(WorldAudit, AMissThatIsAHitIsSeen) {
   for (const QueryKind kind : wire_contract::kWorldQuestions) {
     do ask(kind);
     while (given_.hits.empty());
-    given_.answers[0] = Answer::miss;
+    given_.answers[0] = Verdict::miss;
     given_.hits.clear();
     EXPECT_NE(verdict(), "") << name_of(kind);
   }
@@ -79,7 +79,7 @@ TEST_F(WorldAudit, AHitThatIsNoneIsSeen) {
       numbers_[0] = 1e3;
       answer(*state_, question_, given_, scratch_);
       ASSERT_TRUE(given_.hits.empty());
-      given_.answers[0] = Answer::hit;
+      given_.answers[0] = Verdict::hit;
       given_.hits = {stolen};
     }
     EXPECT_NE(verdict(), "") << name_of(kind);
@@ -116,7 +116,7 @@ TEST_F(WorldAudit, AnObjectTooFewIsSeen) {
 
 TEST_F(WorldAudit, UndecidedClaimsNothing) {
   ask(QueryKind::ray);
-  given_.answers[0] = Answer::undecided;
+  given_.answers[0] = Verdict::undecided;
   given_.reasons[0] = wire_contract::UndecidedReason::deadline;
   given_.hits.clear();
   EXPECT_EQ(verdict(), "");

@@ -38,17 +38,17 @@ struct Ball {
   std::int64_t birth_ns = 0;  // 0: at the next step
   std::int64_t posed_ns = 0;
   Vec3 start, end;
-  std::vector<Way> ways;
+  std::vector<Way> motions;
 
   Vec3 at(std::int64_t time_ns, bool before_jump = false) const {
     Vec3 place = start;
-    for (const Way& way : ways) {
-      if (time_ns < way.from_ns || (before_jump && way.from_ns == way.to_ns && time_ns == way.to_ns)) break;
-      if (time_ns >= way.to_ns) {
-        place = way.to;
+    for (const Way& displacement : motions) {
+      if (time_ns < displacement.from_ns || (before_jump && displacement.from_ns == displacement.to_ns && time_ns == displacement.to_ns)) break;
+      if (time_ns >= displacement.to_ns) {
+        place = displacement.to;
       } else {
-        const double share = static_cast<double>(time_ns - way.from_ns) / static_cast<double>(way.to_ns - way.from_ns);
-        place = way.from + share * (way.to - way.from);
+        const double share = static_cast<double>(time_ns - displacement.from_ns) / static_cast<double>(displacement.to_ns - displacement.from_ns);
+        place = displacement.from + share * (displacement.to - displacement.from);
       }
     }
     return place;
@@ -122,7 +122,7 @@ class Audit {
     definition.publisher = publisher;
     definition.pose.position = at;
     const ObjectId id = std::get<ObjectId>(world_.define(definition));
-    Ball ball{.publisher = publisher, .start = at, .end = at, .ways = {}};
+    Ball ball{.publisher = publisher, .start = at, .end = at, .motions = {}};
     Voice& voice = voices_[publisher];
     if (!any_of_silently(publisher)) {
       voice.known_ns = std::max(voice.known_ns, floor_ns_);
@@ -206,9 +206,9 @@ class Audit {
   void begin(Ball& ball, std::int64_t time_ns) {
     ball.birth_ns = time_ns;
     ball.posed_ns = std::max(ball.posed_ns, ball.birth_ns);
-    for (Way& way : ball.ways) {
-      way.from_ns = std::max(way.from_ns, ball.birth_ns);
-      way.to_ns = std::max(way.to_ns, ball.birth_ns);
+    for (Way& displacement : ball.motions) {
+      displacement.from_ns = std::max(displacement.from_ns, ball.birth_ns);
+      displacement.to_ns = std::max(displacement.to_ns, ball.birth_ns);
     }
   }
 
@@ -222,7 +222,7 @@ class Audit {
     if (voice.is_timed && ball.birth_ns != 0) since_ns = std::max(since_ns, time_ns > voice.known_ns ? voice.known_ns : voice.before_ns);
     time_ns = std::max(time_ns, ball.posed_ns);
     if (teleport || ball.birth_ns == 0) since_ns = time_ns;
-    ball.ways.push_back({std::min(since_ns, time_ns), time_ns, ball.end, to});
+    ball.motions.push_back({std::min(since_ns, time_ns), time_ns, ball.end, to});
     ball.end = to;
     ball.posed_ns = time_ns;
   }
@@ -304,8 +304,8 @@ class Audit {
   void go(const Ball& a, const Ball& b, std::int64_t from_ns, std::int64_t to_ns, PairState& state, int& expected) {
     std::set<std::int64_t> times{to_ns};
     for (const Ball* ball : {&a, &b}) {
-      for (const Way& way : ball->ways) {
-        for (const std::int64_t time : {way.from_ns, way.to_ns}) {
+      for (const Way& displacement : ball->motions) {
+        for (const std::int64_t time : {displacement.from_ns, displacement.to_ns}) {
           if (time > from_ns && time < to_ns) times.insert(time);
         }
       }
@@ -319,9 +319,9 @@ class Audit {
 
   /// The distance of two straight ways has one minimum: they meet at most once.
   static void piece(const Vec3& from, const Vec3& to, PairState& state, int& expected) {
-    const Vec3 way = to - from;
-    const double share = way.squaredNorm() > 0 ? std::clamp(-from.dot(way) / way.squaredNorm(), 0.0, 1.0) : 0;
-    const double gap_m = (from + share * way).norm() - 2 * kRadius_m;
+    const Vec3 displacement = to - from;
+    const double share = displacement.squaredNorm() > 0 ? std::clamp(-from.dot(displacement) / displacement.squaredNorm(), 0.0, 1.0) : 0;
+    const double gap_m = (from + share * displacement).norm() - 2 * kRadius_m;
     state.is_doubtful = state.is_doubtful || std::abs(gap_m) < 1e-9;
     expected += gap_m <= 0 && !state.is_held ? 1 : 0;
     state.is_held = to.norm() <= 2 * kRadius_m;

@@ -421,15 +421,15 @@ Crossing random_crossing(std::mt19937_64& random, bool boxes) {
     MovingBody body;
     if (boxes) body.form = Vec3(size * in(0.2, 1), size * in(0.2, 1), size * in(0.2, 1));
     else body.form = size * in(0.2, 1);
-    const Vec3 beside = vector(1.2 * size);
+    const Vec3 summand = vector(1.2 * size);
     const Vec3 velocity = vector(speed);
     const Vec3 bend = vector(0.3 * speed);
     // Steps that pass until both have said something take less than a thousand nanoseconds of the world's own time.
-    body.instants.push_back({kStart + 1'000, beside + velocity * -0.25 + bend * 0.25});
+    body.instants.push_back({kStart + 1'000, summand + velocity * -0.25 + bend * 0.25});
     double time_ns = 2'000 + in(0, period_ns);
     while (time_ns < 0.5e9 || body.instants.size() < 2) {
       const double s = 1e-9 * time_ns - 0.25;
-      body.instants.push_back({kStart + static_cast<std::int64_t>(time_ns), beside + velocity * s + bend * std::abs(s)});
+      body.instants.push_back({kStart + static_cast<std::int64_t>(time_ns), summand + velocity * s + bend * std::abs(s)});
       time_ns += period_ns * in(0.7, 1.3);
     }
     crossing.bodies.emplace_back(publisher, std::move(body));

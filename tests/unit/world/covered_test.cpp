@@ -17,7 +17,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
 using wire_contract::UndecidedReason;
@@ -49,7 +49,7 @@ struct Covered {
     answer(*world.newest(), {.kind = kind, .mode = mode, .max_hits = max_hits, .numbers = numbers, .mover = mover}, answers, scratch);
     return answers;
   }
-  Answer verdict(QueryKind kind, std::vector<double> numbers, RayMode mode = RayMode::closest) { return ask(kind, std::move(numbers), mode).answers[0]; }
+  Verdict verdict(QueryKind kind, std::vector<double> numbers, RayMode mode = RayMode::closest) { return ask(kind, std::move(numbers), mode).answers[0]; }
   World world{WorldOptions{}};
   QueryScratch scratch;
   std::int64_t seconds = 0;
@@ -57,7 +57,7 @@ struct Covered {
 
 /// Undecided for that reason, and where it ends stands behind the hits.
 void expect_not_covered(const Answers& answers, const Vec3& point, std::size_t hits = 0) {
-  EXPECT_EQ(answers.answers[0], Answer::undecided);
+  EXPECT_EQ(answers.answers[0], Verdict::undecided);
   EXPECT_EQ(answers.reasons[0], UndecidedReason::not_covered);
   ASSERT_EQ(answers.hits.size(), hits + 1);
   EXPECT_EQ(answers.hit_counts[0], hits + 1);
@@ -68,14 +68,14 @@ void expect_not_covered(const Answers& answers, const Vec3& point, std::size_t h
 
 TEST(Covered, AMissIsOneOnlyWhereAllThatWasAskedIsCovered) {
   Covered world;
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 5, 0, 0, 0, 1, 9}), Answer::miss);
+  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 5, 0, 0, 0, 1, 9}), Verdict::miss);
   expect_not_covered(world.ask(QueryKind::ray, {0, 5, 0, 0, 0, 2, 11}), {0, 5, 10});
   EXPECT_NEAR(world.ask(QueryKind::ray, {0, 5, 0, 0, 0, 2, 11}).hits[0].distance_m, 10, 1e-9);
   expect_not_covered(world.ask(QueryKind::ray, {0, 5, 0, 3, 4, 0, kInfinity}), {3.75, 10, 0});
   expect_not_covered(world.ask(QueryKind::ray, {0, 50, 0, 0, 1, 0, 1}), {0, 50, 0});
-  EXPECT_EQ(world.verdict(QueryKind::sphere, {5, 5, 5, 4}), Answer::miss);
+  EXPECT_EQ(world.verdict(QueryKind::sphere, {5, 5, 5, 4}), Verdict::miss);
   expect_not_covered(world.ask(QueryKind::sphere, {5, 5, -7, 4}), {5, 5, -10});
-  EXPECT_EQ(world.verdict(QueryKind::box, {5, 5, 5, 1, 2, 5, 1, 0, 0, 0}), Answer::miss);
+  EXPECT_EQ(world.verdict(QueryKind::box, {5, 5, 5, 1, 2, 5, 1, 0, 0, 0}), Verdict::miss);
   expect_not_covered(world.ask(QueryKind::box, {5, 5, 5, 1, 6, 5, 1, 0, 0, 0}), {5, 10, 5});
   expect_not_covered(world.ask(QueryKind::box, {8, 5, 5, 1, 4, 1, 0.6, 0, 0, 0.8}), {10, 5, 5});
   expect_not_covered(world.ask(QueryKind::near, {5, 0, 0, 6}, RayMode::closest, nullptr, 2), {10, 0, 0}, 1);
@@ -84,24 +84,24 @@ TEST(Covered, AMissIsOneOnlyWhereAllThatWasAskedIsCovered) {
 // A nearest hit says that nothing is nearer; that something is there needs no more than the hit.
 TEST(Covered, AHitStaysWhereNothingUnknownCouldBeBeforeIt) {
   Covered world;
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 0, 5, 0, 0, -1, kInfinity}), Answer::hit);
+  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 0, 5, 0, 0, -1, kInfinity}), Verdict::hit);
   expect_not_covered(world.ask(QueryKind::ray, {0, 0, 15, 0, 0, -1, kInfinity}), {0, 0, 15}, 1);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 0, 15, 0, 0, -1, kInfinity}, RayMode::any), Answer::hit);
+  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 0, 15, 0, 0, -1, kInfinity}, RayMode::any), Verdict::hit);
   expect_not_covered(world.ask(QueryKind::ray, {0, 2, 0, 0, 1, 0, kInfinity}), {0, 10, 0}, 1);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 2, 0, 0, 1, 0, kInfinity}, RayMode::any), Answer::hit);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 0, 5, 0, 0, -1, 15}, RayMode::all), Answer::hit);
+  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 2, 0, 0, 1, 0, kInfinity}, RayMode::any), Verdict::hit);
+  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 0, 5, 0, 0, -1, 15}, RayMode::all), Verdict::hit);
   expect_not_covered(world.ask(QueryKind::ray, {0, 0, 5, 0, 0, -1, 16}, RayMode::all), {0, 0, -10}, 1);
-  EXPECT_EQ(world.verdict(QueryKind::sphere, {9, 0, 0, 8.5}), Answer::hit);
-  EXPECT_EQ(world.ask(QueryKind::near, {5, 0, 0, kInfinity}, RayMode::closest, nullptr, 1).answers[0], Answer::hit);
-  EXPECT_EQ(world.ask(QueryKind::near, {8, 0, 0, kInfinity}, RayMode::closest, nullptr, 1).answers[0], Answer::undecided);
+  EXPECT_EQ(world.verdict(QueryKind::sphere, {9, 0, 0, 8.5}), Verdict::hit);
+  EXPECT_EQ(world.ask(QueryKind::near, {5, 0, 0, kInfinity}, RayMode::closest, nullptr, 1).answers[0], Verdict::hit);
+  EXPECT_EQ(world.ask(QueryKind::near, {8, 0, 0, kInfinity}, RayMode::closest, nullptr, 1).answers[0], Verdict::undecided);
   Shape shape;
   shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 1});
   const ObjectInfo mover = without_world(shape);
   const auto sweep = [&](double from, double to) {
     return world.ask(QueryKind::sweep, {from, 0, 0, 1, 0, 0, 0, to, 0, 0, 1, 0, 0, 0}, RayMode::closest, &mover);
   };
-  EXPECT_EQ(sweep(8, 3).answers[0], Answer::miss);
-  EXPECT_EQ(sweep(8, -50).answers[0], Answer::hit) << "what comes after the contact is not asked about";
+  EXPECT_EQ(sweep(8, 3).answers[0], Verdict::miss);
+  EXPECT_EQ(sweep(8, -50).answers[0], Verdict::hit) << "what comes after the contact is not asked about";
   expect_not_covered(sweep(9.5, -50), {10, 0, 0}, 1);
 }
 
@@ -111,19 +111,19 @@ TEST(Covered, TheBorderIsExact) {
   Covered world({box({-1, -1, 0.25}, {tenth * 3, 5, 1})});
   const double length = 5 - 1.5;
   const auto up = [](double x) { return std::nextafter(x, kInfinity); };
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 1.5, 0.3, 0, 1, 0, length}), Answer::miss);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 1.5, 0.3, 0, 1, 0, up(length)}), Answer::undecided);
+  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 1.5, 0.3, 0, 1, 0, length}), Verdict::miss);
+  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 1.5, 0.3, 0, 1, 0, up(length)}), Verdict::undecided);
   // 0.1 + 0.2 rounds to 0.3 and a bit, which is 3 * 0.1; the exact sum lies below it.
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0.1, 2, 0.3, 1, 0, 0, 0.2}), Answer::miss);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0.1, 2, 0.3, 1, 0, 0, up(up(0.2))}), Answer::undecided);
-  EXPECT_EQ(world.verdict(QueryKind::sphere, {0.2, 2, 0.3, 0.3 - 0.25}), Answer::miss);
-  EXPECT_EQ(world.verdict(QueryKind::sphere, {0.2, 2, 0.3, up(0.3 - 0.25)}), Answer::undecided);
+  EXPECT_EQ(world.verdict(QueryKind::ray, {0.1, 2, 0.3, 1, 0, 0, 0.2}), Verdict::miss);
+  EXPECT_EQ(world.verdict(QueryKind::ray, {0.1, 2, 0.3, 1, 0, 0, up(up(0.2))}), Verdict::undecided);
+  EXPECT_EQ(world.verdict(QueryKind::sphere, {0.2, 2, 0.3, 0.3 - 0.25}), Verdict::miss);
+  EXPECT_EQ(world.verdict(QueryKind::sphere, {0.2, 2, 0.3, up(0.3 - 0.25)}), Verdict::undecided);
   // Where a direction's own length is rounded coarsely, or overflows.
   Covered slim({box({0, -9, -9}, {0.1, 9, 9})});
   const double least = std::numeric_limits<double>::denorm_min();
-  EXPECT_EQ(slim.verdict(QueryKind::ray, {0, 5, 0, 3 * least, 2 * least, 0, 0.123}), Answer::undecided) << "it ends at 0.102";
-  EXPECT_EQ(slim.verdict(QueryKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.25}), Answer::undecided) << "it ends at 0.144";
-  EXPECT_EQ(slim.verdict(QueryKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.09}), Answer::miss);
+  EXPECT_EQ(slim.verdict(QueryKind::ray, {0, 5, 0, 3 * least, 2 * least, 0, 0.123}), Verdict::undecided) << "it ends at 0.102";
+  EXPECT_EQ(slim.verdict(QueryKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.25}), Verdict::undecided) << "it ends at 0.144";
+  EXPECT_EQ(slim.verdict(QueryKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.09}), Verdict::miss);
 }
 
 TEST(Covered, NothingIsStatedByDefaultAndUnsaidByTakingAway) {
@@ -137,24 +137,24 @@ TEST(Covered, NothingIsStatedByDefaultAndUnsaidByTakingAway) {
     answer(*world.newest(), {.kind = QueryKind::ray, .numbers = numbers}, answers, scratch);
     return answers.answers[0];
   };
-  EXPECT_EQ(verdict(), Answer::miss);
+  EXPECT_EQ(verdict(), Verdict::miss);
   world.state_covers("hall", {{box({-1, -1, -1}, {1, 10, 10})}});
-  EXPECT_EQ(verdict(), Answer::miss);
+  EXPECT_EQ(verdict(), Verdict::miss);
   world.remove_scene("shed");
-  EXPECT_EQ(verdict(), Answer::miss);
+  EXPECT_EQ(verdict(), Verdict::miss);
   world.remove_scene("hall");
-  EXPECT_EQ(verdict(), Answer::undecided) << "with the hall went the knowledge, not the doubt";
+  EXPECT_EQ(verdict(), Verdict::undecided) << "with the hall went the knowledge, not the doubt";
   world.state_covers("", {{box(Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity))}});
-  EXPECT_EQ(verdict(), Answer::miss);
+  EXPECT_EQ(verdict(), Verdict::miss);
   // Two that touch contain the ray together.
   world.state_covers("", {{box({-1, -1, -1}, {1, 10, 5})}});
-  EXPECT_EQ(verdict(), Answer::undecided);
+  EXPECT_EQ(verdict(), Verdict::undecided);
   world.state_covers("next", {{box({-1, -1, 5}, {1, 10, 10})}});
-  EXPECT_EQ(verdict(), Answer::miss);
-  EXPECT_EQ(verdict(0.1), Answer::miss);
+  EXPECT_EQ(verdict(), Verdict::miss);
+  EXPECT_EQ(verdict(0.1), Verdict::miss);
   world.state_covers("next", {{box({-1, -1, std::nextafter(5, 6)}, {1, 10, 10})}});
-  EXPECT_EQ(verdict(), Answer::undecided) << "there is a gap of one double";
-  EXPECT_EQ(verdict(0.1), Answer::undecided);
+  EXPECT_EQ(verdict(), Verdict::undecided) << "there is a gap of one double";
+  EXPECT_EQ(verdict(0.1), Verdict::undecided);
 }
 
 TEST(Covered, AProbeThatLooksOutOfItIsUndecided) {
@@ -294,11 +294,11 @@ TEST(Covered, NothingOutsideContradictsWhatWasAnswered) {
       const Answers truth = there.ask(kind, numbers, RayMode::closest, &mover, 1);
       const bool is_of_stranger = !truth.hits.empty() && truth.hits[0].object == stranger;
       const bool is_overlap = kind == QueryKind::sphere || kind == QueryKind::box;
-      const bool differs = truth.answers[0] == Answer::hit && is_of_stranger && (!is_overlap || given.hits.empty() || given.answers[0] != Answer::hit);
+      const bool differs = truth.answers[0] == Verdict::hit && is_of_stranger && (!is_overlap || given.hits.empty() || given.answers[0] != Verdict::hit);
       changed += differs ? 1 : 0;
       doubted += given.reasons[0] == UndecidedReason::not_covered ? 1 : 0;
-      sure += given.answers[0] != Answer::undecided ? 1 : 0;
-      contradicted += differs && given.answers[0] != Answer::undecided ? 1 : 0;
+      sure += given.answers[0] != Verdict::undecided ? 1 : 0;
+      contradicted += differs && given.answers[0] != Verdict::undecided ? 1 : 0;
     }
   }
   EXPECT_EQ(contradicted, 0);

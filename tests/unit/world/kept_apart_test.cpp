@@ -45,7 +45,7 @@ class Drift {
   }
   void step() {
     for (Rock& one : rocks_) {
-      one.pose.position += one.way;
+      one.pose.position += one.displacement;
       one.pose.rotation = (Quat(Eigen::AngleAxisd(0.01, one.axis)) * one.pose.rotation).normalized();
       EXPECT_TRUE(world_.move(one.id, one.pose, now_ns_, false));
     }
@@ -80,7 +80,7 @@ class Drift {
     ObjectId id;
     std::shared_ptr<const TriangleMesh> mesh;
     Pose pose;
-    Vec3 way;
+    Vec3 displacement;
     Vec3 axis;
   };
   void add(std::uint64_t i) {
@@ -89,7 +89,7 @@ class Drift {
       const double x = part(random_), y = part(random_);
       return Vec3(x, y, part(random_));
     };
-    Rock one{.id = 0, .mesh = rock(i), .pose = {}, .way = 0.02 * any(), .axis = any().normalized()};
+    Rock one{.id = 0, .mesh = rock(i), .pose = {}, .displacement = 0.02 * any(), .axis = any().normalized()};
     one.pose.position = Vec3(i % 2 == 0 ? -1.4 : 1.4, i < 2 ? -1.4 : 1.4, 2.5) + 0.2 * any();
     ObjectDefinition definition;
     definition.name = "rock" + std::to_string(i);

@@ -41,7 +41,7 @@ class WorldMaxContacts : public ::testing::Test {
   }
   bool plan_says_so() const {
     for (const PlanRow& row : plan_of(*world_.newest(), true)) {
-      if (row.why.find("truncated") != std::string::npos) return true;
+      if (row.reason.find("truncated") != std::string::npos) return true;
     }
     return false;
   }

@@ -95,16 +95,16 @@ TEST(WorldTouch, ThePairOfAMeshAndASolidSaysHowExactlyItWasDecided) {
       const ObjectId b = mesh_first ? stage.add("ball", ball, extreme::at({0, 0, height_m}), false) : stage.add("floor", floor, {}, false);
       stage.step();
       const SnapshotRing::Lease state = stage.world.newest();
-      Touch touch;
+      ContactSearch touch;
       WalkCost cost;
-      touch_objects(placed(*state, a), placed(*state, b), touch, cost);
+      search_objects(placed(*state, a), placed(*state, b), touch, cost);
       EXPECT_TRUE(touch.yes) << mesh_first << ' ' << height_m;
       EXPECT_EQ(touch.level > Level::filter, height_m == 0.3) << mesh_first;
       EXPECT_FALSE(touch.undecided);
       EXPECT_EQ(touch.exact_tests, 1u);
       const PrecisionScope filter_alone({.highest = Level::filter});
-      Touch quick;
-      touch_objects(placed(*state, a), placed(*state, b), quick, cost);
+      ContactSearch quick;
+      search_objects(placed(*state, a), placed(*state, b), quick, cost);
       EXPECT_EQ(quick.yes, height_m == 0.1) << mesh_first;
       EXPECT_EQ(quick.undecided, height_m == 0.3) << "what was not allowed to be decided is not called apart";
     }
@@ -182,8 +182,8 @@ TEST(PairReports, AreAsEveryPairOfPartsSays) {
         if (!twin.touches) {
           ++apart;
           ASSERT_LE(std::abs(found.separation.distance_m - twin.least_m), found.separation.error_m + 1e-12);
-          const Vec3 way = found.separation.on_b - found.separation.on_a;
-          ASSERT_NEAR(way.norm(), found.separation.distance_m, found.separation.error_m + 2 * found.separation.point_error_m + 1e-12);
+          const Vec3 displacement = found.separation.on_b - found.separation.on_a;
+          ASSERT_NEAR(displacement.norm(), found.separation.distance_m, found.separation.error_m + 2 * found.separation.point_error_m + 1e-12);
           continue;
         }
         ++touching;
@@ -252,12 +252,12 @@ TEST(PairReports, OneMeshWithinAnother) {
   const ObjectId outer = stage.add("outer", extreme::mesh_shape(latitude_longitude_sphere(2, 12, 8)), extreme::at({1, 2, 3}));
   const ObjectId inner = stage.add("inner", extreme::mesh_shape(latitude_longitude_sphere(0.3, 8, 6)), extreme::at({1.1, 2, 3}));
   const ObjectId ball = stage.ball("ball", {1, 2.5, 3}, 0.2);
-  const ObjectId beside = stage.ball("beside", {2.9, 3.9, 3}, 0.1);  // in its bounds, not in it
+  const ObjectId summand = stage.ball("beside", {2.9, 3.9, 3}, 0.1);  // in its bounds, not in it
   stage.step();
   EXPECT_EQ(report(stage.world, outer, inner).contained, Contained::b_in_a);
   EXPECT_EQ(report(stage.world, inner, outer).contained, Contained::a_in_b);
   EXPECT_EQ(report(stage.world, outer, ball).contained, Contained::b_in_a);
-  EXPECT_EQ(report(stage.world, outer, beside).contained, Contained::none);
+  EXPECT_EQ(report(stage.world, outer, summand).contained, Contained::none);
   EXPECT_EQ(report(stage.world, inner, ball).contained, Contained::none);
   const auto two_balls = [&](const std::string& name, double apart_m) {
     TriangleMesh both = latitude_longitude_sphere(0.3, 8, 6);

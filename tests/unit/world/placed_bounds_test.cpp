@@ -6,7 +6,7 @@
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/part_index.hpp"
 #include "server/world/objects/sweep.hpp"
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 
@@ -99,7 +99,7 @@ TEST_F(WorldPlacedBounds, NoPointGoesFartherThanTheLongestWay) {
     const Vec3 travel = i % 3 == 0 ? Vec3(Vec3::Zero()) : point(2);
     const Frame from = frame_of(pose(1));
     const Frame to{Mat3(Eigen::AngleAxisd(angle, point(1).normalized()) * from.rotation), from.position + travel};
-    const double longest_m = longest_way_m(from, to, reach_m);
+    const double longest_m = longest_displacement_m(from, to, reach_m);
     const double truth_m = travel.norm() + angle * reach_m;
     EXPECT_GE(longest_m * (1 + 1e-9), truth_m) << angle;
     EXPECT_LE(longest_m, 1.58 * truth_m) << "little more than that";
@@ -111,12 +111,12 @@ TEST_F(WorldPlacedBounds, AnObjectUnderWayLiesWithinItsBoundsAtEveryTime) {
     const ObjectInfo info = mesh_object(scenes::box({any(0.1, 1), any(0.1, 1), any(0.1, 1)}, point(1)));
     const Frame from = frame_of(pose(3));
     const Frame to{Mat3(Eigen::AngleAxisd(any(0, 3.1), point(1).normalized()) * from.rotation), from.position + point(1)};
-    const BodyWay way(from, to);
-    const Aabb all = bounds(info, way, reach_of(info));
+    const BodyMotion motion(from, to);
+    const Aabb all = bounds(info, motion, reach_of(info));
     const Aabb quick = quick_bounds(info, from, to, bounds_of(info, to), reach_of(info));
     for (int k = 0; k <= 16; ++k) {
-      ASSERT_TRUE(contains(all, bounds_of(info, way.at(k / 16.0)))) << i;
-      ASSERT_TRUE(contains(quick, bounds_of(info, way.at(k / 16.0)))) << i;
+      ASSERT_TRUE(contains(all, bounds_of(info, motion.at(k / 16.0)))) << i;
+      ASSERT_TRUE(contains(quick, bounds_of(info, motion.at(k / 16.0)))) << i;
     }
   }
 }

@@ -12,7 +12,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::UndecidedReason;
 
@@ -199,9 +199,9 @@ TEST_F(WorldPoseMemory, WhatIsGoneWasThereAndWhatCameLaterWasNot) {
   EXPECT_FALSE(was_there(kStart + kTick + 1, a)) << "its publisher had said no more of it";
   EXPECT_FALSE(was_there(kStart + 3 * kTick - 1, b));
   EXPECT_TRUE(was_there(kStart + 3 * kTick, b));
-  EXPECT_EQ(ray_down(kStart + kTick / 2, 0).answers.at(0), Answer::hit);
-  EXPECT_EQ(ray_down(kStart + 2 * kTick, 0).answers.at(0), Answer::miss);
-  EXPECT_EQ(ray_down(kStart + 3 * kTick, 5).answers.at(0), Answer::hit);
+  EXPECT_EQ(ray_down(kStart + kTick / 2, 0).answers.at(0), Verdict::hit);
+  EXPECT_EQ(ray_down(kStart + 2 * kTick, 0).answers.at(0), Verdict::miss);
+  EXPECT_EQ(ray_down(kStart + 3 * kTick, 5).answers.at(0), Verdict::hit);
 }
 
 // Two maps would take the room of two.
@@ -218,11 +218,11 @@ TEST_F(WorldPoseMemory, ItBeginsAnewWhereStaticGeometryChanges) {
   ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world.add_scene(scene, std::move(indexed))));
   say(1, kStart + 2 * kTick, {{a, at(2)}});
   EXPECT_EQ(world.memory().at(kStart + kTick), nullptr);
-  EXPECT_EQ(ray_down(kStart + 2 * kTick, -3).answers.at(0), Answer::hit) << "the scene";
+  EXPECT_EQ(ray_down(kStart + 2 * kTick, -3).answers.at(0), Verdict::hit) << "the scene";
   world.remove_scene("scene");
   say(1, kStart + 3 * kTick, {{a, at(3)}});
   EXPECT_EQ(world.memory().at(kStart + 2 * kTick), nullptr);
-  EXPECT_EQ(ray_down(kStart + 3 * kTick, -3).answers.at(0), Answer::miss);
+  EXPECT_EQ(ray_down(kStart + 3 * kTick, -3).answers.at(0), Verdict::miss);
   for (int i = 4; i < 40; ++i) say(1, kStart + i * kTick, {{a, at(i)}});
   EXPECT_TRUE(seen.expired()) << "nothing of it is kept";
 }
@@ -236,11 +236,11 @@ TEST_F(WorldPoseMemory, BeyondWhatIsKnownNothingWithinReachIsDecided) {
   say(2, kStart + 2 * kSecond, {{b, at(100)}});
   const std::int64_t time_ns = kStart + kSecond;
   EXPECT_EQ(world.newest()->settled_ns, kStart + kTick);
-  EXPECT_EQ(ray_down(kStart + kTick, 5).answers.at(0), Answer::miss) << "known: it was at 0.1 then";
-  EXPECT_EQ(ray_down(time_ns, 5).answers.at(0), Answer::undecided);
+  EXPECT_EQ(ray_down(kStart + kTick, 5).answers.at(0), Verdict::miss) << "known: it was at 0.1 then";
+  EXPECT_EQ(ray_down(time_ns, 5).answers.at(0), Verdict::undecided);
   EXPECT_EQ(ray_down(time_ns, 5).reasons.at(0), UndecidedReason::stale_object);
-  EXPECT_EQ(ray_down(time_ns, 60).answers.at(0), Answer::miss) << "it cannot have come so far";
-  EXPECT_EQ(ray_down(time_ns, 100).answers.at(0), Answer::hit) << "the other one stands in no doubt";
+  EXPECT_EQ(ray_down(time_ns, 60).answers.at(0), Verdict::miss) << "it cannot have come so far";
+  EXPECT_EQ(ray_down(time_ns, 100).answers.at(0), Verdict::hit) << "the other one stands in no doubt";
 }
 
 TEST_F(WorldPoseMemory, ReachesAsFarBackAsItWasAskedTo) {

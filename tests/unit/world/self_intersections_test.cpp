@@ -43,10 +43,10 @@ TEST(WorldSelfIntersections, ATriangleThatPassesThroughItsNeighbourAtACornerIsOn
   // The second one's far side goes through the first one's inside.
   const TriangleMesh pierced{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 1}, {1, 1, -1}}, {{0, 1, 2}, {0, 3, 4}}};
   EXPECT_EQ(found(pierced).size(), 1u);
-  TriangleMesh beside = pierced;
-  beside.vertices[3] = {-1, -1, 1};
-  beside.vertices[4] = {-1, -1, -1};
-  EXPECT_TRUE(found(beside).empty());
+  TriangleMesh summand = pierced;
+  summand.vertices[3] = {-1, -1, 1};
+  summand.vertices[4] = {-1, -1, -1};
+  EXPECT_TRUE(found(summand).empty());
 }
 
 TEST(WorldSelfIntersections, ATouchOfAVertexCounts) {

@@ -228,7 +228,7 @@ TEST(SharedMesh, EqualMeshesHaveOneMemoryAndIndex) {
   world.step(0, 1, {});
   bool told = false;
   for (const PlanRow& row : plan_of(*world.newest(), false)) {
-    if (row.structure == "shared meshes") told = row.built && row.why == "3 objects with 2 different meshes";
+    if (row.structure == "shared meshes") told = row.built && row.reason == "3 objects with 2 different meshes";
   }
   EXPECT_TRUE(told);
 }

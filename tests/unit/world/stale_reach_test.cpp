@@ -13,7 +13,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::QueryKind;
 using wire_contract::RayMode;
 using wire_contract::UndecidedReason;
@@ -49,7 +49,7 @@ struct LostBall {
 };
 
 void expect_stale(const Answers& answers) {
-  EXPECT_EQ(answers.answers[0], Answer::undecided);
+  EXPECT_EQ(answers.answers[0], Verdict::undecided);
   EXPECT_EQ(answers.reasons[0], UndecidedReason::stale_object);
 }
 
@@ -58,15 +58,15 @@ TEST(StaleReach, AMissWithinReachIsUndecidedAndOneBeyondIsNot) {
   LostBall lost({0, 0, 0}, {1, 0, 0});
   lost.step(21 * kSecond);
   expect_stale(lost.ask(QueryKind::ray, {-11.5 + 2, 5, -50, 0, 0, 1, 100}));
-  EXPECT_EQ(lost.ask(QueryKind::ray, {12.6, 0, -50, 0, 0, 1, 100}).answers[0], Answer::miss);
+  EXPECT_EQ(lost.ask(QueryKind::ray, {12.6, 0, -50, 0, 0, 1, 100}).answers[0], Verdict::miss);
   expect_stale(lost.ask(QueryKind::ray, {0, 0, -50, 0, 0, 1, 40}));
-  EXPECT_EQ(lost.ask(QueryKind::ray, {0, 0, -50, 0, 0, 1, 38}).answers[0], Answer::miss) << "the ray ends before";
+  EXPECT_EQ(lost.ask(QueryKind::ray, {0, 0, -50, 0, 0, 1, 38}).answers[0], Verdict::miss) << "the ray ends before";
   expect_stale(lost.ask(QueryKind::sphere, {0, 0, 12, 1}));
-  EXPECT_EQ(lost.ask(QueryKind::sphere, {0, 0, 13, 1}).answers[0], Answer::miss);
+  EXPECT_EQ(lost.ask(QueryKind::sphere, {0, 0, 13, 1}).answers[0], Verdict::miss);
   expect_stale(lost.ask(QueryKind::box, {0, 0, 12, 1, 1, 1, 1, 0, 0, 0}));
-  EXPECT_EQ(lost.ask(QueryKind::box, {0, 0, 13, 1, 1, 1, 1, 0, 0, 0}).answers[0], Answer::miss);
+  EXPECT_EQ(lost.ask(QueryKind::box, {0, 0, 13, 1, 1, 1, 1, 0, 0, 0}).answers[0], Verdict::miss);
   expect_stale(lost.ask(QueryKind::near, {0, 0, 20, 9.1}));
-  EXPECT_EQ(lost.ask(QueryKind::near, {0, 0, 20, 8.9}).answers[0], Answer::miss);
+  EXPECT_EQ(lost.ask(QueryKind::near, {0, 0, 20, 8.9}).answers[0], Verdict::miss);
 }
 
 // Apart is where it cannot have come to the other; where it was when it was heard of last shows, and is marked.
@@ -93,31 +93,31 @@ TEST(StaleReach, APairIsApartOnlyWhereTheLostOneCannotHaveComeToTheOther) {
   }
   EXPECT_FALSE(report_pair(*lost.world.newest(), near, far, {}).is_stale);
   LostBall still({1, 0, 0}, {1, 0, 0});
-  const ObjectId beside = std::get<ObjectId>(still.world.define(ball("beside", {2.5, 0, 0})));
+  const ObjectId summand = std::get<ObjectId>(still.world.define(ball("beside", {2.5, 0, 0})));
   still.step(21 * kSecond);
-  EXPECT_EQ(report_pair(*still.world.newest(), still.id, beside, {}).touches, Decision::no) << "what stood still is where it was";
-  EXPECT_FALSE(report_pair(*still.world.newest(), still.id, beside, {}).is_stale);
+  EXPECT_EQ(report_pair(*still.world.newest(), still.id, summand, {}).touches, Decision::no) << "what stood still is where it was";
+  EXPECT_FALSE(report_pair(*still.world.newest(), still.id, summand, {}).is_stale);
 }
 
 TEST(StaleReach, TheReachGrowsWithTheAge) {
   LostBall lost({0, 0, 0}, {1, 0, 0});
   const std::vector<double> ray{5, 0, -50, 0, 0, 1, 100};
-  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Answer::miss);
+  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Verdict::miss);
   lost.step(12 * kSecond);
-  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Answer::miss);
+  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Verdict::miss);
   lost.step(15 * kSecond);
   expect_stale(lost.ask(QueryKind::ray, ray));
   lost.world.set_stale(lost.id, false);
   lost.step(15 * kSecond);
-  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Answer::miss) << "its publisher is back";
+  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Verdict::miss) << "its publisher is back";
 }
 
 TEST(StaleReach, WhatStoodStillIsWhereItWas) {
   LostBall lost({1, 0, 0}, {1, 0, 0});
   lost.step(1'000 * kSecond);
-  EXPECT_EQ(lost.ask(QueryKind::ray, {5, 0, -50, 0, 0, 1, 100}).answers[0], Answer::miss);
+  EXPECT_EQ(lost.ask(QueryKind::ray, {5, 0, -50, 0, 0, 1, 100}).answers[0], Verdict::miss);
   const Answers hit = lost.ask(QueryKind::ray, {1, 0, -50, 0, 0, 1, 100});
-  EXPECT_EQ(hit.answers[0], Answer::hit);
+  EXPECT_EQ(hit.answers[0], Verdict::hit);
   EXPECT_EQ(hit.hits[0].flags & wire_contract::kStale, wire_contract::kStale);
 }
 
@@ -126,18 +126,18 @@ TEST(StaleReach, OnlyWhatCouldChangeIsInDoubt) {
   LostBall lost({0, 0, 0}, {1, 0, 0});
   static_cast<void>(lost.world.define(ball("wall", {0, 0, 30})));
   lost.step(21 * kSecond);
-  EXPECT_EQ(lost.ask(QueryKind::ray, {0, 0, 50, 0, 0, -1, 100}).answers[0], Answer::hit) << "the wall comes first";
+  EXPECT_EQ(lost.ask(QueryKind::ray, {0, 0, 50, 0, 0, -1, 100}).answers[0], Verdict::hit) << "the wall comes first";
   const Answers behind = lost.ask(QueryKind::ray, {6, 0, -50, -6, 0, 80, 1'000});
   expect_stale(behind);
   ASSERT_EQ(behind.hit_counts[0], 1U) << "what is known is told";
-  EXPECT_EQ(lost.ask(QueryKind::ray, {6, 0, -50, -6, 0, 80, 1'000}, RayMode::any).answers[0], Answer::hit);
-  EXPECT_EQ(lost.ask(QueryKind::sphere, {0, 0, 30, 25}).answers[0], Answer::hit) << "it meets something in any case";
+  EXPECT_EQ(lost.ask(QueryKind::ray, {6, 0, -50, -6, 0, 80, 1'000}, RayMode::any).answers[0], Verdict::hit);
+  EXPECT_EQ(lost.ask(QueryKind::sphere, {0, 0, 30, 25}).answers[0], Verdict::hit) << "it meets something in any case";
   Questions masked{.kind = QueryKind::ray, .skip = "lost", .numbers = {}};
   const std::vector<double> ray{3, 0, -50, 0, 0, 1, 100};
   masked.numbers = ray;
   Answers answers;
   answer(*lost.world.newest(), masked, answers, lost.scratch);
-  EXPECT_EQ(answers.answers[0], Answer::miss) << "who does not ask about it need not care";
+  EXPECT_EQ(answers.answers[0], Verdict::miss) << "who does not ask about it need not care";
 }
 
 /// Numbers of a question near the origin.
@@ -192,7 +192,7 @@ TEST(StaleReach, NoPlaceWithinReachContradictsWhatWasAnswered) {
         const bool differs = truth.answers[0] != given.answers[0] ||
                              (!truth.hits.empty() && kind != QueryKind::sphere && kind != QueryKind::box &&
                               truth.hits[0].distance_m + truth.hits[0].error_m < given.hits[0].distance_m - given.hits[0].error_m);
-        if (given.answers[0] == Answer::undecided || names_it || !differs) continue;
+        if (given.answers[0] == Verdict::undecided || names_it || !differs) continue;
         ++changed;
       }
     }

@@ -44,17 +44,17 @@ TEST(WorldSurfaceCover, AnEqualSheetWhoseBorderIsTheTablesCoversIt) {
 }
 
 using Rational3 = std::array<mpq_class, 3>;
-Rational3 way(const Vec3& to, const Vec3& from) {
+Rational3 motion(const Vec3& to, const Vec3& from) {
   return {mpq_class(to[0]) - mpq_class(from[0]), mpq_class(to[1]) - mpq_class(from[1]), mpq_class(to[2]) - mpq_class(from[2])};
 }
 mpq_class dot(const Rational3& a, const Rational3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Square of a point's distance from the plane of a triangle, rounded once.
 double square_from_plane_m2(const Vec3& point, const Triangle& t) {
-  const Rational3 p = way(t.b, t.a);
-  const Rational3 q = way(t.c, t.a);
+  const Rational3 p = motion(t.b, t.a);
+  const Rational3 q = motion(t.c, t.a);
   const Rational3 normal{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
-  const mpq_class height = dot(normal, way(point, t.a));
+  const mpq_class height = dot(normal, motion(point, t.a));
   return mpq_class(height * height / dot(normal, normal)).get_d();
 }
 

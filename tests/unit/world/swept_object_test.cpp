@@ -51,7 +51,7 @@ struct Scene {
   SweptTouch ask(const ObjectInfo& info, const Frame& from, const Frame& to, const SweepOptions& options = {}) const {
     WalkCost cost;
     SweptTouch touch;
-    sweep(SweptBody(info, BodyWay(from, to)), SweptBody(scene), options, cost, touch);
+    sweep(SweptBody(info, BodyMotion(from, to)), SweptBody(scene), options, cost, touch);
     return touch;
   }
 };

@@ -8,7 +8,7 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Answer;
+using wire_contract::Verdict;
 using wire_contract::EndReason;
 using wire_contract::EventKind;
 using wire_contract::QueryKind;
@@ -77,7 +77,7 @@ TEST_F(WorldTest, AScenesPartHasNothingOfAMoverThatWasThereBefore) {
   step(1'012'000'000);
   EXPECT_EQ(slot_of(*world.find("floor")), slot_of(mover)) << "the scene must be worth testing";
   const Answers down = ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, INFINITY});
-  ASSERT_EQ(down.answers[0], Answer::hit);
+  ASSERT_EQ(down.answers[0], Verdict::hit);
   EXPECT_EQ(down.oldest_pose_ns, -1) << "nothing that moves decided";
   ASSERT_EQ(world.events().size(), 1u);
   EXPECT_EQ(world.events()[0].relative_velocity, Vec3::Zero());
@@ -117,15 +117,15 @@ TEST_F(WorldTest, ARayMeetsTheNearerOfFloorAndBall) {
   define(world, ball("ball", {0, 0, 1}, 0.25));
   step(1);
   const Answers down = ask(world, QueryKind::ray, {0, 0, 5, 0, 0, -2, INFINITY});
-  ASSERT_EQ(down.answers[0], Answer::hit);
+  ASSERT_EQ(down.answers[0], Verdict::hit);
   EXPECT_EQ(world.info(down.hits[0].object)->name, "ball");
   EXPECT_NEAR(down.hits[0].distance_m, 3.75, down.hits[0].error_m + 1e-15);
-  const Answers beside = ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, INFINITY});
-  EXPECT_EQ(world.info(beside.hits[0].object)->name, "floor");
-  EXPECT_EQ(beside.hits[0].distance_m, 5);
-  EXPECT_EQ(ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, 4.5}).answers[0], Answer::miss);
-  EXPECT_EQ(ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, 5}).answers[0], Answer::hit) << "both ends count";
-  EXPECT_EQ(ask(world, QueryKind::ray, {0, 0, 5, 0, 0, 0, 1}).answers[0], Answer::invalid);
+  const Answers summand = ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, INFINITY});
+  EXPECT_EQ(world.info(summand.hits[0].object)->name, "floor");
+  EXPECT_EQ(summand.hits[0].distance_m, 5);
+  EXPECT_EQ(ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, 4.5}).answers[0], Verdict::miss);
+  EXPECT_EQ(ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, 5}).answers[0], Verdict::hit) << "both ends count";
+  EXPECT_EQ(ask(world, QueryKind::ray, {0, 0, 5, 0, 0, 0, 1}).answers[0], Verdict::invalid);
 }
 
 TEST_F(WorldTest, AllHitsComeInOrderAndFiltersHide) {
@@ -151,15 +151,15 @@ TEST_F(WorldTest, SphereBoxAndNearSeeStaticAndMoving) {
   EXPECT_NEAR(sphere.hits[0].distance_m, 0.25, 1e-12) << "deepest first: the ball by 0.55 - 0.3";
   EXPECT_NEAR(sphere.hits[1].distance_m, 0.1, 1e-12);
   EXPECT_NEAR(sphere.hits[1].normal.z(), -1, 1e-12) << "from the asked sphere to the floor";
-  EXPECT_EQ(ask(world, QueryKind::box, {5, 5, 1, 0.5, 0.5, 0.5, 1, 0, 0, 0}).answers[0], Answer::miss);
-  EXPECT_EQ(ask(world, QueryKind::box, {5, 5, 0.5, 0.5, 0.5, 0.5, 1, 0, 0, 0}).answers[0], Answer::hit)
+  EXPECT_EQ(ask(world, QueryKind::box, {5, 5, 1, 0.5, 0.5, 0.5, 1, 0, 0, 0}).answers[0], Verdict::miss);
+  EXPECT_EQ(ask(world, QueryKind::box, {5, 5, 0.5, 0.5, 0.5, 0.5, 1, 0, 0, 0}).answers[0], Verdict::hit)
       << "touching is overlap";
   const Answers near = ask(world, QueryKind::near, {1, 1, 5, INFINITY});
   ASSERT_EQ(near.hits.size(), 2u);
   EXPECT_EQ(world.info(near.hits[0].object)->name, "ball");
   EXPECT_NEAR(near.hits[0].distance_m, 4.25, 1e-12);
   EXPECT_NEAR(near.hits[1].distance_m, 5, 1e-12);
-  EXPECT_EQ(ask(world, QueryKind::near, {1, 1, 5, 4.0}).answers[0], Answer::miss);
+  EXPECT_EQ(ask(world, QueryKind::near, {1, 1, 5, 4.0}).answers[0], Verdict::miss);
 }
 
 TEST_F(WorldTest, EventsBeginAndEndOnce) {
@@ -258,10 +258,10 @@ TEST_F(WorldTest, FarFromOriginAMovingMeshIsStillFound) {
     const Vec3 from = aim + Vec3(3, 1 + u, 2);
     const Vec3 d = aim - from;
     const Answers answers = ask(world, QueryKind::ray, {from.x(), from.y(), from.z(), d.x(), d.y(), d.z(), INFINITY});
-    EXPECT_EQ(answers.answers[0], Answer::hit) << i;
+    EXPECT_EQ(answers.answers[0], Verdict::hit) << i;
   }
   const Answers corner = ask(world, QueryKind::sphere, {placed.a.x(), placed.a.y(), placed.a.z(), 0});
-  EXPECT_EQ(corner.answers[0], Answer::hit) << "the placed corner is a point of the exact input";
+  EXPECT_EQ(corner.answers[0], Verdict::hit) << "the placed corner is a point of the exact input";
 }
 
 TEST_F(WorldTest, NamesAreUniqueAndSlotsAreReused) {
@@ -285,7 +285,7 @@ TEST_F(WorldTest, LoadingASceneFindsWhatAlreadyTouchesIt) {
   step(2);
   ASSERT_EQ(world.events().size(), 1u);
   EXPECT_EQ(world.events()[0].reason, EndReason::geometry_changed);
-  EXPECT_EQ(ask(world, QueryKind::ray, {3, 3, 5, 0, 0, -1, INFINITY}).answers[0], Answer::miss);
+  EXPECT_EQ(ask(world, QueryKind::ray, {3, 3, 5, 0, 0, -1, INFINITY}).answers[0], Verdict::miss);
 }
 
 }  // namespace

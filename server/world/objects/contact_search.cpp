@@ -1,4 +1,4 @@
-#include "server/world/objects/touch.hpp"
+#include "server/world/objects/contact_search.hpp"
 
 #include <cmath>
 #include <limits>
@@ -37,30 +37,30 @@ Aabb bounds_near(const Placed& a, const Aabb& box) {
   return endless ? bounds_near(place(*a.frame, a.info->primitives.front()), box) : a.bounds;
 }
 
-void touch_mesh(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost) {
+void touch_mesh(const Primitive& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   const Aabb near = bounds_near(a, b.bounds);
   if (near.empty()) return;
   const IndexedMesh& mesh = *b.info->mesh;
   near_triangles(mesh, *b.frame, near, cost, [&](std::uint32_t triangle) {
-    touch_parts(a, wire_contract::kNoTriangle, place(*b.frame, mesh.mesh->triangle(triangle)), triangle, touch);
+    search_parts(a, wire_contract::kNoTriangle, place(*b.frame, mesh.mesh->triangle(triangle)), triangle, touch);
     return !touch.done();
   });
 }
 
-void touch_meshes(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
+void touch_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   PlacedTriangles of_a(*a.info->mesh->mesh, *a.frame);
   PlacedTriangles of_b(*b.info->mesh->mesh, *b.frame);
   const auto candidate = [&](std::uint32_t triangle_a, std::uint32_t triangle_b) {
-    touch_parts(of_a.at(triangle_a), triangle_a, of_b.at(triangle_b), triangle_b, touch);
+    search_parts(of_a.at(triangle_a), triangle_a, of_b.at(triangle_b), triangle_b, touch);
     return !touch.done();
   };
   walk_mesh_pairs(a, b, candidate, cost);
 }
 
 /// a's mesh against b's primitives: the exact phase has the primitive first, so the contact is turned round.
-void touch_mesh_primitives(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
+void touch_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   visit_primitives_near(*b.info, *b.frame, a.bounds, cost, [&](const Primitive& primitive) {
-    Touch turned;
+    ContactSearch turned;
     turned.wanted = touch.wanted;
     touch_mesh(place(*b.frame, primitive), a, turned, cost);
     touch.exact_tests += turned.exact_tests;
@@ -137,20 +137,20 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
   return seen;
 }
 
-void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost) {
+void search_object(const Primitive& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   // Bounds cost more than many a test: only where an index asks for them.
   const Aabb near = b.info->parts ? bounds_near(a, b.bounds) : Aabb{};
   visit_primitives_near(*b.info, *b.frame, near, cost, [&](const Primitive& primitive) {
-    touch_parts(a, wire_contract::kNoTriangle, place(*b.frame, primitive), wire_contract::kNoTriangle, touch);
+    search_parts(a, wire_contract::kNoTriangle, place(*b.frame, primitive), wire_contract::kNoTriangle, touch);
     return !touch.done();
   });
   if (!touch.done() && b.info->mesh) touch_mesh(a, b, touch, cost);
 }
 
-void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost) {
+void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   const Aabb near = a.info->parts ? bounds_near(b, a.bounds) : Aabb{};
   visit_primitives_near(*a.info, *a.frame, near, cost, [&](const Primitive& primitive) {
-    touch_object(place(*a.frame, primitive), b, touch, cost);
+    search_object(place(*a.frame, primitive), b, touch, cost);
     return !touch.done();
   });
   if (touch.done() || !a.info->mesh) return;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/exact_phase/motion/ground_on_way.hpp"
+#include "server/exact_phase/motion/ground_motion.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided::engine {
@@ -15,7 +15,7 @@ Frame at(const Vec3& position, double turn_rad = 0) {
   return {Eigen::AngleAxisd(turn_rad, Vec3::UnitY()).toRotationMatrix(), position};
 }
 
-TEST(GroundOnWay, ABoxThatFallsTouchesWhereItsCornerDoes) {
+TEST(GroundMotion, ABoxThatFallsTouchesWhereItsCornerDoes) {
   std::mt19937_64 random = oracle::seeded(81);
   std::uniform_real_distribution<double> part(0, 1);
   for (int i = 0; i < 200; ++i) {
@@ -24,9 +24,9 @@ TEST(GroundOnWay, ABoxThatFallsTouchesWhereItsCornerDoes) {
     const double reach_m = box.half_m[0] * std::abs(std::sin(turn_rad)) + box.half_m[2] * std::abs(std::cos(turn_rad));
     const double high_m = reach_m + 0.1 + 5 * part(random);
     const double fall_m = 8 * part(random);
-    const BodyWay way(at({1, 2, high_m}, turn_rad), at({-4, 5, high_m - fall_m}, turn_rad));
+    const BodyMotion motion(at({1, 2, high_m}, turn_rad), at({-4, 5, high_m - fall_m}, turn_rad));
     TimeBracket bracket;
-    const Verdict verdict = first_contact(PartOnWay(box, way), kGround, {0, 1}, kWidth, bracket);
+    const ExactResult verdict = first_contact(PartMotion(box, motion), kGround, {0, 1}, kWidth, bracket);
     const double expected = (high_m - reach_m) / fall_m;
     ASSERT_EQ(verdict.yes(), expected <= 1) << i;
     if (!verdict.yes()) continue;
@@ -37,13 +37,13 @@ TEST(GroundOnWay, ABoxThatFallsTouchesWhereItsCornerDoes) {
 }
 
 // Level at both ends of the way, upright in the middle of it.
-TEST(GroundOnWay, ARodThatTurnsDipsInBetween) {
+TEST(GroundMotion, ARodThatTurnsDipsInBetween) {
   const Capsule rod{.a = {-1, 0, 0}, .b = {1, 0, 0}, .radius_m = 0.05};
   const double turn_rad = 3;
   for (const double high_m : {0.06, 0.5, 1.0, 1.04, 1.06}) {
-    const BodyWay way(at({0, 0, high_m}, 0), at({0, 0, high_m}, turn_rad));
+    const BodyMotion motion(at({0, 0, high_m}, 0), at({0, 0, high_m}, turn_rad));
     TimeBracket bracket;
-    const Verdict verdict = first_contact(PartOnWay(rod, way), kGround, {0, 1}, kWidth, bracket);
+    const ExactResult verdict = first_contact(PartMotion(rod, motion), kGround, {0, 1}, kWidth, bracket);
     ASSERT_EQ(verdict.yes(), high_m < 1.05) << high_m;
     if (!verdict.yes()) {
       EXPECT_EQ(verdict.decision, Decision::no) << high_m;
@@ -55,18 +55,18 @@ TEST(GroundOnWay, ARodThatTurnsDipsInBetween) {
   }
 }
 
-TEST(GroundOnWay, WhatLiesOnTheGroundTouchesAtOnce) {
-  const BodyWay way(at({0, 0, 1}), at({0, 0, 9}));
+TEST(GroundMotion, WhatLiesOnTheGroundTouchesAtOnce) {
+  const BodyMotion motion(at({0, 0, 1}), at({0, 0, 9}));
   TimeBracket bracket{0.5, 0.5};
-  EXPECT_TRUE(first_contact(PartOnWay(Sphere{Vec3::Zero(), 1}, way), kGround, {0, 1}, kWidth, bracket).yes());
+  EXPECT_TRUE(first_contact(PartMotion(Sphere{Vec3::Zero(), 1}, motion), kGround, {0, 1}, kWidth, bracket).yes());
   EXPECT_EQ(bracket.high, 0);
 }
 
 // Halving ends where no double lies between.
-TEST(GroundOnWay, TheNarrowestBracketIsOfTwoDoublesSideBySide) {
-  const BodyWay way(at({0, 0, 4}), at({0, 0, 0.5}));
+TEST(GroundMotion, TheNarrowestBracketIsOfTwoDoublesSideBySide) {
+  const BodyMotion motion(at({0, 0, 4}), at({0, 0, 0.5}));
   TimeBracket bracket;
-  const Verdict verdict = first_contact(PartOnWay(Sphere{Vec3::Zero(), 1}, way), kGround, {0, 1}, 0, bracket);
+  const ExactResult verdict = first_contact(PartMotion(Sphere{Vec3::Zero(), 1}, motion), kGround, {0, 1}, 0, bracket);
   ASSERT_NE(verdict.decision, Decision::no);
   if (verdict.yes()) {
     EXPECT_NEAR(bracket.high, 3 / 3.5, 1e-14);
@@ -74,11 +74,11 @@ TEST(GroundOnWay, TheNarrowestBracketIsOfTwoDoublesSideBySide) {
   }
 }
 
-TEST(GroundOnWay, OnlyWhatCannotComeDownSurelyStaysAbove) {
-  const BodyWay way(at({0, 0, 4}), at({9, 0, 2}));
-  EXPECT_TRUE(surely_stays_above(way, 0.1, {.point = {0, 0, -5}, .normal = {0, 0, 1}}));
-  EXPECT_FALSE(surely_stays_above(way, 2.5, kGround));
-  EXPECT_FALSE(surely_stays_above(way, 0.1, {.point = {0, 0, 2.5}, .normal = {0, 0, 1}}));
+TEST(GroundMotion, OnlyWhatCannotComeDownSurelyStaysAbove) {
+  const BodyMotion motion(at({0, 0, 4}), at({9, 0, 2}));
+  EXPECT_TRUE(surely_stays_above(motion, 0.1, {.point = {0, 0, -5}, .normal = {0, 0, 1}}));
+  EXPECT_FALSE(surely_stays_above(motion, 2.5, kGround));
+  EXPECT_FALSE(surely_stays_above(motion, 0.1, {.point = {0, 0, 2.5}, .normal = {0, 0, 1}}));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ struct Placed {
 
 /// What testing two objects part by part has found so far. A part is a primitive or a triangle. The contact is that of
 /// the deepest pair of parts (ties: lowest triangles), so it does not hang on the order of testing.
-struct Touch {
+struct ContactSearch {
   bool wanted = true;  // contacts are computed, and all pairs of parts looked at; else the first yes ends the search
   bool yes = false;
   bool undecided = false;
@@ -41,13 +41,13 @@ struct Touch {
 
 /// Two parts in world coordinates; a triangle names itself, a primitive is kNoTriangle.
 template <class A, class B>
-void touch_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, Touch& touch);
+void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch);
 
 /// A primitive in world coordinates against an object.
-void touch_object(const Primitive& a, const Placed& b, Touch& touch, WalkCost& cost);
+void search_object(const Primitive& a, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
 /// Two objects, a's contact normal towards b.
-void touch_objects(const Placed& a, const Placed& b, Touch& touch, WalkCost& cost);
+void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
 /// Pairs of the two objects' triangles that may meet, as Bvh::walk_pairs tells them; both have a mesh.
 void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost,
@@ -98,15 +98,15 @@ class PlacedTriangles {
 };
 
 /// Whether this contact names the pair of parts better than the one that `best` holds.
-inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32_t b_triangle, const Touch& best) {
+inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32_t b_triangle, const ContactSearch& best) {
   if (!best.yes || contact.depth_m != best.contact.depth_m) return !best.yes || contact.depth_m > best.contact.depth_m;
   return a_triangle != best.a_triangle ? a_triangle < best.a_triangle : b_triangle < best.b_triangle;
 }
 
 template <class A, class B>
-void touch_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, Touch& touch) {
+void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch) {
   double depth_at_most_m = std::numeric_limits<double>::infinity();
-  Verdict verdict;
+  ExactResult verdict;
   if constexpr (requires { overlaps(a, b, depth_at_most_m); }) {
     verdict = touch.wanted && touch.yes ? overlaps(a, b, depth_at_most_m) : overlaps(a, b);
   } else {

@@ -10,7 +10,7 @@ enum class Decision : std::uint8_t { no, yes, undecided };
 /// The rung of the ladder that decided: double with an error bound, expansions or intervals, rationals.
 enum class Level : std::uint8_t { filter, expansion, rational };
 
-struct Verdict {
+struct ExactResult {
   Decision decision = Decision::no;
   Level level = Level::filter;
 

@@ -1,4 +1,4 @@
-#include "server/exact_phase/motion/ball_way_filter.hpp"
+#include "server/exact_phase/motion/ball_motion_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,10 @@ namespace collided::engine::kernel {
 
 bool surely_apart(const MovingSphere& mover, const Sphere& other) {
   const Vec3 from = mover.start - other.center;
-  const Vec3 way = mover.end - mover.start;
-  const double way_m2 = way.squaredNorm();
-  const double nearest = way_m2 > 0 ? std::clamp(-from.dot(way) / way_m2, 0.0, 1.0) : 0.0;
-  const double distance_m2 = (from + nearest * way).squaredNorm();
+  const Vec3 motion = mover.end - mover.start;
+  const double way_m2 = motion.squaredNorm();
+  const double nearest = way_m2 > 0 ? std::clamp(-from.dot(motion) / way_m2, 0.0, 1.0) : 0.0;
+  const double distance_m2 = (from + nearest * motion).squaredNorm();
   const double reach_m = mover.radius_m + other.radius_m;
   const double largest_m2 = from.squaredNorm() + way_m2 + reach_m * reach_m;
   // Squares below may have lost their digits, above they are infinite; no number fails the comparisons.

@@ -7,7 +7,7 @@
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/motion/moving_features.hpp"
 #include "server/exact_phase/motion/moving_solids.hpp"
-#include "server/exact_phase/motion/part_on_way.hpp"
+#include "server/exact_phase/motion/part_motion.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/aabb.hpp"
 #include "tests/oracle/random_shapes.hpp"
@@ -40,11 +40,11 @@ class Sweeps {
     const Quat turn(number(), number(), number(), number());
     return frame_of({.position = Vec3(number(), number(), number()) * 2, .rotation = turn.normalized()});
   }
-  BodyWay way() {
+  BodyMotion motion() {
     const Frame from = frame();
     Frame to = frame();
     const int kind = std::uniform_int_distribution<int>(0, 3)(generator_);
-    if (kind == 0) return BodyWay::resting(from);
+    if (kind == 0) return BodyMotion::resting(from);
     if (kind == 1) to.rotation = from.rotation;
     if (kind == 2) to.position = from.position;
     return {from, to};
@@ -57,7 +57,7 @@ class Sweeps {
 };
 
 /// The slow twin: pose by pose, no motion bounds. Parts whose bounds are apart are not tested.
-bool touch_at(const PartOnWay& a, const PartOnWay& b, double t) {
+bool touch_at(const PartMotion& a, const PartMotion& b, double t) {
   const ConvexPart x = a.at(t);
   const ConvexPart y = b.at(t);
   const auto box = [](const auto& shape) { return bounds(shape); };
@@ -70,7 +70,7 @@ int asked_sweeps(int fallback) {
   return asked != nullptr ? std::atoi(asked) : fallback;
 }
 
-TEST(ExactBodyWay, TenThousandPosesOfAWayShowNoContactBeforeTheFirst) {
+TEST(ExactBodyMotion, TenThousandPosesOfAWayShowNoContactBeforeTheFirst) {
   constexpr int kSamples = 10'000;
   std::mt19937_64 generator = oracle::seeded(401);
   Sweeps make(generator);
@@ -78,12 +78,12 @@ TEST(ExactBodyWay, TenThousandPosesOfAWayShowNoContactBeforeTheFirst) {
   int hits = 0, misses = 0, undecided = 0;
   double widest = 0;
   for (int i = 0; i < sweeps; ++i) {
-    const BodyWay way_a = make.way();
-    const BodyWay way_b = make.way();
-    const PartOnWay a(make.part(), way_a);
-    const PartOnWay b(make.part(), way_b);
+    const BodyMotion motion_a = make.motion();
+    const BodyMotion motion_b = make.motion();
+    const PartMotion a(make.part(), motion_a);
+    const PartMotion b(make.part(), motion_b);
     TimeBracket bracket;
-    const Verdict verdict = first_contact(a, b, {0, 1}, 1e-6, bracket);
+    const ExactResult verdict = first_contact(a, b, {0, 1}, 1e-6, bracket);
     undecided += verdict.decision == Decision::undecided;
     (verdict.yes() ? hits : misses) += 1;
     if (verdict.yes()) {
@@ -105,7 +105,7 @@ TEST(ExactBodyWay, TenThousandPosesOfAWayShowNoContactBeforeTheFirst) {
 }
 
 // An arm swings a ball past the lid of a box, a few roundings above or below, a thousand kilometres out.
-TEST(ExactBodyWay, WhatIsFreeMeetsNothingAtAnyFrameOfTheWay) {
+TEST(ExactBodyMotion, WhatIsFreeMeetsNothingAtAnyFrameOfTheWay) {
   std::mt19937_64 generator = oracle::seeded(402);
   std::uniform_real_distribution<double> uniform(-1, 1);
   int free = 0, met = 0;
@@ -116,13 +116,13 @@ TEST(ExactBodyWay, WhatIsFreeMeetsNothingAtAnyFrameOfTheWay) {
     const auto turned = [&](double angle) {
       return frame_of({hub, Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ()))});
     };
-    const BodyWay way(turned(M_PI / 2 - half_turn), turned(M_PI / 2 + half_turn));
-    const PartOnWay ball(Sphere{{1, 0, 0}, 0.25}, way);
+    const BodyMotion motion(turned(M_PI / 2 - half_turn), turned(M_PI / 2 + half_turn));
+    const PartMotion ball(Sphere{{1, 0, 0}, 0.25}, motion);
     const double gap = uniform(generator) * std::exp2(-46 + 4 * uniform(generator)) * far_m;
-    const BodyWay rest;
-    const PartOnWay lid(Box{.center = hub + Vec3(0, 2.25 + gap, 0), .half_m = {1, 1, 1}}, rest);
+    const BodyMotion rest;
+    const PartMotion lid(Box{.center = hub + Vec3(0, 2.25 + gap, 0), .half_m = {1, 1, 1}}, rest);
     TimeBracket bracket;
-    const Verdict verdict = first_contact(ball, lid, {0, 1}, 1e-9, bracket);
+    const ExactResult verdict = first_contact(ball, lid, {0, 1}, 1e-9, bracket);
     met += verdict.yes();
     if (verdict.decision != Decision::no) continue;
     ++free;
@@ -137,7 +137,7 @@ TEST(ExactBodyWay, WhatIsFreeMeetsNothingAtAnyFrameOfTheWay) {
 }
 
 // What goes straight past a triangle has an exact answer of its own.
-TEST(ExactBodyWay, StraightWaysAgreeWithTheExactTimes) {
+TEST(ExactBodyMotion, StraightWaysAgreeWithTheExactTimes) {
   std::mt19937_64 generator = oracle::seeded(403);
   Sweeps make(generator);
   RandomShapes shapes(generator, Family::random);
@@ -145,26 +145,26 @@ TEST(ExactBodyWay, StraightWaysAgreeWithTheExactTimes) {
   for (int i = 0; i < 600; ++i) {
     const Frame from{Mat3::Identity(), Vec3::Zero()};
     const Frame to{Mat3::Identity(), Vec3(make.number(), make.number(), make.number()) * 4};
-    const BodyWay way(from, to);
-    const BodyWay rest;
+    const BodyMotion motion(from, to);
+    const BodyMotion rest;
     const Triangle other = shapes.triangle();
-    const PartOnWay resting(other, rest);
+    const PartMotion resting(other, rest);
     TimeBracket exact, found;
-    Verdict truth, verdict;
+    ExactResult truth, verdict;
     if (i % 3 == 0) {
       const Box own = shapes.box();
       truth = first_contact(Translated<Box>{own, from.position, to.position}, other, 1e-9, exact);
-      verdict = first_contact(PartOnWay(own, way), resting, {0, 1}, 1e-9, found);
+      verdict = first_contact(PartMotion(own, motion), resting, {0, 1}, 1e-9, found);
     } else if (i % 3 == 1) {
       const Capsule own = shapes.capsule();
       truth = first_contact(Translated<Capsule>{own, from.position, to.position}, other, 1e-9, exact);
-      verdict = first_contact(PartOnWay(own, way), resting, {0, 1}, 1e-9, found);
+      verdict = first_contact(PartMotion(own, motion), resting, {0, 1}, 1e-9, found);
     } else {
       const Triangle own = shapes.triangle();
       const Vec3& d = to.position;
       truth = first_contact(MovingTriangle{{own.a, own.a + d}, {own.b, own.b + d}, {own.c, own.c + d}},
                             MovingTriangle{{other.a, other.a}, {other.b, other.b}, {other.c, other.c}}, 1e-9, exact);
-      verdict = first_contact(PartOnWay(own, way), resting, {0, 1}, 1e-9, found);
+      verdict = first_contact(PartMotion(own, motion), resting, {0, 1}, 1e-9, found);
     }
     ASSERT_EQ(verdict.decision, truth.decision) << i;
     if (!truth.yes()) continue;
@@ -175,11 +175,11 @@ TEST(ExactBodyWay, StraightWaysAgreeWithTheExactTimes) {
   EXPECT_GT(hits, 100);
 }
 
-TEST(ExactBodyWay, TheSpanIsRespectedAndATouchingStartIsItsOwnBracket) {
-  const BodyWay way(Frame{}, {Mat3::Identity(), {8, 0, 0}});
-  const BodyWay rest;
-  const PartOnWay cube(Box{.center = Vec3::Zero(), .half_m = {1, 1, 1}}, way);
-  const PartOnWay post(Cylinder{{5, 0, -4}, {5, 0, 4}, 0.5}, rest);
+TEST(ExactBodyMotion, TheSpanIsRespectedAndATouchingStartIsItsOwnBracket) {
+  const BodyMotion motion(Frame{}, {Mat3::Identity(), {8, 0, 0}});
+  const BodyMotion rest;
+  const PartMotion cube(Box{.center = Vec3::Zero(), .half_m = {1, 1, 1}}, motion);
+  const PartMotion post(Cylinder{{5, 0, -4}, {5, 0, 4}, 0.5}, rest);
   TimeBracket bracket;
   ASSERT_TRUE(first_contact(cube, post, {0, 1}, 1e-9, bracket).yes());
   EXPECT_LE(bracket.low, 3.5 / 8);
@@ -192,47 +192,47 @@ TEST(ExactBodyWay, TheSpanIsRespectedAndATouchingStartIsItsOwnBracket) {
 }
 
 // A wheel that turns a hundredth of its radius above the ground: each step of a bound by its speed would be tiny.
-TEST(ExactBodyWay, ATurningWheelNearTheGroundIsFree) {
+TEST(ExactBodyMotion, ATurningWheelNearTheGroundIsFree) {
   const Mat3 turned = Eigen::AngleAxisd(3, Vec3::UnitY()).toRotationMatrix();
-  const BodyWay way(Frame{}, {turned, {1, 0, 0}});
-  const BodyWay rest;
-  const PartOnWay wheel(Cylinder{{0, -0.1, 0}, {0, 0.1, 0}, 0.3}, way);
+  const BodyMotion motion(Frame{}, {turned, {1, 0, 0}});
+  const BodyMotion rest;
+  const PartMotion wheel(Cylinder{{0, -0.1, 0}, {0, 0.1, 0}, 0.3}, motion);
   for (const double gap : {1e-2, 1e-3, 1e-5}) {
-    const PartOnWay ground(Box{.center = {0, 0, -1.3 - gap}, .half_m = {9, 9, 1}}, rest);
+    const PartMotion ground(Box{.center = {0, 0, -1.3 - gap}, .half_m = {9, 9, 1}}, rest);
     TimeBracket bracket;
     EXPECT_EQ(first_contact(wheel, ground, {0, 1}, 1e-6, bracket).decision, Decision::no) << gap;
   }
 }
 
 // By differences of places in between: a body that turns and goes, and a point whose time is known to a hundredth of the way.
-TEST(BodyWay, TheVelocityOfAPointIsWithinItsBound) {
+TEST(BodyMotion, TheVelocityOfAPointIsWithinItsBound) {
   std::mt19937_64 random = oracle::seeded(14);
   std::uniform_real_distribution<double> part(-1, 1);
   const auto vector = [&] { return Vec3(part(random), part(random), part(random)); };
   for (int i = 0; i < 2'000; ++i) {
     const Frame from{Eigen::AngleAxisd(3 * part(random), vector().normalized()).toRotationMatrix(), 10 * vector()};
     const Frame to{Mat3(Eigen::AngleAxisd(1.5 * part(random), vector().normalized()).toRotationMatrix() * from.rotation), from.position + vector()};
-    const BodyWay way(from, to);
-    const double time = 0.2 + 0.3 * (1 + part(random)), way_s = 0.01;
+    const BodyMotion motion(from, to);
+    const double time = 0.2 + 0.3 * (1 + part(random)), motion_s = 0.01;
     const Vec3 own = vector();
-    const Vec3 told_at = place(way.at(time), own);
+    const Vec3 told_at = place(motion.at(time), own);
     const double slack = i % 2 == 0 ? 0 : 0.01;
-    const BodyWay::PointVelocity velocity = way.velocity(told_at, time, way_s, slack * way_s);
+    const BodyMotion::PointVelocity velocity = motion.velocity(told_at, time, motion_s, slack * motion_s);
     for (const double off : {-1.0, 0.0, 1.0}) {
       // The same point of space at another time within the slack: another point of the body is there.
       const double then = time + off * slack;
       constexpr double kStep = 1e-4;
-      const Frame at = way.at(then);
+      const Frame at = motion.at(then);
       const Vec3 body_point = at.rotation.transpose() * (told_at - at.position);
-      const Vec3 truth = (place(way.at(then + kStep), body_point) - place(way.at(then - kStep), body_point)) / (2 * kStep * way_s);
+      const Vec3 truth = (place(motion.at(then + kStep), body_point) - place(motion.at(then - kStep), body_point)) / (2 * kStep * motion_s);
       // The differences are off by a square of their step, and by the roundings of places over it.
-      const double differences = 20 * kStep * kStep / way_s + 1e-13 / (kStep * way_s);
+      const double differences = 20 * kStep * kStep / motion_s + 1e-13 / (kStep * motion_s);
       ASSERT_LE((velocity.mps - truth).norm(), velocity.error_mps + differences) << i;
     }
     if (slack == 0) {
       EXPECT_LE(velocity.error_mps, 1e-10) << "a bound that tells nothing";
     } else {
-      EXPECT_LE(velocity.error_mps, 0.03 * 3 * 6 / way_s) << i;
+      EXPECT_LE(velocity.error_mps, 0.03 * 3 * 6 / motion_s) << i;
     }
   }
 }

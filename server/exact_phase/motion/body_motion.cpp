@@ -1,4 +1,4 @@
-#include "server/exact_phase/motion/body_way.hpp"
+#include "server/exact_phase/motion/body_motion.hpp"
 
 #include <algorithm>
 
@@ -6,14 +6,14 @@
 
 namespace collided::engine {
 
-BodyWay::BodyWay(const Frame& first, const Frame& last) : from(first), to(last), travel(last.position - first.position) {
+BodyMotion::BodyMotion(const Frame& first, const Frame& last) : from(first), to(last), travel(last.position - first.position) {
   if (first.rotation == last.rotation) return;
   const Eigen::AngleAxisd about(Mat3(last.rotation * first.rotation.transpose()));
   axis = about.axis();
   turn_rad = about.angle();
 }
 
-Frame BodyWay::at(double t) const {
+Frame BodyMotion::at(double t) const {
   if (t <= 0) return from;
   if (t >= 1) return to;
   const Vec3 position = (1 - t) * from.position + t * to.position;
@@ -21,21 +21,21 @@ Frame BodyWay::at(double t) const {
   return {.rotation = Eigen::AngleAxisd(t * turn_rad, axis).toRotationMatrix() * from.rotation, .position = position};
 }
 
-double BodyWay::error_m(double reach_m) const {
+double BodyMotion::error_m(double reach_m) const {
   if (turn_rad == 0 && from.position == to.position) return 0;
   return kWayError * (from.position.cwiseAbs().maxCoeff() + to.position.cwiseAbs().maxCoeff() + reach_m);
 }
 
 /// Its own place and turn are known as well as where the way takes the point; within the slack the origin goes on, and the
 /// point's arm turns with it.
-BodyWay::PointVelocity BodyWay::velocity(const Vec3& point, double t, double way_s, double slack_s) const {
+BodyMotion::PointVelocity BodyMotion::velocity(const Vec3& point, double t, double motion_s, double slack_s) const {
   const Vec3 arm = point - at(t).position;
   const Vec3 turn = turn_rad * axis;
-  const Vec3 way = travel + turn.cross(arm);
+  const Vec3 motion = travel + turn.cross(arm);
   const double reach_m = arm.norm();
-  const double turned = std::min(slack_s / way_s, 1.0) * turn_rad;
-  const double off_m = 2 * BodyWay::error_m(reach_m) + turned * (travel.norm() + 2 * turn_rad * reach_m);
-  return {.mps = way / way_s, .error_mps = (off_m / way_s) * (1 + 0x1p-40)};
+  const double turned = std::min(slack_s / motion_s, 1.0) * turn_rad;
+  const double off_m = 2 * BodyMotion::error_m(reach_m) + turned * (travel.norm() + 2 * turn_rad * reach_m);
+  return {.mps = motion / motion_s, .error_mps = (off_m / motion_s) * (1 + 0x1p-40)};
 }
 
 }  // namespace collided::engine

@@ -1,4 +1,4 @@
-#include "client/cli/standing.hpp"
+#include "client/cli/repeated_question.hpp"
 
 #include <map>
 
@@ -18,9 +18,9 @@ struct Held {
   Clock::time_point since;
 };
 
-class Standing {
+class RepeatedQuestion {
  public:
-  Standing(Session& session, const Globals& globals, const StandingOptions& options)
+  RepeatedQuestion(Session& session, const Globals& globals, const RepeatedQuestionOptions& options)
       : io_(session.io), globals_(globals), options_(options), printer_(make_printer(session.io, globals)) {}
 
   Exit run(Client& client, const Questions& question) {
@@ -55,8 +55,8 @@ class Standing {
       const auto before = held_.find(hit.object);
       const bool first_of_object = now.emplace(hit.object, Held{hit, before == held_.end() ? Clock::now() : before->second.since}).second;
       if (!first_of_object || until.reached(change_count_)) continue;
-      if (before == held_.end()) print(time, "enter", &hit, std::nullopt, Undecided::none);
-      else if (follows_distance() && moved(before->second.hit, hit)) print(time, "moved", &hit, std::nullopt, Undecided::none);
+      if (before == held_.end()) print(time, "enter", &hit, std::nullopt, UndecidedReason::none);
+      else if (follows_distance() && moved(before->second.hit, hit)) print(time, "moved", &hit, std::nullopt, UndecidedReason::none);
     }
     // An answer without decision says nothing about what is not in it.
     if (undecided) {
@@ -66,7 +66,7 @@ class Standing {
     }
     for (const auto& [name, held] : held_) {
       if (now.contains(name) || until.reached(change_count_)) continue;
-      print(time, "exit", &held.hit, Clock::now() - held.since, Undecided::none);
+      print(time, "exit", &held.hit, Clock::now() - held.since, UndecidedReason::none);
     }
     held_ = std::move(now);
   }
@@ -78,7 +78,7 @@ class Standing {
   }
 
   void print(std::chrono::nanoseconds time, std::string_view change, const Hit* hit, std::optional<std::chrono::nanoseconds> after,
-             Undecided reason) {
+             UndecidedReason reason) {
     ++change_count_;
     const bool shows_value = hit != nullptr && !after;
     const char* word = follows_distance() ? "distance" : "depth";
@@ -87,7 +87,7 @@ class Standing {
       if (hit != nullptr) line += " " + printable(hit->object);
       if (shows_value) line += fmt::format(" {} {}", word, format_length(hit->distance_m));
       if (after) line += " after " + format_duration(*after);
-      if (reason != Undecided::none) line += fmt::format(" {}", explain(reason));
+      if (reason != UndecidedReason::none) line += fmt::format(" {}", explain(reason));
       printer_.line(line);
       return;
     }
@@ -99,12 +99,12 @@ class Standing {
                      {"error", shows_value ? Value(hit->error_m) : none},
                      {"point", shows_value ? MaybeVector(hit->point) : MaybeVector()},
                      {"after", after ? Value(seconds_of(*after)) : none},
-                     {"reason", reason == Undecided::none ? none : Value(name_of(reason))}});
+                     {"reason", reason == UndecidedReason::none ? none : Value(name_of(reason))}});
   }
 
   Io& io_;
   const Globals& globals_;
-  const StandingOptions& options_;
+  const RepeatedQuestionOptions& options_;
   Printer printer_;
   std::map<std::string, Held> held_;
   bool undecided_ = false;
@@ -117,9 +117,9 @@ class Standing {
 
 }  // namespace
 
-Exit run_standing(Session& session, const Globals& globals, const Questions& question, const StandingOptions& options) {
+Exit run_repeated(Session& session, const Globals& globals, const Questions& question, const RepeatedQuestionOptions& options) {
   Client& client = session.client(globals);
-  return Standing(session, globals, options).run(client, question);
+  return RepeatedQuestion(session, globals, options).run(client, question);
 }
 
 }  // namespace collided::cli

@@ -37,7 +37,7 @@ class ServiceToldTriangles : public testing::Test {
 
 TEST_F(ServiceToldTriangles, RepliesNameThePieceOfATriangleByItsNumberInTheFile) {
   Answers answers;
-  answers.answers = {wire_contract::Answer::hit};
+  answers.answers = {wire_contract::Verdict::hit};
   answers.reasons = {wire_contract::UndecidedReason::none};
   answers.levels = {0};
   answers.hit_counts = {3};

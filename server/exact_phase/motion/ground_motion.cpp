@@ -1,4 +1,4 @@
-#include "server/exact_phase/motion/ground_on_way.hpp"
+#include "server/exact_phase/motion/ground_motion.hpp"
 
 #include <algorithm>
 #include <variant>
@@ -11,9 +11,9 @@ namespace {
 /// One part going down to one plane.
 class Landing {
  public:
-  Landing(const PartOnWay& part, const HalfSpace& ground, double width, TimeBracket& bracket)
+  Landing(const PartMotion& part, const HalfSpace& ground, double width, TimeBracket& bracket)
       : part_(part), ground_(ground), plane_(Sphere{ground.point, 0}), width_(width), bracket_(bracket),
-        motion_m_(part.way->length_m(part.reach_m)), error_m_(2 * part.way->error_m(part.reach_m)) {}
+        motion_m_(part.motion->length_m(part.reach_m)), error_m_(2 * part.motion->error_m(part.reach_m)) {}
 
   /// Yes fills the bracket.
   Decision look(const TimeSpan& span) {
@@ -34,13 +34,13 @@ class Landing {
     return -kernel::push_along(ground_.normal, plane_, set).high();
   }
   Decision at_the_end(const TimeSpan& span) const {
-    const Verdict there = std::visit([&](const auto& shape) { return overlaps(ground_, shape); }, part_.at(span.high));
+    const ExactResult there = std::visit([&](const auto& shape) { return overlaps(ground_, shape); }, part_.at(span.high));
     if (!there.yes()) return Decision::undecided;
     bracket_ = {span.low, span.high};
     return Decision::yes;
   }
 
-  const PartOnWay& part_;
+  const PartMotion& part_;
   const HalfSpace& ground_;
   kernel::Convex plane_;
   double width_;
@@ -51,8 +51,8 @@ class Landing {
 
 }  // namespace
 
-Verdict first_contact(const PartOnWay& part, const HalfSpace& ground, TimeSpan span, double width, TimeBracket& bracket) {
-  const Verdict at_once = std::visit([&](const auto& shape) { return overlaps(ground, shape); }, part.at(span.low));
+ExactResult first_contact(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width, TimeBracket& bracket) {
+  const ExactResult at_once = std::visit([&](const auto& shape) { return overlaps(ground, shape); }, part.at(span.low));
   if (at_once.yes()) {
     bracket = {span.low, span.low};
     return at_once;
@@ -60,11 +60,11 @@ Verdict first_contact(const PartOnWay& part, const HalfSpace& ground, TimeSpan s
   return {Landing(part, ground, width, bracket).look(span), Level::filter};
 }
 
-bool surely_stays_above(const BodyWay& way, double reach_m, const HalfSpace& ground) {
+bool surely_stays_above(const BodyMotion& motion, double reach_m, const HalfSpace& ground) {
   const double length = ground.normal.stableNorm();
-  const double height_m = ground.normal.dot(way.at(0.5).position - ground.point) / length;
-  const double size_m = way.to.position.lpNorm<1>() + way.from.position.lpNorm<1>() + ground.point.lpNorm<1>() + reach_m;
-  return height_m > reach_m + way.length_m(reach_m) / 2 + way.error_m(reach_m) + size_m * 0x1p-40;
+  const double height_m = ground.normal.dot(motion.at(0.5).position - ground.point) / length;
+  const double size_m = motion.to.position.lpNorm<1>() + motion.from.position.lpNorm<1>() + ground.point.lpNorm<1>() + reach_m;
+  return height_m > reach_m + motion.length_m(reach_m) / 2 + motion.error_m(reach_m) + size_m * 0x1p-40;
 }
 
 }  // namespace collided::engine

@@ -1,4 +1,4 @@
-#include "server/exact_phase/motion/part_on_way.hpp"
+#include "server/exact_phase/motion/part_motion.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -33,15 +33,15 @@ Convex convex_of(const ConvexPart& part) {
   return std::visit([](const auto& shape) { return Convex(shape); }, part);
 }
 
-Verdict overlap_at(const PartOnWay& a, const PartOnWay& b, double t) {
+ExactResult overlap_at(const PartMotion& a, const PartMotion& b, double t) {
   return std::visit([](const auto& x, const auto& y) { return overlaps(x, y); }, a.at(t), b.at(t));
 }
 
 /// Two parts on their ways, and how planes between them fare.
 class Advance {
  public:
-  Advance(const PartOnWay& a, const PartOnWay& b)
-      : a_(a), b_(b), slack_m_(2 * (a.way->error_m(a.reach_m) + b.way->error_m(b.reach_m))) {}
+  Advance(const PartMotion& a, const PartMotion& b)
+      : a_(a), b_(b), slack_m_(2 * (a.motion->error_m(a.reach_m) + b.motion->error_m(b.reach_m))) {}
 
   /// A plane that parts the two at time t, and by how much at least; not positive: none was found. `normal` is that of
   /// the step before: of round parts that nearly touch, double finds a worse one than it did from farther away.
@@ -94,30 +94,30 @@ class Advance {
   }
   /// At least how fast the two may close along n, metres in the whole way's time.
   double closing_speed_m(const Vec3& n) const {
-    const Vec3 travel = a_.way->travel - b_.way->travel;
+    const Vec3 travel = a_.motion->travel - b_.motion->travel;
     const double straight = n.dot(travel) + 0x1p-48 * travel.cwiseAbs().sum();
     return straight + (turn_of(n, a_) + turn_of(n, b_)) * (1 + 0x1p-40);
   }
-  static double turn_of(const Vec3& n, const PartOnWay& part) {
-    return part.way->turn_rad * n.cross(part.way->axis).norm() * part.reach_m;
+  static double turn_of(const Vec3& n, const PartMotion& part) {
+    return part.motion->turn_rad * n.cross(part.motion->axis).norm() * part.reach_m;
   }
   /// How far a set reaches along n changes, within a step, by no more than linearly and this times the step squared:
   /// seen from the body n turns, its second derivative is at most turn |n x axis|, reach is convex in n and steeper
   /// than reach_m nowhere, and a curve is off its chord by an eighth of that.
   double bend(const Vec3& n) const {
-    return (turn_of(n, a_) * a_.way->turn_rad + turn_of(n, b_) * b_.way->turn_rad) / 8 * (1 + 0x1p-40);
+    return (turn_of(n, a_) * a_.motion->turn_rad + turn_of(n, b_) * b_.motion->turn_rad) / 8 * (1 + 0x1p-40);
   }
 
-  const PartOnWay& a_;
-  const PartOnWay& b_;
+  const PartMotion& a_;
+  const PartMotion& b_;
   double slack_m_;
 };
 
 /// Where planes end, overlaps are looked for at times farther and farther on; between the last without and the first
 /// with one it is halved.
-Verdict look_for_overlap(const PartOnWay& a, const PartOnWay& b, double low, double end, double width,
+ExactResult look_for_overlap(const PartMotion& a, const PartMotion& b, double low, double end, double width,
                          TimeBracket& bracket) {
-  Verdict verdict = overlap_at(a, b, low);
+  ExactResult verdict = overlap_at(a, b, low);
   bracket = {low, low};
   if (verdict.yes()) return verdict;
   double before = low;
@@ -142,15 +142,15 @@ Verdict look_for_overlap(const PartOnWay& a, const PartOnWay& b, double low, dou
 /// Triangles have no inside to be met in: two that cross flat on share a point for one instant, which no pose but its own
 /// shows. They are followed in a piece so short that their corners go straight to within the way's own error.
 /// Nothing: not triangles, or their numbers are out of range.
-std::optional<Decision> meet_in_piece(const PartOnWay& a, const PartOnWay& b, double low, double then, double width,
+std::optional<Decision> meet_in_piece(const PartMotion& a, const PartMotion& b, double low, double then, double width,
                                       TimeBracket& bracket) {
-  const auto moving = [&](const PartOnWay& part) {
+  const auto moving = [&](const PartMotion& part) {
     const Triangle start = std::get<Triangle>(part.at(low));
     const Triangle end = std::get<Triangle>(part.at(then));
     return MovingTriangle{{start.a, end.a}, {start.b, end.b}, {start.c, end.c}};
   };
   TimeBracket piece;
-  const Verdict verdict = first_contact(moving(a), moving(b), std::min(1.0, width / (then - low)), piece);
+  const ExactResult verdict = first_contact(moving(a), moving(b), std::min(1.0, width / (then - low)), piece);
   if (verdict.decision == Decision::undecided) return std::nullopt;
   bracket = {low, low};
   if (piece.high == 0) return verdict.decision;
@@ -160,37 +160,37 @@ std::optional<Decision> meet_in_piece(const PartOnWay& a, const PartOnWay& b, do
 }
 
 /// How long the corners of a triangle go straight to within their way's error.
-double straight_for(const PartOnWay& part) {
-  const double turn_rad = part.way->turn_rad;
+double straight_for(const PartMotion& part) {
+  const double turn_rad = part.motion->turn_rad;
   if (turn_rad == 0) return kForever;
-  return std::sqrt(8 * part.way->error_m(part.reach_m) / part.reach_m) / turn_rad;
+  return std::sqrt(8 * part.motion->error_m(part.reach_m) / part.reach_m) / turn_rad;
 }
 
 /// The exact answers that there are about solids: on the whole way of what goes straight past a resting triangle.
-std::optional<Verdict> exactly(const PartOnWay& a, const PartOnWay& b, double width, TimeBracket& bracket) {
-  if (a.way->turn_rad != 0 || b.way->turn_rad != 0) return std::nullopt;
+std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, double width, TimeBracket& bracket) {
+  if (a.motion->turn_rad != 0 || b.motion->turn_rad != 0) return std::nullopt;
   if (std::holds_alternative<Triangle>(a.own)) {
     return std::holds_alternative<Triangle>(b.own) ? std::nullopt : exactly(b, a, width, bracket);
   }
   const Triangle* other = std::get_if<Triangle>(&b.own);
-  if (other == nullptr || !b.way->travel.isZero(0)) return std::nullopt;
-  const Triangle resting = place(b.way->from, *other);
-  const Vec3& from = a.way->from.position;
-  const Vec3& to = a.way->to.position;
+  if (other == nullptr || !b.motion->travel.isZero(0)) return std::nullopt;
+  const Triangle resting = place(b.motion->from, *other);
+  const Vec3& from = a.motion->from.position;
+  const Vec3& to = a.motion->to.position;
   if (const Box* box = std::get_if<Box>(&a.own)) {
-    return first_contact(Translated<Box>{place(a.way->from, *box), from, to}, resting, width, bracket);
+    return first_contact(Translated<Box>{place(a.motion->from, *box), from, to}, resting, width, bracket);
   }
   if (const Capsule* capsule = std::get_if<Capsule>(&a.own)) {
-    return first_contact(Translated<Capsule>{place(a.way->from, *capsule), from, to}, resting, width, bracket);
+    return first_contact(Translated<Capsule>{place(a.motion->from, *capsule), from, to}, resting, width, bracket);
   }
   return std::nullopt;
 }
 
 /// Nearer than planes tell.
-Verdict decide_graze(const PartOnWay& a, const PartOnWay& b, double low, double end, double width,
+ExactResult decide_graze(const PartMotion& a, const PartMotion& b, double low, double end, double width,
                      TimeBracket& bracket) {
   TimeBracket exact;
-  if (const std::optional<Verdict> verdict = exactly(a, b, width, exact)) {
+  if (const std::optional<ExactResult> verdict = exactly(a, b, width, exact)) {
     if (verdict->decision == Decision::no || (verdict->yes() && exact.low > end)) return {Decision::no, verdict->level};
     // A contact before `low` is one that the ends' rounding makes.
     if (verdict->yes()) {
@@ -216,17 +216,17 @@ ConvexPart part_of(const Primitive& primitive) {
       primitive);
 }
 
-PartOnWay::PartOnWay(ConvexPart part, const BodyWay& on) : own(std::move(part)), way(&on) {
+PartMotion::PartMotion(ConvexPart part, const BodyMotion& on) : own(std::move(part)), motion(&on) {
   const Convex set = convex_of(own);
   reach_m = (set.carrier[0].stableNorm() + set.reach_m + set.ball_m) * (1 + 0x1p-40);
 }
 
-ConvexPart PartOnWay::at(double t) const {
-  const Frame frame = way->at(t);
+ConvexPart PartMotion::at(double t) const {
+  const Frame frame = motion->at(t);
   return std::visit([&](const auto& shape) { return ConvexPart(place(frame, shape)); }, own);
 }
 
-Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, double width, TimeBracket& bracket,
+ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan span, double width, TimeBracket& bracket,
                       std::uint32_t* looks) {
   const Advance advance(a, b);
   const bool are_flat = std::holds_alternative<Triangle>(a.own) && std::holds_alternative<Triangle>(b.own);
@@ -250,7 +250,7 @@ Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, dou
     // Not all of it: at the very contact no plane would be sure any more.
     low += ahead > width ? ahead - width / 4 : ahead * kShy;
     const double then = std::min(low + width * 0.9375, span.high);
-    const Verdict verdict = overlap_at(a, b, then);
+    const ExactResult verdict = overlap_at(a, b, then);
     if (looks != nullptr && verdict.level != Level::filter) *looks += kExactLooks;
     if (!verdict.yes()) continue;
     bracket = {low, then};
@@ -260,7 +260,7 @@ Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, dou
   return decide_graze(a, b, low, span.high, width, bracket);
 }
 
-Contact contact_at(const PartOnWay& a, const PartOnWay& b, double t) {
+Contact contact_at(const PartMotion& a, const PartMotion& b, double t) {
   return std::visit(
       [](const auto& x, const auto& y) {
         if constexpr (requires { contact(x, y); }) {

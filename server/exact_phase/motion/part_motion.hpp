@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "server/exact_phase/distance/contact.hpp"
-#include "server/exact_phase/motion/body_way.hpp"
+#include "server/exact_phase/motion/body_motion.hpp"
 #include "server/exact_phase/motion/time_of_contact.hpp"
 
 namespace collided::engine {
@@ -17,12 +17,12 @@ using ConvexPart =
 ConvexPart part_of(const Primitive& primitive);
 
 /// A part, in its body's frame, on the body's way. The way must outlive it.
-struct PartOnWay {
+struct PartMotion {
   ConvexPart own;
-  const BodyWay* way = nullptr;
+  const BodyMotion* motion = nullptr;
   double reach_m = 0;  // no point of the part is farther from the frame's origin
 
-  PartOnWay(ConvexPart part, const BodyWay& on);
+  PartMotion(ConvexPart part, const BodyMotion& on);
   ConvexPart at(double t) const;
 };
 
@@ -41,7 +41,7 @@ struct TimeSpan {
 ///           turns may bend; undecided where they come nearer than rounding tells (or than kMostSteps steps resolve) and
 ///           no overlap is met. Two triangles, and a box or capsule that goes straight past a resting triangle, are
 ///           then decided by the exact tests of moving_features.hpp and moving_solids.hpp
-/// error     the parts' way is that of BodyWay to within its error_m
+/// error     the parts' way is that of BodyMotion to within its error_m
 /// threads   pure
 /// source    conservative advancement: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996; along
 ///           the normal of the nearest points: Zhang, Lee, Kim, "Interactive Continuous Collision Detection for
@@ -49,10 +49,10 @@ struct TimeSpan {
 ///
 /// looks     grows by the times at which the two were looked at, and more where that took exact arithmetic: what the
 ///           answer has cost, a few microseconds each
-Verdict first_contact(const PartOnWay& a, const PartOnWay& b, TimeSpan span, double width, TimeBracket& bracket,
+ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan span, double width, TimeBracket& bracket,
                       std::uint32_t* looks = nullptr);
 
 /// The contact of the two placed at a time at which they overlap; normal from a to b.
-Contact contact_at(const PartOnWay& a, const PartOnWay& b, double t);
+Contact contact_at(const PartMotion& a, const PartMotion& b, double t);
 
 }  // namespace collided::engine
