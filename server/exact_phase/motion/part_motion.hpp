@@ -13,7 +13,7 @@ namespace collided::engine {
 using ConvexPart =
     std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, Triangle>;
 
-/// Not of a half-space, which has no end (ground_on_way.hpp).
+/// Not of a half-space, which has no end (ground_motion.hpp).
 ConvexPart part_of(const Primitive& primitive);
 
 /// A part, in its body's frame, on the body's way. The way must outlive it.

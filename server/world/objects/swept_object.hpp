@@ -53,7 +53,7 @@ using TouchOf = FunctionRef<SweptTouch*(std::uint32_t triangle)>;
 
 /// The first contact of two bodies on their ways. Never late, never missed: the way is cut into pieces that are short
 /// for how much there is to meet, and every pair of parts whose bounds may meet in one is asked for the first contact
-/// in it (part_on_way.hpp).
+/// in it (part_motion.hpp).
 ///
 /// threads  any; allocates
 void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptTouch& touch);
