@@ -8,7 +8,7 @@ command -v "$compiler" > /dev/null || exit 77
 if [ "$*" != "${*#*x86-64-v3}" ] && ! grep -q avx2 /proc/cpuinfo; then exit 77; fi
 mkdir -p "$work"
 objects=
-for file in "$source"/server/exact_phase/*.cpp "$source/server/geometry/aabb.cpp" "$source/server/geometry/pose.cpp" \
+for file in $(find "$source/server/exact_phase" -name "*.cpp") "$source/server/geometry/aabb.cpp" "$source/server/geometry/pose.cpp" \
     "$source/tests/accuracy/bits/main.cpp"; do
   object=$work/$(basename "$file" .cpp).o
   "$compiler" -std=c++20 -DNDEBUG -ffp-contract=off "$@" -I"$source" -isystem "$eigen" -c "$file" -o "$object"

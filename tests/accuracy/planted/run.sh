@@ -14,9 +14,9 @@ plant() {
 }
 
 part=0.001
-sources="$source/server/exact_phase/*.cpp $source/server/geometry/pose.cpp $source/tests/accuracy/census/*.cpp"
+sources="$(find "$source/server/exact_phase" -name "*.cpp" | tr "\n" " ") $source/server/geometry/pose.cpp $source/tests/accuracy/census/*.cpp"
 # Where one file reads a constant, only that file is built anew; the rest comes out of the engine.
-readers_of() { sources="$(grep -l "$1" "$source"/server/exact_phase/*.cpp) $source/tests/accuracy/census/*.cpp"; }
+readers_of() { sources="$(grep -rl --include="*.cpp" "$1" "$source/server/exact_phase" | tr "\n" " ") $source/tests/accuracy/census/*.cpp"; }
 case $bug in
   none) ;;
   triple_product) plant server/geometry/tolerance.hpp 's/kTripleProductError = 11 \*/kTripleProductError = 0.1 */'
