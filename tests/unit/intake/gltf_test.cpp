@@ -210,7 +210,7 @@ TEST(IntakeGltf, EveryBranchOfTheTreeIsPlacedByItsOwnAncestors) {
       R"({"name":"top","translation":[100,0,0],"children":[1,3]},)"
       R"({"name":"sheared","matrix":[1,0,0,0, 2,1,0,0, 0,0,3,0, 0,10,0,1],"children":[2]},)"
       R"({"name":"leaf","mesh":0,"scale":[1,4,1]},)"
-      R"({"name":"summand","mesh":0,"translation":[0,0,7]})";
+      R"({"name":"beside","mesh":0,"translation":[0,0,7]})";
   const Scene scene = load("a.gltf", gltf(nodes), {.up = 'z'}).scene;
   ASSERT_EQ(scene.parts.size(), 2u);
   EXPECT_EQ(scene.parts[0].name, "a/leaf");
