@@ -34,14 +34,14 @@
 /// Errors throw DdsError, which says what was tried. Everything is move-only; an object must outlive what was made from it.
 namespace collided::wire {
 
-using Definition = ::collided_wire_Definition;
-using PoseBatch = ::collided_wire_PoseBatch;
-using Query = ::collided_wire_Query;
-using Reply = ::collided_wire_Reply;
-using EventFrame = ::collided_wire_EventFrame;
-using ContactShard = ::collided_wire_ContactShard;
-using ProbeFrame = ::collided_wire_ProbeFrame;
-using Status = ::collided_wire_Status;
+using Definition = ::collided_wire_v2_Definition;
+using PoseBatch = ::collided_wire_v2_PoseBatch;
+using Query = ::collided_wire_v2_Query;
+using Reply = ::collided_wire_v2_Reply;
+using EventFrame = ::collided_wire_v2_EventFrame;
+using ContactShard = ::collided_wire_v2_ContactShard;
+using ProbeFrame = ::collided_wire_v2_ProbeFrame;
+using Status = ::collided_wire_v2_Status;
 
 }  // namespace collided::wire
 
@@ -62,42 +62,42 @@ template <class T>
 struct WireType;
 template <>
 struct WireType<wire::Definition> {
-  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_Definition_desc;
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_Definition_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kObjectTopic;
 };
 template <>
 struct WireType<wire::PoseBatch> {
-  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_PoseBatch_desc;
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_PoseBatch_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kPoseTopic;
 };
 template <>
 struct WireType<wire::Query> {
-  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_Query_desc;
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_Query_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kQueryTopic;
 };
 template <>
 struct WireType<wire::Reply> {
-  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_Reply_desc;
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_Reply_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kReplyTopic;
 };
 template <>
 struct WireType<wire::EventFrame> {
-  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_EventFrame_desc;
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_EventFrame_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kEventTopic;
 };
 template <>
 struct WireType<wire::ContactShard> {
-  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_ContactShard_desc;
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_ContactShard_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kContactTopic;
 };
 template <>
 struct WireType<wire::ProbeFrame> {
-  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_ProbeFrame_desc;
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_ProbeFrame_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kProbeTopic;
 };
 template <>
 struct WireType<wire::Status> {
-  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_Status_desc;
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_Status_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kStatusTopic;
 };
 

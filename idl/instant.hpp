@@ -8,8 +8,8 @@
 
 namespace collided::wire_contract {
 
-/// The instant that a question is about, as Query::text of a question says it: "" for latest, "settled", "1795348990000000000"
-/// (ns since 1970), or "-2000000000" (ns before the server's newest).
+/// The instant that a question is about: instant and instant_ns of a Query, and in commands the words "" for latest, "settled",
+/// "1795348990000000000" (ns since 1970), or "-2000000000" (ns before the server's newest).
 struct AskedInstant {
   enum class Kind : std::uint8_t { latest, settled, at, back };
   Kind kind = Kind::latest;

@@ -23,19 +23,20 @@ inline const char* name_of(QueryKind kind) {
   return kNames[static_cast<std::uint8_t>(kind)];
 }
 enum class RayMode : std::uint8_t { closest, any, all };
+/// How much a question matters while not all can be answered: low ones are refused first, high ones never.
+enum class Importance : std::uint8_t { normal, low, high };
 enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 /// not_covered: what was asked reaches out of the space in which the loaded geometry was said to be complete.
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 enum class ReplyStatus : std::uint8_t { ok, refused, progress };
-/// kUncovered: no hit of an object but the last entry of a question that is not_covered: its point is where what was asked
-/// leaves what is covered, its distance (of rays) how far the way there is.
+/// kUncovered: within the engine the last entry of a question that is not_covered: its point is where what was asked leaves
+/// what is covered, its distance (of rays) how far the way there is. It travels in columns of its own.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUncovered = 4 };
 enum class EventKind : std::uint8_t { began, persisted, ended };
 /// decided: of a doubt; where no contact begins then, the two are apart.
 enum class EndReason : std::uint8_t { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted, decided };
 /// Why it is not known whether two objects touch. Such a pair is told as one that touches, by `began` and `ended`, until it is
-/// decided: who takes it for a contact errs on the safe side. Its depth is 0 and the bound of that infinite; in place of the
-/// normal, which nobody knows, stands (the doubt's number, 0, 0).
+/// decided: who takes it for a contact errs on the safe side. Its depth is 0 and the bound of that infinite.
 /// numeric: the test came out undecided; cost_limit: the way from pose to pose could not be followed to its end;
 /// publisher_lost: one is where its publisher said last, and may have gone on.
 enum class Doubt : std::uint8_t { none, numeric, cost_limit, publisher_lost };
@@ -70,10 +71,6 @@ inline constexpr std::uint32_t numbers_of(QueryKind kind) {
 inline constexpr std::uint32_t kPoseNumbers = 7;
 inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;
-inline constexpr std::uint32_t kEventNumbers = 14;
-inline constexpr std::uint32_t kEventNumbersBefore = 13;  // of recordings from before velocities had a bound
-inline constexpr std::uint32_t kContactNumbers = 8;
-inline constexpr std::uint32_t kProbeNumbers = 8;
 
 /// Limits that the border checks; beyond them a sample is refused with the number, never cut in silence.
 inline constexpr std::uint32_t kMaxQuestionsPerChunk = 1'000;
@@ -106,19 +103,19 @@ struct TopicQos {
   bool autodispose;        // false: a crash reads "unknown", not "gone"
 };
 
-inline constexpr TopicQos kObjectTopic{"object", Reliability::reliable, Durability::transient_local, 1, 0, false};
-inline constexpr TopicQos kPoseTopic{"pose", Reliability::reliable, Durability::volatile_data, 256, 0, false};
-inline constexpr TopicQos kQueryTopic{"query", Reliability::reliable, Durability::volatile_data, 0, 4'096, false};
-inline constexpr TopicQos kReplyTopic{"reply", Reliability::reliable, Durability::volatile_data, 256, 0, false};
-inline constexpr TopicQos kEventTopic{"event", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
+inline constexpr TopicQos kObjectTopic{"object_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
+inline constexpr TopicQos kPoseTopic{"pose_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
+inline constexpr TopicQos kQueryTopic{"query_v2", Reliability::reliable, Durability::volatile_data, 0, 4'096, false};
+inline constexpr TopicQos kReplyTopic{"reply_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
+inline constexpr TopicQos kEventTopic{"event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
 /// Contacts that go on, for who draws them: EventFrames of `persisted` only, first_sequence 0; written while it has readers.
-inline constexpr TopicQos kPersistedTopic{"persisted", Reliability::best_effort, Durability::volatile_data, 64, 0, false};
-inline constexpr TopicQos kProbeTopic{"probe", Reliability::reliable, Durability::volatile_data, 256, 0, false};
-inline constexpr TopicQos kContactTopic{"contact", Reliability::reliable, Durability::transient_local, 1, 0, false};
+inline constexpr TopicQos kPersistedTopic{"persisted_v2", Reliability::best_effort, Durability::volatile_data, 64, 0, false};
+inline constexpr TopicQos kProbeTopic{"probe_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
+inline constexpr TopicQos kContactTopic{"contact_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 /// How far each publisher's samples are in each state: a Status with version, time and the columns of publishers only, after
 /// every step while it has readers. Who records needs it to tell which poses an answer was about.
-inline constexpr TopicQos kStepTopic{"step", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
-inline constexpr TopicQos kStatusTopic{"status", Reliability::reliable, Durability::transient_local, 1, 0, false};
+inline constexpr TopicQos kStepTopic{"step_v2", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
+inline constexpr TopicQos kStatusTopic{"status_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 
 /// A publisher that says nothing for this long is lost (liveliness, MANUAL_BY_TOPIC on object and pose).
 inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;

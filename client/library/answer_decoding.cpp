@@ -5,18 +5,18 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/library/vector_column.hpp"
+#include "idl/columns.hpp"
+
 namespace collided::client {
 namespace {
 
 using std::chrono::nanoseconds;
-using wire_contract::kHitNumbers;
 
 Error nonsense(const std::string& what) {
   return {ErrorCode::internal, "the server's reply makes no sense: " + what,
           "client and server may be of different versions: 'collide version'"};
 }
-
-Vec3 vector_at(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
 
 // Hits that follow each other are mostly on one object, whose name is looked up once.
 struct LastName {
@@ -32,30 +32,28 @@ struct LastName {
 };
 
 void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names, LastName& last, Hit& hit) {
-  const double* const numbers = dds::view(reply.numbers).data() + index * kHitNumbers;
   const std::uint8_t flags = dds::view(reply.hit_flags)[index];
   hit.object_id = dds::view(reply.objects)[index];
   hit.object = last.of(hit.object_id, names);
   hit.triangle = dds::view(reply.triangles)[index];
-  hit.distance_m = numbers[0];
-  hit.error_m = numbers[1];
-  hit.exit_m = numbers[2];
-  hit.point = vector_at(numbers + 3);
-  hit.normal = vector_at(numbers + 6);
-  hit.weights = vector_at(numbers + 9);
-  hit.point_error_m = numbers[12];
+  const bool is_of_sweep = reply.sweep_ends._length > 0;
+  hit.distance_m = dds::view(is_of_sweep ? reply.sweep_ends : reply.distances)[index];
+  hit.error_m = dds::view(is_of_sweep ? reply.sweep_widths : reply.distance_errors)[index];
+  hit.exit_m = dds::view(is_of_sweep ? reply.sweep_begins : reply.exits)[index];
+  hit.point = vector_in(reply.points, index);
+  hit.normal = vector_in(reply.normals, index);
+  hit.weights = vector_in(reply.weights, index);
+  hit.point_error_m = dds::view(reply.point_errors)[index];
   hit.inside = (flags & wire_contract::kInside) != 0;
   hit.stale = (flags & wire_contract::kStale) != 0;
 }
 
-/// The last entry of an answer that is not covered is none of a hit.
-void take_uncovered(const wire::Reply& reply, std::size_t first_hit, Answer& answer) {
-  answer.uncovered.reset();
-  if (answer.hits.empty()) return;
-  const std::uint8_t flags = dds::view(reply.hit_flags)[first_hit + answer.hits.size() - 1];
-  if ((flags & wire_contract::kUncovered) == 0) return;
-  answer.uncovered = Uncovered{.point = answer.hits.back().point, .covered_m = answer.hits.back().distance_m};
-  answer.hits.pop_back();
+std::optional<Uncovered> uncovered_of(const wire::Reply& reply, std::uint32_t question) {
+  const auto questions = dds::view(reply.uncovered_questions);
+  const auto found = std::lower_bound(questions.begin(), questions.end(), question);
+  if (found == questions.end() || *found != question) return std::nullopt;
+  const auto row = static_cast<std::size_t>(found - questions.begin());
+  return Uncovered{.point = vector_in(reply.uncovered_points, row), .covered_m = dds::view(reply.uncovered_distances)[row]};
 }
 
 }  // namespace
@@ -102,8 +100,14 @@ std::optional<Error> AnswerCollector::check(const wire::Reply& reply) const {
   const auto hit_counts = dds::view(reply.hit_counts);
   if (std::accumulate(hit_counts.begin(), hit_counts.end(), std::size_t{0}) != hits ||
       reply.triangles._length != hits || reply.hit_flags._length != hits ||
-      reply.numbers._length != hits * kHitNumbers) {
+      wire::row_count(reply, wire::hit_columns(reply)) != hits) {
     return nonsense("its lists of hits differ in length");
+  }
+  const std::uint32_t uncovered = reply.uncovered_questions._length;
+  const auto uncovered_questions = dds::view(reply.uncovered_questions);
+  if (wire::row_count<wire::Reply>(reply, wire::kUncoveredColumns) != uncovered ||
+      !std::is_sorted(uncovered_questions.begin(), uncovered_questions.end())) {
+    return nonsense("its lists of what is not covered differ in length, or are out of order");
   }
   const auto answers = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);
@@ -171,7 +175,7 @@ std::optional<Error> AnswerCollector::add(const wire::Reply& reply) {
       for (std::size_t hit = 0; hit < answer.hits.size(); ++hit) {
         decode_hit(reply, next_hit + hit, names_, last_name, answer.hits[hit]);
       }
-      take_uncovered(reply, next_hit, answer);
+      answer.uncovered = uncovered_of(reply, static_cast<std::uint32_t>(i));
     }
     next_hit += hit_counts[i];
   }

@@ -5,8 +5,8 @@
 #include "client/library/answer_decoding.hpp"
 #include "client/library/errors.hpp"
 #include "client/library/shape_encoding.hpp"
+#include "idl/columns.hpp"
 #include "idl/instant.hpp"
-#include "idl/question_class.hpp"
 
 namespace collided::client {
 namespace {
@@ -59,17 +59,19 @@ void fill_header(wire::Query& query, const Request& request, const AskOptions& o
   query.chunk_count =
       static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
   query.kind = static_cast<std::uint8_t>(request.kind);
-  query.mode = wire_contract::mode_byte(static_cast<wire_contract::RayMode>(options.mode),
-                                        static_cast<wire_contract::QuestionClass>(options.importance));
+  query.mode = static_cast<std::uint8_t>(options.mode);
+  query.importance = static_cast<std::uint8_t>(options.importance);
+  query.instant = static_cast<std::uint8_t>(options.as_of.kind);
+  query.instant_ns = options.as_of.time.count();
   query.mask = options.mask;
   query.max_hits = options.max_hits;
   query.deadline_ns = options.deadline.count();
-  query.error_asked_m = options.error_m;
+  query.error_asked = options.error_m;
   query.fence_publisher = fence.publisher;
   query.fence_sequence = fence.sequence;
   static_cast<void>(dds::set_text(query.only, options.only));  // lengths were checked
   static_cast<void>(dds::set_text(query.skip, options.skip));
-  static_cast<void>(dds::set_text(query.text, wire_contract::text_of(instant_of(options.as_of))));
+  query.text[0] = 0;
   dds::borrow(query.blob, request.shape);
 }
 
@@ -84,7 +86,8 @@ std::optional<Error> send_chunk(Connection& connection, Requests::Running& runni
   wire::Query& query = running.query();
   query.chunk_index = chunk;
   query.first_question = static_cast<std::uint32_t>(first);
-  dds::borrow(query.numbers, numbers);
+  wire::clear_questions(query);
+  wire::lend_columns(numbers, wire::question_columns(request.kind), running.columns(), query);
   return connection.send(query);
 }
 

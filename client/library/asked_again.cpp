@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "client/library/errors.hpp"
+#include "idl/columns.hpp"
 
 namespace collided::client {
 namespace {
 
 using wire_contract::Verdict;
 using wire_contract::kHitNumbers;
-using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
 using wire_contract::UndecidedReason;
 
@@ -27,10 +27,12 @@ void append(std::string& bytes, const Value& value) {
 
 struct Hits {
   explicit Hits(const wire::Reply& reply)
-      : objects(dds::view(reply.objects)), triangles(dds::view(reply.triangles)), flags(dds::view(reply.hit_flags)), numbers(dds::view(reply.numbers)) {
+      : objects(dds::view(reply.objects)), triangles(dds::view(reply.triangles)), flags(dds::view(reply.hit_flags)) {
     const auto names = wire_contract::unpack_names(dds::view(reply.names));
     const auto ids = dds::view(reply.named_ids);
     for (std::size_t i = 0; i < std::min(names.size(), ids.size()); ++i) name_of.emplace(ids[i], names[i]);
+    const wire::Columns<wire::Reply> columns = wire::hit_columns(reply);
+    if (wire::row_count(reply, columns)) wire::gather_rows(reply, columns, numbers);
     count = std::min({objects.size(), triangles.size(), flags.size(), numbers.size() / kHitNumbers});
   }
   std::string name(std::size_t i) const {
@@ -41,13 +43,13 @@ struct Hits {
     std::string all = name(i) + '\0';
     append(all, triangles[i]);
     append(all, flags[i]);
-    for (const double number : numbers.subspan(i * kHitNumbers, kHitNumbers)) append(all, number);
+    for (const double number : std::span(numbers).subspan(i * kHitNumbers, kHitNumbers)) append(all, number);
     return all;
   }
   std::span<const std::uint64_t> objects;
   std::span<const std::uint32_t> triangles;
   std::span<const std::uint8_t> flags;
-  std::span<const double> numbers;
+  std::vector<double> numbers;
   std::map<std::uint64_t, std::string_view> name_of;
   std::size_t count = 0;
 };
@@ -81,6 +83,11 @@ bool ComparedAnswers::add(const wire::Reply& reply) {
     ComparedAnswer& answer = answers_[std::uint64_t{reply.first_question} + i];
     answer.bytes = {static_cast<char>(verdicts[i]), static_cast<char>(reasons[i])};
     for (const std::string& bytes : each) answer.bytes += bytes;
+    for (std::uint32_t k = 0; k < reply.uncovered_questions._length; ++k) {
+      if (reply.uncovered_questions._buffer[k] != i || !wire::row_count<wire::Reply>(reply, wire::kUncoveredColumns)) continue;
+      for (const double number : dds::view(reply.uncovered_points).subspan(3 * k, 3)) append(answer.bytes, number);
+      append(answer.bytes, reply.uncovered_distances._buffer[k]);
+    }
     answer.words = words_of(static_cast<Verdict>(verdicts[i]), reasons[i], hits, at, counts[i]);
     answer.by_clock = reasons[i] == static_cast<std::uint8_t>(UndecidedReason::deadline) ||
                       reasons[i] == static_cast<std::uint8_t>(UndecidedReason::recovering) ||
@@ -117,8 +124,7 @@ std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<w
   std::size_t most_chunks = queries.size();  // a command's answer may have more
   std::set<std::uint32_t> chunks;
   for (const dds::Sample<wire::Query>& query : queries) {
-    const std::uint32_t numbers = wire_contract::numbers_of(static_cast<QueryKind>(query->kind));
-    wanted += numbers == 0 ? 0 : query->numbers._length / numbers;
+    wanted += wire::question_count(*query).value_or(0);
   }
   while (answered < wanted || chunks.size() < most_chunks) {
     for (; sent < queries.size() && sent < chunks.size() + wire_contract::kChunksInFlight; ++sent) {

@@ -8,6 +8,8 @@
 
 #include "client/library/command.hpp"
 #include "client/library/json_reading.hpp"
+#include "client/library/vector_column.hpp"
+#include "idl/columns.hpp"
 #include "idl/commands.hpp"
 
 namespace collided {
@@ -42,7 +44,7 @@ ProbeReading reading_of(const nlohmann::json& row) {
 bool fits(const wire::ProbeFrame& frame, std::size_t name_count) {
   const std::size_t count = frame.states._length;
   return frame.objects._length == count && frame.met._length == count && frame.triangles._length == count &&
-         frame.numbers._length == count * wire_contract::kProbeNumbers && name_count == count;
+         wire::row_count<wire::ProbeFrame>(frame, wire::kProbeColumns) == count && name_count == count;
 }
 
 }  // namespace
@@ -87,17 +89,16 @@ bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReadin
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
   const auto name = [&](std::uint64_t id) { return id == 0 ? std::string() : names.name(id); };
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const double* const n = dds::view(frame.numbers).data() + i * wire_contract::kProbeNumbers;
     const std::uint8_t state = dds::view(frame.states)[i];
     readings.push_back({.probe = std::string(probes[i]),
                         .object = name(dds::view(frame.objects)[i]),
                         .state = state < kStates.size() ? static_cast<Clearance>(state) : Clearance::undecided,
-                        .clearance_m = n[0],
-                        .error_m = n[1],
+                        .clearance_m = dds::view(frame.clearances)[i],
+                        .error_m = dds::view(frame.clearance_errors)[i],
                         .met = name(dds::view(frame.met)[i]),
                         .triangle = dds::view(frame.triangles)[i],
-                        .point = Vec3(n[2], n[3], n[4]),
-                        .normal = Vec3(n[5], n[6], n[7]),
+                        .point = vector_in(frame.points, i),
+                        .normal = vector_in(frame.normals, i),
                         .epoch = frame.epoch,
                         .version = frame.version,
                         .world_time = std::chrono::nanoseconds(frame.world_time_ns)});

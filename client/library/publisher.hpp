@@ -63,7 +63,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   client::Clock::time_point defined_all_;
   dds::Sample<wire::Definition> definition_;
   dds::Sample<wire::PoseBatch> batch_;
-  std::vector<double> poses_;
+  std::vector<double> poses_, pose_columns_;
   dds::Topic<wire::Definition> object_topic_;
   dds::Topic<wire::PoseBatch> pose_topic_;
   dds::Writer<wire::Definition> object_writer_;

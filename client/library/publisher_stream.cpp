@@ -2,6 +2,7 @@
 
 #include "client/library/errors.hpp"
 #include "client/library/publisher.hpp"
+#include "idl/columns.hpp"
 
 namespace collided {
 
@@ -117,7 +118,10 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   definition.layers = object.options.layers;
   definition.mask = object.options.mask;
   definition.group = object.options.group;
-  put_pose(object.options.pose, definition.pose);
+  double pose[kPoseNumbers];
+  put_pose(object.options.pose, pose);
+  std::copy_n(pose, 3, definition.position);
+  std::copy_n(pose + 3, 4, definition.orientation);
   dds::borrow(definition.shape, removed ? std::span<const std::uint8_t>() : std::span(object.shape));
   return guarded([&]() -> std::optional<Error> {
     if (!object_writer_.write(definition)) {
@@ -144,7 +148,7 @@ std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns) {
   batch_->sequence_number = 0;
   fill_batch(0, time_ns);
   dds::borrow(batch_->object_numbers, std::span<const std::uint32_t>());
-  dds::borrow(batch_->poses, std::span<const double>());
+  wire::lend_columns<wire::PoseBatch>({}, wire::kPoseColumns, pose_columns_, *batch_);
   return guarded([&]() -> std::optional<Error> {
     if (!has_room() || !pose_writer_.write(*batch_)) return not_taken();
     last_word_ = Clock::now();
@@ -164,7 +168,7 @@ std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t
   batch_->sequence_number = sequence_ + 1;
   fill_batch(flags, time_ns);
   dds::borrow(batch_->object_numbers, numbers);
-  dds::borrow(batch_->poses, poses_);
+  wire::lend_columns<wire::PoseBatch>(poses_, wire::kPoseColumns, pose_columns_, *batch_);
   return guarded([&]() -> std::optional<Error> {
     if (!has_room() || !pose_writer_.write(*batch_)) {
       return not_taken();

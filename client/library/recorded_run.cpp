@@ -102,7 +102,7 @@ class Sorting {
   void take_query(std::size_t index) {
     if (query_->kind == static_cast<std::uint8_t>(QueryKind::hello)) return;
     // A past instant is none of the replay's.
-    if (wire_contract::numbers_of(static_cast<QueryKind>(query_->kind)) > 0 && query_->text[0] != 0) return;
+    if (query_->instant != 0) return;
     const bool command = query_->kind == static_cast<std::uint8_t>(QueryKind::command);
     const std::string what = command ? word_of(parsed(query_->text), "command") : std::string();
     if (what == names::kLoad || what == names::kClear) ++run_.changing_files;

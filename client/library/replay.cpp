@@ -55,7 +55,9 @@ class Replaying {
       report_.samples += publishers_.publish(*definition_) ? 1 : 0;
     } else if (item.topic == Recorded::pose && wire::read_cdr(item.data, batch_)) {
       if (options_.rate != 1) {
-        for (std::uint32_t i = 0; i < batch_->velocities._length; ++i) batch_->velocities._buffer[i] *= options_.rate;
+        for (auto* column : {&batch_->linear_velocities, &batch_->angular_velocities}) {
+          for (std::uint32_t i = 0; i < column->_length; ++i) column->_buffer[i] *= options_.rate;
+        }
       }
       report_.samples += publishers_.publish(*batch_, item.log_time, source_time_ns) ? 1 : 0;
     }

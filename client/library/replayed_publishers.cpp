@@ -121,7 +121,7 @@ bool ReplayedPublishers::publish(wire::PoseBatch& batch, std::uint64_t log_time,
     publisher->unacknowledged.note_all_known();
   }
   if (!publisher->pose_writer.write(batch)) throw dds::DdsError("replay: the server takes no more poses");
-  publisher->unacknowledged.note_written(publisher->sequence, dds::view(batch.poses).size_bytes());
+  publisher->unacknowledged.note_written(publisher->sequence, dds::view(batch.positions).size_bytes() + dds::view(batch.orientations).size_bytes());
   return true;
 }
 

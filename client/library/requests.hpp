@@ -25,6 +25,7 @@ class Requests {
     std::vector<SamplePool<wire::Reply>::Pointer> replies;
     dds::Sample<wire::Query> query;  // its memory stays with the slot
     std::vector<double> numbers;     // the same
+    std::vector<double> columns;     // the same
   };
 
  public:
@@ -44,6 +45,7 @@ class Requests {
     wire::Query& query() { return *slot_.query; }
     /// Of a chunk.
     std::vector<double>& numbers() { return slot_.numbers; }
+    std::vector<double>& columns() { return slot_.columns; }
     /// The replies will take their time.
     void sleep_while_waiting() { spins_ = false; }
     /// Replies that came since the last call; waits for one until `deadline`, then none.

@@ -1,31 +1,21 @@
 #include "client/library/watch_decoding.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+
+#include "client/library/vector_column.hpp"
+#include "idl/columns.hpp"
 
 namespace collided::client {
 namespace {
 
 using std::chrono::nanoseconds;
-using wire_contract::kContactNumbers;
-using wire_contract::kEventNumbers;
-using wire_contract::kEventNumbersBefore;
 using wire_contract::ServerState;
 
 // The code n on the wire is n + 1 here: `open` exists only on this side.
 constexpr int kFirstKind = static_cast<int>(EventKind::began);
 
-Vec3 vector_at(const double* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
-
-/// The bound of its depth is infinite, and in the normal's place stands why.
-Doubt doubt_at(const double* numbers) {
-  if (!std::isinf(numbers[7])) return Doubt::none;
-  for (const Doubt doubt : {Doubt::cost_limit, Doubt::publisher_lost}) {
-    if (numbers[3] == static_cast<double>(doubt)) return doubt;
-  }
-  return Doubt::numeric;
-}
+/// A code that came later than this library is a doubt of some kind.
+Doubt doubt_of(std::uint8_t code) { return code <= static_cast<int>(Doubt::publisher_lost) ? static_cast<Doubt>(code) : Doubt::numeric; }
 
 bool fits(const wire::EventFrame& frame) {
   const std::size_t count = frame.kinds._length;
@@ -33,7 +23,8 @@ bool fits(const wire::EventFrame& frame) {
   const auto reasons = dds::view(frame.reasons);
   return frame.reasons._length == count && frame.shards._length == count && frame.a._length == count &&
          frame.b._length == count && frame.a_triangles._length == count && frame.b_triangles._length == count &&
-         frame.episodes._length == count && (frame.numbers._length == count * kEventNumbers || frame.numbers._length == count * kEventNumbersBefore) &&
+         frame.episodes._length == count && frame.doubts._length == count &&
+         wire::row_count<wire::EventFrame>(frame, wire::kEventColumns) == count &&
          std::all_of(kinds.begin(), kinds.end(), [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::ended); }) &&
          std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(EndReason::decided); });
 }
@@ -42,13 +33,12 @@ bool fits(const wire::ContactShard& shard) {
   const std::size_t count = shard.a._length;
   return shard.b._length == count && shard.a_triangles._length == count && shard.b_triangles._length == count &&
          shard.episodes._length == count && shard.began_ns._length == count &&
-         shard.numbers._length == count * kContactNumbers;
+         shard.doubts._length == count && wire::row_count<wire::ContactShard>(shard, wire::kContactColumns) == count;
 }
 
-// What frames and shards have in common. Both begin their numbers with point, normal, depth and its bound.
+// What frames and shards have in common.
 template <class Message>
-Event decode_pair(const Message& message, std::size_t index, std::size_t number_count, const Names& names) {
-  const double* const numbers = dds::view(message.numbers).data() + index * number_count;
+Event decode_pair(const Message& message, std::size_t index, const Names& names) {
   Event event;
   event.a_id = dds::view(message.a)[index];
   event.b_id = dds::view(message.b)[index];
@@ -58,12 +48,11 @@ Event decode_pair(const Message& message, std::size_t index, std::size_t number_
   event.b_triangle = dds::view(message.b_triangles)[index];
   event.epoch = message.epoch;
   event.episode = dds::view(message.episodes)[index];
-  event.point = vector_at(numbers);
-  event.normal = vector_at(numbers + 3);
-  event.depth_m = numbers[6];
-  event.depth_error_m = numbers[7];
-  event.doubt = doubt_at(numbers);
-  if (event.doubt != Doubt::none) event.normal = Vec3::Zero();
+  event.point = vector_in(message.points, index);
+  event.normal = vector_in(message.normals, index);
+  event.depth_m = dds::view(message.depths)[index];
+  event.depth_error_m = dds::view(message.depth_errors)[index];
+  event.doubt = doubt_of(dds::view(message.doubts)[index]);
   return event;
 }
 
@@ -76,17 +65,15 @@ std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
   HeardFrame heard{{frame.server, frame.epoch}, frame.first_sequence, {}};
   heard.entries.reserve(frame.kinds._length);
-  const std::size_t stride = frame.numbers._length == frame.kinds._length * kEventNumbers ? kEventNumbers : kEventNumbersBefore;
   for (std::size_t i = 0; i < frame.kinds._length; ++i) {
-    const double* const numbers = dds::view(frame.numbers).data() + i * stride;
-    Event event = decode_pair(frame, i, stride, names);
+    Event event = decode_pair(frame, i, names);
     event.kind = static_cast<EventKind>(dds::view(frame.kinds)[i] + kFirstKind);
     event.reason = static_cast<EndReason>(dds::view(frame.reasons)[i]);
     event.world_time = nanoseconds(frame.world_time_ns);
-    event.bracket_low_s = numbers[8];
-    event.bracket_high_s = numbers[9];
-    event.relative_velocity = Vec3(numbers[10], numbers[11], numbers[12]);
-    event.velocity_error = stride == kEventNumbers ? numbers[13] : std::numeric_limits<double>::infinity();
+    event.bracket_low_s = dds::view(frame.bracket_lows)[i];
+    event.bracket_high_s = dds::view(frame.bracket_highs)[i];
+    event.relative_velocity = vector_in(frame.velocities, i);
+    event.velocity_error = dds::view(frame.velocity_errors)[i];
     heard.entries.push_back({std::move(event), dds::view(frame.shards)[i]});
   }
   return heard;
@@ -100,7 +87,7 @@ std::optional<HeardShard> decode(const wire::ContactShard& shard, Names& names) 
   HeardShard heard{{shard.server, shard.epoch}, shard.shard, shard.as_of_sequence, {}};
   heard.contacts.reserve(shard.a._length);
   for (std::size_t i = 0; i < shard.a._length; ++i) {
-    Event contact = decode_pair(shard, i, kContactNumbers, names);
+    Event contact = decode_pair(shard, i, names);
     contact.kind = EventKind::open;
     contact.began = contact.world_time = nanoseconds(dds::view(shard.began_ns)[i]);
     heard.contacts.push_back(std::move(contact));

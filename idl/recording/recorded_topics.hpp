@@ -25,15 +25,15 @@ struct RecordedTopic {
 };
 
 inline constexpr std::array<RecordedTopic, 9> kRecordedTopics{{
-    {Recorded::object, wire_contract::kObjectTopic, "collided::wire::Definition"},
-    {Recorded::pose, wire_contract::kPoseTopic, "collided::wire::PoseBatch"},
-    {Recorded::query, wire_contract::kQueryTopic, "collided::wire::Query"},
-    {Recorded::reply, wire_contract::kReplyTopic, "collided::wire::Reply"},
-    {Recorded::event, wire_contract::kEventTopic, "collided::wire::EventFrame"},
-    {Recorded::contact, wire_contract::kContactTopic, "collided::wire::ContactShard"},
-    {Recorded::probe, wire_contract::kProbeTopic, "collided::wire::ProbeFrame"},
-    {Recorded::status, wire_contract::kStatusTopic, "collided::wire::Status"},
-    {Recorded::step, wire_contract::kStepTopic, "collided::wire::Status"},
+    {Recorded::object, wire_contract::kObjectTopic, "collided::wire_v2::Definition"},
+    {Recorded::pose, wire_contract::kPoseTopic, "collided::wire_v2::PoseBatch"},
+    {Recorded::query, wire_contract::kQueryTopic, "collided::wire_v2::Query"},
+    {Recorded::reply, wire_contract::kReplyTopic, "collided::wire_v2::Reply"},
+    {Recorded::event, wire_contract::kEventTopic, "collided::wire_v2::EventFrame"},
+    {Recorded::contact, wire_contract::kContactTopic, "collided::wire_v2::ContactShard"},
+    {Recorded::probe, wire_contract::kProbeTopic, "collided::wire_v2::ProbeFrame"},
+    {Recorded::status, wire_contract::kStatusTopic, "collided::wire_v2::Status"},
+    {Recorded::step, wire_contract::kStepTopic, "collided::wire_v2::Status"},
 }};
 
 /// The channels of a namespace, in the order of kRecordedTopics.

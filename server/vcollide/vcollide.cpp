@@ -10,8 +10,8 @@
 #include "server/broad_phase/grid/grid.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/float_environment.hpp"
-#include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/contact_search.hpp"
+#include "server/world/objects/indexed_mesh.hpp"
 
 namespace collided::vcollide {
 

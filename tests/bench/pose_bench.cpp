@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "idl/columns.hpp"
 #include "server/service/ingest/decoding.hpp"
 #include "server/service/ingest/inbox.hpp"
 #include "server/service/ingest/publishers.hpp"
@@ -45,7 +46,7 @@ void define(Publishers& publishers, std::uint32_t number, std::int64_t now_ns) {
 /// One batch as DDS lends it.
 struct Batch {
   std::vector<std::uint32_t> numbers;
-  std::vector<double> poses;
+  std::vector<double> poses, columns;
   dds::Sample<wire::PoseBatch> wire;
 };
 
@@ -67,7 +68,7 @@ std::vector<Batch> make_batches(const Size& size) {
     batch.wire->definitions_through = size.movers;
     batch.wire->flags = wire_contract::kTeleported;  // else the first way would lead through all the others
     dds::borrow(batch.wire->object_numbers, batch.numbers);
-    dds::borrow(batch.wire->poses, batch.poses);
+    wire::lend_columns<wire::PoseBatch>(batch.poses, wire::kPoseColumns, batch.columns, *batch.wire);
   }
   return batches;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "idl/cdr.hpp"
+#include "idl/columns.hpp"
 #include "idl/mcap/output.hpp"
 #include "idl/recording/recorded_topics.hpp"
 #include "idl/topics.hpp"
@@ -59,7 +60,7 @@ class EventRecording {
     dds::borrow(frame->kinds, kinds);
     dds::borrow(frame->reasons, reasons);
     dds::borrow(frame->shards, shards);
-    put(recording::Recorded::event, time_s, frame, columns);
+    put<wire::EventFrame>(recording::Recorded::event, time_s, frame, columns, wire::kEventColumns);
   }
 
   /// The contacts of one shard.
@@ -81,7 +82,7 @@ class EventRecording {
     shard->shard = number;
     shard->as_of_sequence = as_of;
     dds::borrow(shard->began_ns, began);
-    put(recording::Recorded::contact, time_s, shard, columns);
+    put<wire::ContactShard>(recording::Recorded::contact, time_s, shard, columns, wire::kContactColumns);
   }
 
   void status(double time_s, std::uint64_t last_sequence, const std::vector<Contact>& contacts = {}) {
@@ -114,7 +115,7 @@ class EventRecording {
   static std::int64_t ns(double time_s) { return std::llround(time_s * 1e9); }
 
   template <class T>
-  void put(recording::Recorded topic, double time_s, dds::Sample<T>& sample, Columns& columns) {
+  void put(recording::Recorded topic, double time_s, dds::Sample<T>& sample, Columns& columns, wire::Columns<T> named) {
     sample->server = 1;
     sample->epoch = epoch_;
     dds::borrow(sample->a, columns.a);
@@ -122,7 +123,10 @@ class EventRecording {
     dds::borrow(sample->a_triangles, columns.triangles);
     dds::borrow(sample->b_triangles, columns.triangles);
     dds::borrow(sample->episodes, columns.episodes);
-    dds::borrow(sample->numbers, columns.numbers);
+    const std::vector<std::uint8_t> doubts(columns.a.size(), 0);
+    dds::borrow(sample->doubts, doubts);
+    std::vector<double> memory;
+    wire::lend_columns(columns.numbers, named, memory, *sample);
     std::vector<std::uint64_t> ids;
     std::vector<std::string> names;
     for (const std::uint64_t id : columns.ids) {

@@ -2,6 +2,7 @@
 #include "idl/mcap/writer.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
+#include "tests/service/wire_rows.hpp"
 
 // A recording from anywhere. What cannot be replayed is refused with a sentence; what can keeps to its own bytes.
 
@@ -73,7 +74,7 @@ std::vector<std::string> fuzz_seeds() {
   query->client = query->request = query->chunk_count = 1;
   query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::ray);
   const std::vector<double> ray{0, 0, 5, 0, 0, -1, 10};
-  dds::borrow(query->numbers, ray);
+  test::put_questions(*query, ray);
   write(writer, Recorded::query, 3, *query);
   dds::Sample<wire::Reply> reply;
   reply->client = reply->request = reply->chunk_count = 1;

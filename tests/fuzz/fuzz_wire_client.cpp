@@ -8,6 +8,7 @@
 #include "client/library/watch_decoding.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
+#include "tests/service/wire_rows.hpp"
 
 // What a server, or whoever speaks like one, may send to a client: replies, and everything that a watch hears. Nothing of it
 // makes a watch tell of an end without a beginning.
@@ -89,33 +90,35 @@ std::vector<std::string> fuzz_seeds() {
   const std::vector<std::uint8_t> names = wire_contract::pack_names(both), began{0}, ended{2}, none{0}, separated{1};
   const std::vector<std::uint8_t> shard{wire_contract::contact_shard(1, 2)};
   const std::vector<std::uint32_t> triangles{7};
-  const std::vector<double> event_numbers(wire_contract::kEventNumbers, 0.5), contact_numbers(wire_contract::kContactNumbers, 0.5), hit_numbers(wire_contract::kHitNumbers, 1.5);
+  const std::vector<double> event_numbers(wire::width_of<wire::EventFrame>(wire::kEventColumns), 0.5), contact_numbers(wire::width_of<wire::ContactShard>(wire::kContactColumns), 0.5), hit_numbers(wire_contract::kHitNumbers, 1.5);
   const std::vector<std::int64_t> began_ns{5};
 
   dds::Sample<wire::EventFrame> frame;
   frame->server = frame->epoch = frame->first_sequence = 1;
   dds::borrow(frame->kinds, began);
   dds::borrow(frame->reasons, none);
+  dds::borrow(frame->doubts, none);
   dds::borrow(frame->shards, shard);
   dds::borrow(frame->a, a);
   dds::borrow(frame->b, b);
   dds::borrow(frame->a_triangles, triangles);
   dds::borrow(frame->b_triangles, triangles);
   dds::borrow(frame->episodes, episodes);
-  dds::borrow(frame->numbers, event_numbers);
+  test::put_rows<wire::EventFrame>(*frame, wire::kEventColumns, event_numbers);
   dds::borrow(frame->named_ids, ids);
   dds::borrow(frame->names, names);
 
   dds::Sample<wire::ContactShard> contacts;
   contacts->server = contacts->epoch = contacts->as_of_sequence = 1;
   contacts->shard = shard[0];
+  dds::borrow(contacts->doubts, none);
   dds::borrow(contacts->a, a);
   dds::borrow(contacts->b, b);
   dds::borrow(contacts->a_triangles, triangles);
   dds::borrow(contacts->b_triangles, triangles);
   dds::borrow(contacts->episodes, episodes);
   dds::borrow(contacts->began_ns, began_ns);
-  dds::borrow(contacts->numbers, contact_numbers);
+  test::put_rows<wire::ContactShard>(*contacts, wire::kContactColumns, contact_numbers);
   dds::borrow(contacts->named_ids, ids);
   dds::borrow(contacts->names, names);
 
@@ -137,7 +140,7 @@ std::vector<std::string> fuzz_seeds() {
   dds::borrow(reply->objects, a);
   dds::borrow(reply->triangles, triangles);
   dds::borrow(reply->hit_flags, none);
-  dds::borrow(reply->numbers, hit_numbers);
+  test::put_rows<wire::Reply>(*reply, wire::kHitColumns, hit_numbers);
   dds::borrow(reply->named_ids, ids);
   dds::borrow(reply->names, names);
 

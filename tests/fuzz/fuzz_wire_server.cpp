@@ -8,6 +8,7 @@
 #include "server/world/query/query.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
+#include "tests/service/wire_rows.hpp"
 
 // What publishers and askers, or whoever speaks like one, may send to a server: definitions, poses and questions in any
 // order, steps between. The world goes on; every question is refused with a reason or answered.
@@ -67,11 +68,12 @@ class Side {
     dds::Sample<wire::Query> query;
     if (!wire::read_cdr(bytes, query) || service::why_refused(*query)) return;
     const auto kind = static_cast<QueryKind>(query->kind);
-    const std::uint32_t each = wire_contract::numbers_of(kind);
-    if (each == 0 || kind == QueryKind::sweep) return;
-    const auto numbers = dds::view(query->numbers);
+    const std::optional<std::uint32_t> count = wire::question_count(*query);
+    if (count.value_or(0) == 0 || kind == QueryKind::sweep) return;
     // A question may take long where everything is asked of it; many of them teach nothing more.
-    if (numbers.size() > std::size_t{4} * each) return;
+    if (*count > 4) return;
+    std::vector<double> numbers;
+    wire::gather_rows(*query, wire::question_columns(kind), numbers);
     const SnapshotRing::Lease state = world_.newest();
     const Questions questions{.kind = kind,
                               .mode = static_cast<wire_contract::RayMode>(query->mode),
@@ -80,11 +82,11 @@ class Side {
                               .only = query->only,
                               .skip = query->skip,
                               .deadline_ns = 0,
-                              .error_m = query->error_asked_m,
+                              .error_m = query->error_asked,
                               .numbers = numbers,
                               .mover = nullptr};
     answer(*state, questions, answers_, scratch_);
-    fuzz::require(answers_.answers.size() == numbers.size() / each, "every question has an answer");
+    fuzz::require(answers_.answers.size() == *count, "every question has an answer");
   }
 
   World world_{WorldOptions{.epoch = 1, .max_objects = 1'000, .max_contacts = 10'000}};
@@ -115,7 +117,7 @@ std::vector<std::string> fuzz_seeds() {
     definition->sequence_number = number + 1;
     definition->moving = true;
     definition->layers = definition->mask = 0xffffffff;
-    definition->pose[3] = 1;
+    definition->orientation[0] = 1;
     static_cast<void>(dds::set_text(definition->publisher_name, "arm"));
     static_cast<void>(dds::set_text(definition->name, "link " + std::to_string(number)));
     Shape shape;
@@ -135,7 +137,7 @@ std::vector<std::string> fuzz_seeds() {
   batch->definitions_through = 3;
   const std::vector<double> poses{0, 0, 0, 1, 0, 0, 0, 0.5, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0, 1, 0, 0};
   dds::borrow(batch->object_numbers, numbers);
-  dds::borrow(batch->poses, poses);
+  test::put_poses(*batch, poses);
   fuzz::append_frame(run, 1, *batch);
   fuzz::append_frame(run, 3, *batch);
   std::string asked = run;
@@ -146,7 +148,7 @@ std::vector<std::string> fuzz_seeds() {
     query->kind = static_cast<std::uint8_t>(kind);
     query->mask = 0xffffffff;
     query->max_hits = 10;
-    dds::borrow(query->numbers, values);
+    test::put_questions(*query, values);
     fuzz::append_frame(asked, 2, *query);
   }
   batch->sequence_number = 5;

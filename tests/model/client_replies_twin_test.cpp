@@ -6,6 +6,7 @@
 
 #include "client/library/answer_decoding.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/service/wire_rows.hpp"
 
 // Replies in pieces, twice, out of turn, with holes and from other states of the world, beside a plain table of answers.
 namespace collided {
@@ -43,7 +44,7 @@ struct Piece {
     dds::borrow(reply->objects, objects);
     dds::borrow(reply->triangles, triangles);
     dds::borrow(reply->hit_flags, flags);
-    dds::borrow(reply->numbers, numbers);
+    test::put_rows<wire::Reply>(*reply, wire::kHitColumns, numbers);
     return collector.add(*reply);
   }
 };

@@ -13,6 +13,7 @@
 #include "idl/mcap/reader.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -46,13 +47,12 @@ dds::Sample<wire::PoseBatch> batch(std::uint64_t publisher, std::uint64_t sequen
     poses.insert(poses.end(), {x, 0, 0, 1, 0, 0, 0});
   }
   dds::borrow(sample->object_numbers, numbers);
-  dds::borrow(sample->poses, poses);
+  test::put_poses(*sample, poses);
   std::vector<std::byte> bytes(wire::cdr_size(*sample));
   wire::write_cdr(*sample, bytes);
   dds::Sample<wire::PoseBatch> owner;  // of its sequences
   EXPECT_TRUE(wire::read_cdr(std::span<const std::byte>(bytes), owner));
   dds::borrow(sample->object_numbers, std::span<const std::uint32_t>());
-  dds::borrow(sample->poses, std::span<const double>());
   return owner;
 }
 
@@ -94,12 +94,12 @@ TEST(FlightRing, SeveralThreadsPutAndNothingIsMissingOrMadeUp) {
         sample->server = thread;
         sample->first_sequence = i;
         numbers.assign(i % 50, static_cast<double>(i));
-        dds::borrow(sample->numbers, numbers);
+        dds::borrow(sample->depths, numbers);
         while (put.load() - seen.load() > kMostAhead) std::this_thread::yield();
         ring.put(5, *sample, i, thread);
         ++put;
       }
-      dds::borrow(sample->numbers, std::span<const double>());
+      dds::borrow(sample->depths, std::span<const double>());
       --running;
     });
   }
@@ -113,7 +113,7 @@ TEST(FlightRing, SeveralThreadsPutAndNothingIsMissingOrMadeUp) {
         ++wrong;
         return;
       }
-      const auto numbers = dds::view(sample->numbers);
+      const auto numbers = dds::view(sample->depths);
       const bool whole = numbers.size() == sample->first_sequence % 50 &&
                          std::all_of(numbers.begin(), numbers.end(), [&](double number) { return number == static_cast<double>(sample->first_sequence); });
       const bool in_order = sample->first_sequence == next[sample->server];
@@ -206,7 +206,7 @@ Written written(const FlightOpening& opening) {
     if (topic == Recorded::object && wire::read_cdr(data, definition)) all.objects[definition->object_number] = definition->sequence_number;
     if (topic == Recorded::pose && wire::read_cdr(data, poses)) {
       all.newest = poses->sequence_number;
-      for (std::uint32_t i = 0; i < poses->object_numbers._length; ++i) all.x[poses->object_numbers._buffer[i]] = poses->poses._buffer[7 * i];
+      for (std::uint32_t i = 0; i < poses->object_numbers._length; ++i) all.x[poses->object_numbers._buffer[i]] = poses->positions._buffer[3 * i];
     }
     if (topic == Recorded::query && wire::read_cdr(data, query)) all.commands.emplace_back(query->text);
   });
@@ -491,8 +491,8 @@ TEST(FlightRecorder, AFileBeginsWithTheStateBeforeItsWindow) {
   dds::Sample<wire::PoseBatch> before, after;
   ASSERT_TRUE(wire::read_cdr(contents.messages[1].data, before));
   ASSERT_TRUE(wire::read_cdr(contents.messages[2].data, after));
-  EXPECT_EQ(before->poses._buffer[0], 0.5);
-  EXPECT_EQ(after->poses._buffer[0], 0.75);
+  EXPECT_EQ(before->positions._buffer[0], 0.5);
+  EXPECT_EQ(after->positions._buffer[0], 0.75);
   EXPECT_EQ(file.dropped, 0U);
 }
 

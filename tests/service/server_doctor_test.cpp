@@ -117,9 +117,9 @@ TEST_F(ServerDoctor, ItsRoundTripsAreGreetings) {
       const std::lock_guard lock(mutex);
       ++heard;
       const bool is_greeting = query->kind == static_cast<std::uint8_t>(wire_contract::QueryKind::hello);
-      if (!is_greeting || query->chunk_count != 1 || query->chunk_index != 0 || query->numbers._length != 0) {
+      if (!is_greeting || query->chunk_count != 1 || query->chunk_index != 0 || query->points._length != 0) {
         unlike.insert("kind " + std::to_string(query->kind) + ", chunk " + std::to_string(query->chunk_index) + " of " +
-                      std::to_string(query->chunk_count) + ", numbers " + std::to_string(query->numbers._length));
+                      std::to_string(query->chunk_count) + ", points " + std::to_string(query->points._length));
       }
     }
   }});

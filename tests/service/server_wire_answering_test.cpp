@@ -6,6 +6,7 @@
 
 #include "server/service/questions/answering.hpp"
 #include "tests/service/wire_network.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -208,16 +209,16 @@ class WireAnswering : public testing::Test {
     query->first_question = 7;
     query->mask = 0xffffffff;
     query->max_hits = 10;
-    query->error_asked_m = error_m;
+    query->error_asked = error_m;
     query->deadline_ns = deadline_ns;
-    dds::borrow(query->numbers, numbers);
+    test::put_questions(*query, numbers);
     EXPECT_TRUE(writer.write(*query));
     EXPECT_TRUE(ears.hears(request));
     return ears.reply();
   }
   static double error_of(const wire::Reply& reply) {
     EXPECT_EQ(reply.objects._length, 1U);
-    return reply.numbers._length > 1 ? reply.numbers._buffer[1] : -1;
+    return reply.distance_errors._length > 0 ? reply.distance_errors._buffer[0] : -1;
   }
 
   World world{WorldOptions{.epoch = 4}};
@@ -329,7 +330,7 @@ TEST_F(WireAnswering, ATextSaysWhoseItIsAndNothingOfObjects) {
     EXPECT_EQ(reply.world_time_ns, world.newest()->world_time_ns);
     EXPECT_EQ(reply.oldest_pose_age_ns, -1);
     EXPECT_EQ(reply.compute_ns, 0);
-    EXPECT_EQ(reply.answers._length + reply.objects._length + reply.numbers._length + reply.named_ids._length, 0U);
+    EXPECT_EQ(reply.answers._length + reply.objects._length + reply.distances._length + reply.points._length + reply.named_ids._length, 0U);
   };
   ask(down);
   hello();
@@ -379,7 +380,7 @@ TEST_F(WireAnswering, WhatWasToldOnceIsNotUnsaidByARequestInChunks) {
     query->chunk_count = 2;
     query->mask = 0xffffffff;
     query->max_hits = 10;
-    dds::borrow(query->numbers, down);
+    test::put_questions(*query, down);
     EXPECT_TRUE(writer.write(*query));
     EXPECT_TRUE(ears.hears(request));
     return ears.reply().version;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "idl/dds.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided::testing_support {
 
@@ -118,7 +119,7 @@ class WireAsker {
       const auto text = dds::view(r.text);
       const std::lock_guard lock(mutex_);
       heard_.push_back({r.request, r.status, r.first_question, r.version, copy(r.answers), copy(r.reasons),
-                        copy(r.hit_counts), copy(r.triangles), copy(r.objects), copy(r.numbers),
+                        copy(r.hit_counts), copy(r.triangles), copy(r.objects), collided::test::hits_of(r),
                         std::string(text.begin(), text.end())});
       came_.notify_all();
     }

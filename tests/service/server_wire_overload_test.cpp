@@ -3,31 +3,31 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "idl/question_class.hpp"
 #include "tests/service/server_process.hpp"
 #include "tests/service/server_wire_asker.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided {
 namespace {
 
 using namespace std::chrono_literals;
 using testing_support::WireAsker;
+using wire_contract::Importance;
 using wire_contract::QueryKind;
-using wire_contract::QuestionClass;
 using wire_contract::ReplyStatus;
 
 class ServerWireOverload : public testing_support::ServerProcess {
  protected:
-  static dds::Sample<wire::Query> near(const std::vector<double>& numbers, QuestionClass importance) {
+  static dds::Sample<wire::Query> near(const std::vector<double>& numbers, Importance importance) {
     dds::Sample<wire::Query> query;
     query->kind = static_cast<std::uint8_t>(QueryKind::near);
-    query->mode = wire_contract::mode_byte(wire_contract::RayMode::closest, importance);
+    query->importance = static_cast<std::uint8_t>(importance);
     query->mask = 0xffffffff;
     query->max_hits = 1;
-    dds::borrow(query->numbers, numbers);
+    test::put_questions(*query, numbers);
     return query;
   }
-  static std::optional<WireAsker::Heard> ask(WireAsker& asker, QuestionClass importance) {
+  static std::optional<WireAsker::Heard> ask(WireAsker& asker, Importance importance) {
     const std::vector<double> point{0, 0, 3, 100};
     dds::Sample<wire::Query> query = near(point, importance);
     return asker.ask(*query, 20s);
@@ -50,17 +50,17 @@ TEST_F(ServerWireOverload, LowQuestionsAreRefusedFirstAndHighOnesNever) {
   const auto give_up = std::chrono::steady_clock::now() + 30s;
   while (!is_refused && std::chrono::steady_clock::now() < give_up) {
     for (int i = 0; i < 1'000; ++i) {
-      dds::Sample<wire::Query> query = near(many, QuestionClass::normal);
+      dds::Sample<wire::Query> query = near(many, Importance::normal);
       flooder.send(*query);
     }
     flooder.forget_replies();
-    const auto low = ask(quiet, QuestionClass::low);
+    const auto low = ask(quiet, Importance::low);
     is_refused = is(low, ReplyStatus::refused) && low->text.find("low class") != std::string::npos;
   }
   ASSERT_TRUE(is_refused) << server.errors();
-  EXPECT_TRUE(is(ask(quiet, QuestionClass::normal), ReplyStatus::ok));
-  EXPECT_TRUE(is(ask(quiet, QuestionClass::high), ReplyStatus::ok));
-  EXPECT_TRUE(is(ask(flooder, QuestionClass::high), ReplyStatus::ok)) << "whoever asks";
+  EXPECT_TRUE(is(ask(quiet, Importance::normal), ReplyStatus::ok));
+  EXPECT_TRUE(is(ask(quiet, Importance::high), ReplyStatus::ok));
+  EXPECT_TRUE(is(ask(flooder, Importance::high), ReplyStatus::ok)) << "whoever asks";
   dds::Sample<wire::Query> list;
   list->kind = static_cast<std::uint8_t>(QueryKind::command);
   ASSERT_TRUE(dds::set_text(list->text, R"({"command": "list"})"));
@@ -69,8 +69,8 @@ TEST_F(ServerWireOverload, LowQuestionsAreRefusedFirstAndHighOnesNever) {
   EXPECT_NE(server.errors().find("questions of the low class are refused"), std::string::npos) << server.errors();
   EXPECT_EQ(server.errors().find("more poses come"), std::string::npos) << server.errors();
   const auto until = std::chrono::steady_clock::now() + 60s;
-  while (!is(ask(quiet, QuestionClass::low), ReplyStatus::ok) && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(50ms);
-  EXPECT_TRUE(is(ask(quiet, QuestionClass::low), ReplyStatus::ok)) << server.errors();
+  while (!is(ask(quiet, Importance::low), ReplyStatus::ok) && std::chrono::steady_clock::now() < until) std::this_thread::sleep_for(50ms);
+  EXPECT_TRUE(is(ask(quiet, Importance::low), ReplyStatus::ok)) << server.errors();
 }
 
 // Each is a file of what was remembered; they are written one after the other, and only so many wait for it.
@@ -132,9 +132,9 @@ TEST_F(ServerWireOverload, AClassThatIsNoneIsRefused) {
   start();
   WireAsker asker(domain_);
   ASSERT_TRUE(asker.greet());
-  const auto heard = ask(asker, static_cast<QuestionClass>(3));
+  const auto heard = ask(asker, static_cast<Importance>(3));
   ASSERT_TRUE(is(heard, ReplyStatus::refused));
-  EXPECT_NE(heard->text.find("question class 3"), std::string::npos) << heard->text;
+  EXPECT_NE(heard->text.find("importance 3"), std::string::npos) << heard->text;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "tests/oracle/seed.hpp"
 #include "tests/service/server_process.hpp"
 #include "tests/service/server_wire_asker.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided::engine {
 namespace {
@@ -34,7 +35,7 @@ class ServerWire : public testing_support::ServerProcess {
     query.kind = static_cast<std::uint8_t>(kind);
     query.mask = 0xffffffff;
     query.max_hits = 1'000;
-    dds::borrow(query.numbers, numbers);
+    test::put_questions(query, numbers);
   }
   std::optional<WireAsker> asker;
 };
@@ -106,9 +107,9 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
   const std::vector<Bad> all{
       {"kind", [](wire::Query& q) { q.kind = 99; }, "question kind 99"},
       {"mode", [](wire::Query& q) { q.mode = 7; }, "ray mode 7"},
-      {"numbers", [&](wire::Query& q) { dds::borrow(q.numbers, eight); }, "8 numbers"},
-      {"no numbers", [&](wire::Query& q) { dds::borrow(q.numbers, none); }, "0 numbers"},
-      {"too many", [&](wire::Query& q) { dds::borrow(q.numbers, many); }, "1001 questions"},
+      {"columns", [&](wire::Query& q) { dds::borrow(q.directions, eight); }, "not of one length"},
+      {"no questions", [&](wire::Query& q) { test::put_questions(q, none); }, "are empty"},
+      {"too many", [&](wire::Query& q) { test::put_questions(q, many); }, "1001 questions"},
       {"chunk",
        [](wire::Query& q) {
          q.chunk_index = 3;
@@ -120,7 +121,7 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
       {"no hits", [](wire::Query& q) { q.max_hits = 0; }, "max_hits 0"},
       {"hits", [](wire::Query& q) { q.max_hits = 1'000'000; }, "max_hits 1000000"},
       {"deadline", [](wire::Query& q) { q.deadline_ns = -5; }, "deadline -5"},
-      {"error", [](wire::Query& q) { q.error_asked_m = kNan; }, "error asked nan"},
+      {"error", [](wire::Query& q) { q.error_asked = kNan; }, "error asked nan"},
       {"pattern", [](wire::Query& q) { std::strcpy(q.only, "\xff\xfe"); }, "not text"},
       {"later chunk",
        [](wire::Query& q) {
@@ -204,7 +205,8 @@ class HostilePublisher : public ServerWire {
     definition->layers = 1;
     definition->mask = 0xffffffff;
     const double pose[] = {6, 0, 3, 1, 0, 0, 0};
-    std::copy_n(pose, 7, definition->pose);
+    std::copy_n(pose, 3, definition->position);
+    std::copy_n(pose + 3, 4, definition->orientation);
     ASSERT_TRUE(dds::set_text(definition->name, name));
     dds::borrow(definition->shape, bytes);
     asker->define(*definition);
@@ -216,7 +218,7 @@ class HostilePublisher : public ServerWire {
     batch->sequence_number = sequence;
     batch->definitions_through = 1;
     dds::borrow(batch->object_numbers, numbers);
-    dds::borrow(batch->poses, poses);
+    test::put_poses(*batch, poses);
     asker->pose(*batch);
   }
   bool dropped(std::uint64_t count) {

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include "collided/client.hpp"
-#include "idl/question_class.hpp"
 #include "tests/service/wire_fake_server.hpp"
 
 namespace collided {
@@ -161,12 +160,13 @@ TEST_F(ClientAsk, OptionsTravel) {
                            .error_m = 1e-6, .deadline = 200us, .importance = Importance::high};
   ASSERT_TRUE(client_->ask(ray_from(1), options));
   const wire::Query query = server_.last_query();
-  EXPECT_EQ(query.mode, wire_contract::mode_byte(wire_contract::RayMode::all, wire_contract::QuestionClass::high));
+  EXPECT_EQ(query.mode, static_cast<std::uint8_t>(wire_contract::RayMode::all));
+  EXPECT_EQ(query.importance, static_cast<std::uint8_t>(wire_contract::Importance::high));
   EXPECT_EQ(query.mask, 6u);
   EXPECT_STREQ(query.only, "pallet_*");
   EXPECT_STREQ(query.skip, "pallet_0?");
   EXPECT_EQ(query.max_hits, 17u);
-  EXPECT_EQ(query.error_asked_m, 1e-6);
+  EXPECT_EQ(query.error_asked, 1e-6);
   EXPECT_EQ(query.deadline_ns, 200'000);
   ASSERT_TRUE(client_->ask(ray_from(1)));  // the reused sample must not remember
   EXPECT_STREQ(server_.last_query().only, "");

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/service/wire_network.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided {
 namespace {
@@ -70,7 +71,7 @@ TEST(WireDds, SampleCrossesTheNetworkStackIntoReusedMemory) {
   const dds::Reader<wire::Query> reader(far_topic, {.data = [&](dds::Taker<wire::Query> taker) {
     const std::lock_guard lock(mutex);
     while (taker.take(room)) {
-      received.insert(received.end(), dds::view(room->numbers).begin(), dds::view(room->numbers).end());
+      received.insert(received.end(), dds::view(room->lengths).begin(), dds::view(room->lengths).end());
       only = room->only;
     }
   }});
@@ -79,7 +80,7 @@ TEST(WireDds, SampleCrossesTheNetworkStackIntoReusedMemory) {
 
   const std::vector<double> numbers{0, -0.0, 1e308, 5e-324};
   dds::Sample<wire::Query> query;
-  dds::borrow(query->numbers, numbers);
+  dds::borrow(query->lengths, numbers);
   ASSERT_TRUE(dds::set_text(query->only, "pallet_*"));
   EXPECT_FALSE(dds::set_text(query->skip, std::string(256, 'x')));
   ASSERT_TRUE(writer.write(*query));

@@ -10,6 +10,7 @@
 #include "client/library/watch_decoding.hpp"
 #include "idl/instant.hpp"
 #include "idl/topics.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided {
 namespace {
@@ -34,7 +35,7 @@ struct ReplyMessage {
   std::vector<std::uint8_t> answers{0, 1, 2}, reasons{0, 0, 4}, levels{1, 2, 0}, hit_flags{wire_contract::kInside, wire_contract::kStale};
   std::vector<std::uint32_t> hit_counts{0, 2, 0}, nodes{10, 11, 12}, exact_tests{20, 21, 22}, triangles{30, wire_contract::kNoTriangle};
   std::vector<std::uint64_t> objects{7, 9 + (std::uint64_t{3} << 32)};
-  std::vector<double> numbers = counted<double>(2 * wire_contract::kHitNumbers, 100);
+  std::vector<double> numbers = counted<double>(2 * wire_contract::kHitNumbers, 100), columns;
   std::vector<std::uint64_t> named_ids{9 + (std::uint64_t{3} << 32), 7};
   std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"nine", "seven"});
 
@@ -55,7 +56,7 @@ struct ReplyMessage {
     dds::borrow(reply.exact_tests, exact_tests);
     dds::borrow(reply.triangles, triangles);
     dds::borrow(reply.objects, objects);
-    dds::borrow(reply.numbers, numbers);
+    wire::lend_columns<wire::Reply>(numbers, wire::kHitColumns, columns, reply);
     dds::borrow(reply.named_ids, named_ids);
     dds::borrow(reply.names, names);
     return reply;
@@ -273,10 +274,10 @@ TEST(AnswerDecoding, ARefusalIsItsTextWhateverThatIs) {
 
 struct FrameMessage {
   wire::EventFrame frame{};
-  std::vector<std::uint8_t> kinds{0, 1, 2}, reasons{0, 0, 7}, shards{40, 41, 42};
+  std::vector<std::uint8_t> kinds{0, 1, 2}, reasons{0, 0, 7}, doubts{0, 0, 0}, shards{40, 41, 42};
   std::vector<std::uint64_t> a{1, 2, 3}, b{4, 5, 6}, episodes{50, 51, 52};
   std::vector<std::uint32_t> a_triangles{60, 61, wire_contract::kNoTriangle}, b_triangles{70, wire_contract::kNoTriangle, 72};
-  std::vector<double> numbers = counted<double>(3 * wire_contract::kEventNumbers, 100);
+  std::vector<double> numbers = counted<double>(3 * wire::width_of<wire::EventFrame>(wire::kEventColumns), 100), columns;
   std::vector<std::uint64_t> named_ids{1, 5};
   std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"one", "five"});
 
@@ -296,25 +297,27 @@ struct FrameMessage {
     dds::borrow(frame.episodes, episodes);
     dds::borrow(frame.a_triangles, a_triangles);
     dds::borrow(frame.b_triangles, b_triangles);
-    dds::borrow(frame.numbers, numbers);
+    dds::borrow(frame.doubts, doubts);
+    wire::lend_columns<wire::EventFrame>(numbers, wire::kEventColumns, columns, frame);
     dds::borrow(frame.named_ids, named_ids);
     dds::borrow(frame.names, names);
     return frame;
   }
 };
 
-TEST(WatchDecoding, AnInfiniteBoundOfTheDepthIsADoubtWithItsReason) {
+TEST(WatchDecoding, ADoubtHasItsReason) {
   Names names;
   for (const Doubt why : {Doubt::numeric, Doubt::cost_limit, Doubt::publisher_lost}) {
     FrameMessage frame;
-    frame.numbers[3] = static_cast<double>(why);
-    frame.numbers[7] = std::numeric_limits<double>::infinity();
+    frame.doubts[0] = static_cast<std::uint8_t>(why);
     const auto heard = client::decode(frame.message(), names);
     ASSERT_TRUE(heard);
     EXPECT_EQ(heard->entries[0].event.doubt, why);
-    EXPECT_EQ(heard->entries[0].event.normal, Vec3(Vec3::Zero()));
     EXPECT_EQ(heard->entries[1].event.doubt, Doubt::none);
   }
+  FrameMessage frame;
+  frame.doubts[0] = 9;
+  EXPECT_EQ(client::decode(frame.message(), names)->entries[0].event.doubt, Doubt::numeric) << "one that came later";
 }
 
 TEST(WatchDecoding, EveryFieldOfAnEventIsItsOwn) {
@@ -357,25 +360,11 @@ TEST(WatchDecoding, EveryFieldOfAnEventIsItsOwn) {
   }
 }
 
-// Recordings of before.
-TEST(WatchDecoding, AVelocityWithoutABoundIsHeardAsOne) {
-  Names names;
-  FrameMessage frame;
-  frame.numbers.resize(3 * wire_contract::kEventNumbersBefore);
-  const auto heard = client::decode(frame.message(), names);
-  ASSERT_TRUE(heard);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double first = 100 + 13 * static_cast<double>(i);
-    EXPECT_EQ(heard->entries[i].event.point, three(first));
-    EXPECT_EQ(heard->entries[i].event.relative_velocity, three(first + 10));
-    EXPECT_EQ(heard->entries[i].event.velocity_error, std::numeric_limits<double>::infinity());
-  }
-}
-
 TEST(WatchDecoding, AFrameWhoseListsDifferIsRefused) {
   const std::vector<std::pair<const char*, std::function<void(FrameMessage&)>>> spoilers{
       {"kinds", [](FrameMessage& f) { f.kinds.pop_back(); }},
       {"reasons", [](FrameMessage& f) { f.reasons.pop_back(); }},
+      {"doubts", [](FrameMessage& f) { f.doubts.pop_back(); }},
       {"shards", [](FrameMessage& f) { f.shards.pop_back(); }},
       {"a", [](FrameMessage& f) { f.a.pop_back(); }},
       {"b", [](FrameMessage& f) { f.b.pop_back(); }},
@@ -396,10 +385,11 @@ TEST(WatchDecoding, AFrameWhoseListsDifferIsRefused) {
 
 struct ShardMessage {
   wire::ContactShard shard{};
+  std::vector<std::uint8_t> doubts{0, 2};
   std::vector<std::uint64_t> a{1, 2}, b{4, 5}, episodes{50, 51};
   std::vector<std::uint32_t> a_triangles{60, wire_contract::kNoTriangle}, b_triangles{70, 71};
   std::vector<std::int64_t> began_ns{90, 91};
-  std::vector<double> numbers = counted<double>(2 * wire_contract::kContactNumbers, 100);
+  std::vector<double> numbers = counted<double>(2 * wire::width_of<wire::ContactShard>(wire::kContactColumns), 100), columns;
   std::vector<std::uint64_t> named_ids{2};
   std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"two"});
 
@@ -417,7 +407,8 @@ struct ShardMessage {
     dds::borrow(shard.b_triangles, b_triangles);
     dds::borrow(shard.episodes, episodes);
     dds::borrow(shard.began_ns, began_ns);
-    dds::borrow(shard.numbers, numbers);
+    dds::borrow(shard.doubts, doubts);
+    wire::lend_columns<wire::ContactShard>(numbers, wire::kContactColumns, columns, shard);
     dds::borrow(shard.named_ids, named_ids);
     dds::borrow(shard.names, names);
     return shard;
@@ -452,6 +443,7 @@ TEST(WatchDecoding, EveryFieldOfAContactIsItsOwn) {
     EXPECT_EQ(contact.normal, three(first + 3));
     EXPECT_EQ(contact.depth_m, first + 6);
     EXPECT_EQ(contact.depth_error_m, first + 7);
+    EXPECT_EQ(contact.doubt, i == 0 ? Doubt::none : Doubt::cost_limit);
   }
 }
 
@@ -462,6 +454,7 @@ TEST(WatchDecoding, AShardWhoseListsDifferIsRefused) {
       {"a triangles", [](ShardMessage& s) { s.a_triangles.pop_back(); }},
       {"b triangles", [](ShardMessage& s) { s.b_triangles.pop_back(); }},
       {"episodes", [](ShardMessage& s) { s.episodes.pop_back(); }},
+      {"doubts", [](ShardMessage& s) { s.doubts.pop_back(); }},
       {"began", [](ShardMessage& s) { s.began_ns.pop_back(); }},
       {"numbers", [](ShardMessage& s) { s.numbers.pop_back(); }},
   };
@@ -503,7 +496,7 @@ struct ProbeMessage {
   std::vector<std::uint8_t> states{2, 0, 99};
   std::vector<std::uint64_t> objects{1, 0, 3}, met{4, 0, 6};
   std::vector<std::uint32_t> triangles{70, wire_contract::kNoTriangle, 72};
-  std::vector<double> numbers = counted<double>(3 * wire_contract::kProbeNumbers, 100);
+  std::vector<double> numbers = counted<double>(3 * wire::width_of<wire::ProbeFrame>(wire::kProbeColumns), 100), columns;
   std::vector<std::uint8_t> probe_names = wire_contract::pack_names(std::vector<std::string>{"p", "q", "r"});
   std::vector<std::uint64_t> named_ids{1, 4};
   std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"car", "road"});
@@ -518,7 +511,7 @@ struct ProbeMessage {
     dds::borrow(frame.objects, objects);
     dds::borrow(frame.met, met);
     dds::borrow(frame.triangles, triangles);
-    dds::borrow(frame.numbers, numbers);
+    wire::lend_columns<wire::ProbeFrame>(numbers, wire::kProbeColumns, columns, frame);
     dds::borrow(frame.probe_names, probe_names);
     dds::borrow(frame.named_ids, named_ids);
     dds::borrow(frame.names, names);
@@ -564,6 +557,106 @@ TEST(ProbeDecoding, EveryFieldOfAReadingIsItsOwn) {
     EXPECT_FALSE(client::decode(bad.message(), names, none)) << what;
     EXPECT_TRUE(none.empty()) << what;
   }
+}
+
+/// Whether `take` still takes a message of which one column of numbers, each in turn, is a number short.
+template <class Message, class Take>
+void expect_each_column_counts(Message& message, wire::Columns<Message> columns, Take&& take) {
+  for (const wire::Column<Message>& column : columns) {
+    dds_sequence_double& sequence = message.*column.sequence;
+    --sequence._length;
+    EXPECT_FALSE(take(message)) << "column " << &column - columns.data();
+    ++sequence._length;
+  }
+  EXPECT_TRUE(take(message));
+}
+
+TEST(WireColumns, AMessageWithOneShortColumnIsRefused) {
+  Names names;
+  ReplyMessage reply;
+  expect_each_column_counts<wire::Reply>(reply.message(), wire::kHitColumns, [](const wire::Reply& message) {
+    Names own;
+    return !AnswerCollector(3, 3, own).add(message);
+  });
+  FrameMessage frame;
+  frame.message();
+  expect_each_column_counts<wire::EventFrame>(frame.frame, wire::kEventColumns,
+                                              [&](const wire::EventFrame& message) { return client::decode(message, names).has_value(); });
+  ShardMessage shard;
+  shard.message();
+  expect_each_column_counts<wire::ContactShard>(shard.shard, wire::kContactColumns,
+                                                [&](const wire::ContactShard& message) { return client::decode(message, names).has_value(); });
+  ProbeMessage probe;
+  probe.message();
+  expect_each_column_counts<wire::ProbeFrame>(probe.frame, wire::kProbeColumns, [&](const wire::ProbeFrame& message) {
+    std::vector<ProbeReading> readings;
+    return client::decode(message, names, readings);
+  });
+}
+
+TEST(WireColumns, RowsComeBackAsTheyWere) {
+  using wire_contract::QueryKind;
+  for (const QueryKind kind : {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep}) {
+    const wire::Columns<wire::Query> columns = wire::question_columns(kind);
+    ASSERT_EQ(wire::width_of(columns), wire_contract::numbers_of(kind));
+    dds::Sample<wire::Query> query;
+    query->kind = static_cast<std::uint8_t>(kind);
+    const std::vector<double> rows = counted<double>(3 * wire::width_of(columns), 1);
+    test::put_questions(*query, rows);
+    EXPECT_EQ(wire::question_count(*query), 3u);
+    EXPECT_EQ(test::rows_of(*query, columns), rows);
+    std::vector<double> memory;
+    const std::vector<double> none;
+    for (const QueryKind other : {QueryKind::ray, QueryKind::box, QueryKind::sphere, QueryKind::sweep}) {
+      for (const wire::Column<wire::Query>& column : wire::question_columns(other)) {
+        const bool is_own = std::any_of(columns.begin(), columns.end(), [&](const auto& own) { return own.sequence == column.sequence; });
+        if (is_own) continue;
+        const std::vector<double> strange(3 * column.width);
+        dds::borrow((*query).*column.sequence, strange);
+        EXPECT_EQ(wire::question_count(*query), std::nullopt) << "a column of another kind";
+        dds::borrow((*query).*column.sequence, none);
+      }
+    }
+  }
+}
+
+TEST(AnswerDecoding, WhatIsNotCoveredIsOfItsQuestionAndNoHit) {
+  Names names;
+  AnswerCollector collector(3, 3, names);
+  ReplyMessage reply;
+  reply.answers[2] = 2;
+  reply.reasons[2] = static_cast<std::uint8_t>(UndecidedReason::not_covered);
+  const std::vector<std::uint32_t> questions{2};
+  const std::vector<double> where{7, 8, 9, 10};
+  std::vector<double> memory;
+  dds::borrow(reply.reply.uncovered_questions, questions);
+  wire::lend_columns<wire::Reply>(where, wire::kUncoveredColumns, memory, reply.reply);
+  ASSERT_FALSE(collector.add(reply.message()));
+  const Answers answers = collector.take();
+  EXPECT_FALSE(answers.answers[0].uncovered);
+  EXPECT_FALSE(answers.answers[1].uncovered);
+  ASSERT_TRUE(answers.answers[2].uncovered);
+  EXPECT_EQ(answers.answers[2].uncovered->point, Vec3(7, 8, 9));
+  EXPECT_EQ(answers.answers[2].uncovered->covered_m, 10);
+  EXPECT_TRUE(answers.answers[2].hits.empty());
+}
+
+// Of a sweep the bracket comes in columns of its own; a program finds it where it always was.
+TEST(AnswerDecoding, ASweepsBracketIsTheDistanceOfItsHit) {
+  Names names;
+  AnswerCollector collector(3, 3, names);
+  ReplyMessage reply;
+  reply.message();
+  for (auto* column : {&reply.reply.distances, &reply.reply.distance_errors, &reply.reply.exits}) *column = {};
+  std::vector<double> memory;
+  wire::lend_columns<wire::Reply>(reply.numbers, wire::kSweepHitColumns, memory, reply.reply);
+  ASSERT_FALSE(collector.add(reply.reply));
+  const Answers answers = collector.take();
+  ASSERT_EQ(answers.answers[1].hits.size(), 2u);
+  EXPECT_EQ(answers.answers[1].hits[1].distance_m, 113);
+  EXPECT_EQ(answers.answers[1].hits[1].error_m, 114);
+  EXPECT_EQ(answers.answers[1].hits[1].exit_m, 115);
+  EXPECT_EQ(answers.answers[1].hits[1].point, three(116));
 }
 
 // A slot that is used again has the newer object's name, and an id that is not known has none of another's.

@@ -14,6 +14,7 @@
 
 #include "idl/dds.hpp"
 #include "tests/service/wire_network.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided::test {
 
@@ -142,12 +143,11 @@ class FakeServer {
       received_.batch_sizes.push_back(batch->object_numbers._length);
       received_.definitions_through.push_back(batch->definitions_through);
       const auto numbers = dds::view(batch->object_numbers);
-      const auto poses = dds::view(batch->poses);
-      const auto velocities = dds::view(batch->velocities);
+      const std::vector<double> poses = poses_of(*batch);
       received_.batches.push_back({batch->sequence_number, batch->definitions_through, batch->source_time_ns, batch->flags,
-                                   {numbers.begin(), numbers.end()}, {poses.begin(), poses.end()}, {velocities.begin(), velocities.end()}});
+                                   {numbers.begin(), numbers.end()}, poses, rows_of<wire::PoseBatch>(*batch, wire::kVelocityColumns)});
       for (std::size_t i = 0; i < numbers.size(); ++i) {
-        const auto pose = poses.subspan(i * 7, 7);
+        const auto pose = std::span(poses).subspan(i * 7, 7);
         received_.poses[numbers[i]] = {batch->sequence_number, {pose.begin(), pose.end()}, (batch->flags & 1) != 0};
       }
     }
@@ -169,7 +169,8 @@ class FakeServer {
         // The two topics are not in order with each other.
         Pose& pose = received_.poses[definition->object_number];
         if (pose.sequence < definition->sequence_number) {
-          pose = {definition->sequence_number, {definition->pose, definition->pose + 7}, false};
+          pose = {definition->sequence_number, {definition->position, definition->position + 3}, false};
+          pose.numbers.insert(pose.numbers.end(), definition->orientation, definition->orientation + 4);
         }
       }
     }
@@ -214,9 +215,9 @@ class FakeServer {
       }
       {
         const std::lock_guard lock(mutex);
-        query_chunks_.push_back(query_->numbers._length / 7);
+        query_chunks_.push_back(wire::question_count(*query_).value_or(0));
         last_query_ = *query_;
-        last_query_.numbers = {};
+        forget_questions(last_query_);
         last_query_.blob = {};
       }
       if (only == "silent") {
@@ -260,12 +261,11 @@ class FakeServer {
   }
 
   void answer_questions(const wire::Query& query, dds::Writer<wire::Reply>& writer) {
-    const auto numbers = dds::view(query.numbers);
-    const std::size_t per_question = query.kind == 1 ? 7 : query.kind == 3 ? 10 : 4;
+    const auto points = dds::view(query.points);
     Lists& lists = lists_;
     lists.clear();
-    for (std::size_t i = 0; i < numbers.size(); i += per_question) {
-      lists.add(numbers[i]);
+    for (std::size_t i = 0; i < points.size(); i += 3) {
+      lists.add(points[i]);
     }
     start_reply(reply_, query, server_);
     reply_.oldest_pose_age_ns = -1;
@@ -335,7 +335,7 @@ class FakeServer {
       send("{\"answer\":\"" + part, 0, 3, 0);
     } else if (text.find("\"load\"") != std::string::npos) {
       wire::Query header = query;
-      header.numbers = {};
+      forget_questions(header);
       header.blob = {};
       slow_ = std::thread([this, header, &writer] { load(header, writer); });
     } else if (text.find("\"refuse\"") != std::string::npos) {
@@ -411,7 +411,7 @@ class FakeServer {
     std::vector<std::uint8_t> answers, reasons, levels, hit_flags;
     std::vector<std::uint32_t> hit_counts, nodes, exact_tests, triangles;
     std::vector<std::uint64_t> objects;
-    std::vector<double> numbers;
+    std::vector<double> numbers, columns;
     std::vector<std::uint64_t> named_ids{kWall};
     std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"wall"});
 
@@ -452,7 +452,7 @@ class FakeServer {
       dds::borrow(reply.objects, objects);
       dds::borrow(reply.triangles, triangles);
       dds::borrow(reply.hit_flags, hit_flags);
-      dds::borrow(reply.numbers, numbers);
+      wire::lend_columns<wire::Reply>(numbers, wire::kHitColumns, columns, reply);
       dds::borrow(reply.named_ids, named_ids);
       dds::borrow(reply.names, names);
     }

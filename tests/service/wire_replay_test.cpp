@@ -10,6 +10,7 @@
 #include "idl/mcap/writer.hpp"
 #include "idl/recording/recorded_topics.hpp"
 #include "tests/service/wire_fake_server.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided {
 namespace {
@@ -63,7 +64,7 @@ class ClientReplay : public testing::Test {
     dds::Sample<wire::Definition> definition;
     name(*definition, number, sequence);
     definition->moving = true;
-    definition->pose[3] = 1;
+    definition->orientation[0] = 1;
     ASSERT_TRUE(dds::set_text(definition->name, object));
     file_.write(Recorded::object, log_time, *definition);
   }
@@ -94,7 +95,7 @@ class ClientReplay : public testing::Test {
     query->chunk_count = 1;
     query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::ray);
     query->max_hits = 1;
-    dds::borrow(query->numbers, ray);
+    test::put_questions(*query, ray);
     file_.write(Recorded::query, log_time, *query);
     const std::vector<std::uint8_t> miss{0}, no_reason{0}, level{1};
     const std::vector<std::uint32_t> none{0};
@@ -125,8 +126,8 @@ class ClientReplay : public testing::Test {
     for (int i = 0; i < 14; ++i) poses.push_back(from + i);
     for (int i = 0; i < 12; ++i) velocities.push_back(from + 100 + i);
     dds::borrow(batch->object_numbers, numbers);
-    dds::borrow(batch->poses, poses);
-    dds::borrow(batch->velocities, velocities);
+    test::put_poses(*batch, poses);
+    test::put_rows<wire::PoseBatch>(*batch, wire::kVelocityColumns, velocities);
     file_.write(Recorded::pose, log_time, *batch);
   }
   /// The run at that rate: what the server received of it.

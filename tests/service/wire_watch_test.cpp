@@ -4,6 +4,7 @@
 
 #include "collided/client.hpp"
 #include "tests/service/wire_fake_server.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided {
 namespace {
@@ -65,20 +66,21 @@ class EventTeller {
     frame->epoch = 100 + server_.number();
     frame->first_sequence = sequence;
     frame->world_time_ns = static_cast<std::int64_t>(sequence_) * 1'000;
-    const std::vector<std::uint8_t> kinds{kind}, reasons{reason}, shards{shard};
+    const std::vector<std::uint8_t> kinds{kind}, reasons{reason}, doubts{0}, shards{shard};
     const std::vector<std::uint64_t> a{pair.first}, b{pair.second}, episodes{episode}, ids{pair.first, pair.second};
     const std::vector<std::uint32_t> a_triangles{5}, b_triangles{wire_contract::kNoTriangle};
-    const std::vector<double> numbers{1, 2, 3, 0, 0, 1, 0.25, 1e-9, -0.01, -0.005, 7, 8, 9};
+    const std::vector<double> numbers{1, 2, 3, 0, 0, 1, 0.25, 1e-9, -0.01, -0.005, 7, 8, 9, 0};
     const std::vector<std::uint8_t> packed = names(ids);
     dds::borrow(frame->kinds, kinds);
     dds::borrow(frame->reasons, reasons);
+    dds::borrow(frame->doubts, doubts);
     dds::borrow(frame->shards, shards);
     dds::borrow(frame->a, a);
     dds::borrow(frame->b, b);
     dds::borrow(frame->a_triangles, a_triangles);
     dds::borrow(frame->b_triangles, b_triangles);
     dds::borrow(frame->episodes, episodes);
-    dds::borrow(frame->numbers, numbers);
+    test::put_rows<wire::EventFrame>(*frame, wire::kEventColumns, numbers);
     dds::borrow(frame->named_ids, ids);
     dds::borrow(frame->names, packed);
     ASSERT_TRUE(writer.write(*frame));
@@ -97,20 +99,22 @@ class EventTeller {
       }
     }
     const std::vector<std::uint32_t> triangles(a.size(), wire_contract::kNoTriangle);
-    const std::vector<double> numbers(a.size() * wire_contract::kContactNumbers, 0.5);
+    const std::vector<double> numbers(a.size() * wire::width_of<wire::ContactShard>(wire::kContactColumns), 0.5);
     const std::vector<std::uint8_t> packed = names(ids);
     dds::Sample<wire::ContactShard> shard;
     shard->server = server_.number();
     shard->epoch = 100 + server_.number();
     shard->shard = number;
     shard->as_of_sequence = sequence_;
+    const std::vector<std::uint8_t> doubts(a.size(), 0);
+    dds::borrow(shard->doubts, doubts);
     dds::borrow(shard->a, a);
     dds::borrow(shard->b, b);
     dds::borrow(shard->a_triangles, triangles);
     dds::borrow(shard->b_triangles, triangles);
     dds::borrow(shard->episodes, episodes);
     dds::borrow(shard->began_ns, began);
-    dds::borrow(shard->numbers, numbers);
+    test::put_rows<wire::ContactShard>(*shard, wire::kContactColumns, numbers);
     dds::borrow(shard->named_ids, ids);
     dds::borrow(shard->names, packed);
     ASSERT_TRUE(server_.contacts().write(*shard));

@@ -1,3 +1,4 @@
+#include "idl/columns.hpp"
 #include "tests/simulation/recording_event_writer.hpp"
 
 namespace collided::simulation {
@@ -13,8 +14,8 @@ void RecordingEventWriter::check(const service::EventColumns& events, std::size_
   last_sequence_ = sequence;
   const std::pair pair(events.a[i], events.b[i]);
   if (!(pair.first < pair.second)) say("names its pair the wrong way round");
-  const double low_s = events.numbers[i * wire_contract::kEventNumbers + 8];
-  const double high_s = events.numbers[i * wire_contract::kEventNumbers + 9];
+  const double low_s = events.numbers[i * wire::width_of<wire::EventFrame>(wire::kEventColumns) + 8];
+  const double high_s = events.numbers[i * wire::width_of<wire::EventFrame>(wire::kEventColumns) + 9];
   // A clock of another epoch counts from its first batch, which may have been under way for longer than those after it.
   constexpr double kLongestWay_s = 0.06;
   // Ahead of the server's by a lease when it starts, then put right from one end to the other, and 2 % too fast for 5 s.
@@ -38,6 +39,7 @@ void RecordingEventWriter::write_events(const service::EventColumns& events, con
   payload_.put(events.first_sequence);
   payload_.put(events.kinds);
   payload_.put(events.reasons);
+  payload_.put(events.doubts);
   payload_.put(events.shards);
   payload_.put(events.a);
   payload_.put(events.b);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/library/watch_decoding.hpp"
+#include "tests/service/wire_rows.hpp"
 #include "tests/simulation/record.hpp"
 #include "tests/simulation/simulated_watcher.hpp"
 
@@ -24,6 +25,7 @@ client::HeardFrame frame_of(Message& message, client::Names& names) {
   frame->world_time_ns = message.time_ns();
   const auto kinds = message.get_all<std::uint8_t>();
   const auto reasons = message.get_all<std::uint8_t>();
+  const auto doubts = message.get_all<std::uint8_t>();
   const auto shards = message.get_all<std::uint8_t>();
   const auto a = message.get_all<std::uint64_t>();
   const auto b = message.get_all<std::uint64_t>();
@@ -35,13 +37,14 @@ client::HeardFrame frame_of(Message& message, client::Names& names) {
   const auto text = message.get_all<std::uint8_t>();
   dds::borrow(frame->kinds, kinds);
   dds::borrow(frame->reasons, reasons);
+  dds::borrow(frame->doubts, doubts);
   dds::borrow(frame->shards, shards);
   dds::borrow(frame->a, a);
   dds::borrow(frame->b, b);
   dds::borrow(frame->a_triangles, a_triangles);
   dds::borrow(frame->b_triangles, b_triangles);
   dds::borrow(frame->episodes, episodes);
-  dds::borrow(frame->numbers, numbers);
+  test::put_rows<wire::EventFrame>(*frame, wire::kEventColumns, numbers);
   dds::borrow(frame->named_ids, ids);
   dds::borrow(frame->names, text);
   return client::decode(*frame, names).value();
@@ -68,7 +71,7 @@ client::HeardShard shard_of(Message& message, client::Names& names) {
   dds::borrow(shard->b_triangles, b_triangles);
   dds::borrow(shard->episodes, episodes);
   dds::borrow(shard->began_ns, began_ns);
-  dds::borrow(shard->numbers, numbers);
+  test::put_rows<wire::ContactShard>(*shard, wire::kContactColumns, numbers);
   dds::borrow(shard->named_ids, ids);
   dds::borrow(shard->names, text);
   return client::decode(*shard, names).value();

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <concepts>
 
+#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/exact_phase/arithmetic/dyadic.hpp"
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/arithmetic/range_watch.hpp"
 #include "server/exact_phase/arithmetic/scaled.hpp"
-#include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/bounded.hpp"
 #include "server/geometry/expansion.hpp"
 #include "server/geometry/vector.hpp"

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include "idl/columns.hpp"
+
 namespace collided::engine::service {
 namespace {
 
@@ -74,7 +76,8 @@ void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const Ev
   dds::borrow(frame_->a_triangles, events.a_triangles);
   dds::borrow(frame_->b_triangles, events.b_triangles);
   dds::borrow(frame_->episodes, events.episodes);
-  dds::borrow(frame_->numbers, events.numbers);
+  dds::borrow(frame_->doubts, events.doubts);
+  wire::lend_columns<wire::EventFrame>(events.numbers, wire::kEventColumns, event_memory_, *frame_);
   dds::borrow(frame_->named_ids, events.named.ids);
   dds::borrow(frame_->names, events.named.names);
   write(writer, *frame_);
@@ -99,7 +102,8 @@ void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp&
   dds::borrow(shard_->b_triangles, contacts.b_triangles);
   dds::borrow(shard_->episodes, contacts.episodes);
   dds::borrow(shard_->began_ns, contacts.began_ns);
-  dds::borrow(shard_->numbers, contacts.numbers);
+  dds::borrow(shard_->doubts, contacts.doubts);
+  wire::lend_columns<wire::ContactShard>(contacts.numbers, wire::kContactColumns, contact_memory_, *shard_);
   dds::borrow(shard_->named_ids, contacts.named.ids);
   dds::borrow(shard_->names, contacts.named.names);
   note(recording::Recorded::contact, *shard_);
@@ -113,7 +117,7 @@ void DdsEventWriter::write_probes(const ProbeColumns& probes, const Stamp& stamp
   dds::borrow(probes_->objects, probes.objects);
   dds::borrow(probes_->met, probes.met);
   dds::borrow(probes_->triangles, probes.triangles);
-  dds::borrow(probes_->numbers, probes.numbers);
+  wire::lend_columns<wire::ProbeFrame>(probes.numbers, wire::kProbeColumns, probe_memory_, *probes_);
   dds::borrow(probes_->probe_names, probes.probe_names);
   dds::borrow(probes_->named_ids, probes.named.ids);
   dds::borrow(probes_->names, probes.named.names);

@@ -57,6 +57,7 @@ class DdsEventWriter : public EventWriter {
   dds::Sample<wire::EventFrame> frame_;
   dds::Sample<wire::ContactShard> shard_;
   dds::Sample<wire::ProbeFrame> probes_;
+  std::vector<double> event_memory_, contact_memory_, probe_memory_;  // columns on their way
   dds::Sample<wire::Status> status_, step_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "idl/columns.hpp"
 #include "idl/topics.hpp"
 
 namespace collided::engine::service {
@@ -68,7 +69,7 @@ void NameTable::append(std::string_view name) {
 
 void EventColumns::clear() {
   first_sequence = 0;
-  for (auto* column : {&kinds, &reasons, &shards}) column->clear();
+  for (auto* column : {&kinds, &reasons, &doubts, &shards}) column->clear();
   for (auto* column : {&a, &b, &episodes}) column->clear();
   for (auto* column : {&a_triangles, &b_triangles}) column->clear();
   numbers.clear();
@@ -79,6 +80,7 @@ void EventColumns::add(const Event& event, const NameBook& book) {
   if (kinds.empty()) first_sequence = event.sequence;
   kinds.push_back(static_cast<std::uint8_t>(event.kind));
   reasons.push_back(static_cast<std::uint8_t>(event.reason));
+  doubts.push_back(static_cast<std::uint8_t>(event.of.doubt));
   shards.push_back(wire_contract::contact_shard(event.of.a, event.of.b));
   a.push_back(event.of.a);
   b.push_back(event.of.b);
@@ -119,6 +121,7 @@ void ProbeColumns::add(std::string_view probe_name, const ProbeReading& reading)
 }
 
 void ContactColumns::clear() {
+  doubts.clear();
   for (auto* column : {&a, &b, &episodes}) column->clear();
   for (auto* column : {&a_triangles, &b_triangles}) column->clear();
   began_ns.clear();
@@ -127,11 +130,12 @@ void ContactColumns::clear() {
 }
 
 std::size_t ContactColumns::bytes() const {
-  constexpr std::size_t kBytesPerContact = 3 * 8 + 2 * 4 + 8 + 8 * wire_contract::kContactNumbers;
+  constexpr std::size_t kBytesPerContact = 1 + 3 * 8 + 2 * 4 + 8 + 8 * wire::width_of<wire::ContactShard>(wire::kContactColumns);
   return size() * kBytesPerContact + named.ids.size() * sizeof(ObjectId) + named.names.size();
 }
 
 void ContactColumns::add(const OpenContact& contact, const NameBook& book) {
+  doubts.push_back(static_cast<std::uint8_t>(contact.doubt));
   a.push_back(contact.a);
   b.push_back(contact.b);
   episodes.push_back(contact.episode);

@@ -56,10 +56,10 @@ struct NameTable {
 /// The parallel sequences of an EventFrame; memory is reused from frame to frame.
 struct EventColumns {
   std::uint64_t first_sequence = 0;
-  std::vector<std::uint8_t> kinds, reasons, shards;
+  std::vector<std::uint8_t> kinds, reasons, doubts, shards;
   std::vector<std::uint64_t> a, b, episodes;
   std::vector<std::uint32_t> a_triangles, b_triangles;
-  std::vector<double> numbers;
+  std::vector<double> numbers;  // rows of kEventColumns
   NameTable named;
 
   void clear();
@@ -70,10 +70,11 @@ struct EventColumns {
 /// The parallel sequences of a ContactShard.
 struct ContactColumns {
   std::uint8_t shard = 0;
+  std::vector<std::uint8_t> doubts;
   std::vector<std::uint64_t> a, b, episodes;
   std::vector<std::uint32_t> a_triangles, b_triangles;
   std::vector<std::int64_t> began_ns;
-  std::vector<double> numbers;
+  std::vector<double> numbers;  // rows of kContactColumns
   NameTable named;
 
   void clear();
@@ -87,7 +88,7 @@ struct ProbeColumns {
   std::vector<std::uint8_t> states;
   std::vector<std::uint64_t> objects, met;
   std::vector<std::uint32_t> triangles;
-  std::vector<double> numbers;
+  std::vector<double> numbers;  // rows of kProbeColumns
   std::vector<std::uint8_t> probe_names;
   NameTable named;
 

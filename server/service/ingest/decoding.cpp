@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "idl/columns.hpp"
+
 namespace collided::engine::service {
 
 std::unique_ptr<DefinitionSample> decoded(const wire::Definition& from) {
@@ -16,7 +18,7 @@ std::unique_ptr<DefinitionSample> decoded(const wire::Definition& from) {
   sample->publisher_name = from.publisher_name;
   sample->name = from.name;
   sample->filter = {.layers = from.layers, .mask = from.mask, .group = from.group};
-  std::copy_n(from.pose, sample->pose.size(), sample->pose.begin());
+  std::copy_n(from.orientation, 4, std::copy_n(from.position, 3, sample->pose.begin()));
   const auto shape = dds::view(from.shape);
   sample->shape_bytes.assign(shape.begin(), shape.end());
   return sample;
@@ -30,11 +32,14 @@ void decode(const wire::PoseBatch& from, PoseSample& sample) {
   sample.source_time_ns = from.source_time_ns;
   sample.flags = from.flags;
   const auto numbers = dds::view(from.object_numbers);
-  const auto poses = dds::view(from.poses);
-  const auto velocities = dds::view(from.velocities);
   sample.object_numbers.assign(numbers.begin(), numbers.end());
-  sample.poses.assign(poses.begin(), poses.end());
-  sample.velocities.assign(velocities.begin(), velocities.end());
+  sample.has_odd_columns = !wire::row_count<wire::PoseBatch>(from, wire::kPoseColumns) ||
+                           !wire::row_count<wire::PoseBatch>(from, wire::kVelocityColumns);
+  sample.poses.clear();
+  sample.velocities.clear();
+  if (sample.has_odd_columns) return;
+  wire::gather_rows<wire::PoseBatch>(from, wire::kPoseColumns, sample.poses);
+  wire::gather_rows<wire::PoseBatch>(from, wire::kVelocityColumns, sample.velocities);
 }
 
 }  // namespace collided::engine::service

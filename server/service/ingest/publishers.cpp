@@ -233,6 +233,7 @@ std::optional<std::string> Publishers::why_malformed(const PoseSample& sample) c
   if (count > wire_contract::kMaxPosesPerBatch) {
     return fmt::format("{} objects, allowed {}", count, wire_contract::kMaxPosesPerBatch);
   }
+  if (sample.has_odd_columns) return "its positions and orientations, or its velocities, are of different numbers of objects";
   if (sample.poses.size() != count * wire_contract::kPoseNumbers) {
     return fmt::format("{} objects with {} numbers of poses, {} are needed", count, sample.poses.size(),
                        count * wire_contract::kPoseNumbers);

@@ -38,8 +38,9 @@ struct PoseSample {
   std::int64_t received_ns = 0;  // server's clock
   std::uint8_t flags = 0;
   std::vector<std::uint32_t> object_numbers;
-  std::vector<double> poses;
-  std::vector<double> velocities;
+  std::vector<double> poses;       // 7 each: position, orientation
+  std::vector<double> velocities;  // 6 each: linear, angular; or empty
+  bool has_odd_columns = false;    // of different lengths: the two above are empty
 };
 
 }  // namespace collided::engine::service

@@ -9,7 +9,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
-#include "idl/question_class.hpp"
+#include "idl/columns.hpp"
 #include "server/geometry/endless.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
@@ -20,12 +20,17 @@
 
 namespace collided::engine::service {
 
-using wire_contract::Verdict;
+using wire_contract::Importance;
 using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
+using wire_contract::Verdict;
 
 namespace {
 constexpr std::size_t kMostQueued = 4'096;
+
+wire_contract::AskedInstant instant_of(const wire::Query& query) {
+  return {.kind = static_cast<wire_contract::AskedInstant::Kind>(query.instant), .ns = query.instant_ns};
+}
 }
 
 std::string refusal_text(const std::string& error, const std::string& hint) {
@@ -69,6 +74,7 @@ class Answering::Worker {
   const std::string out_of_memory_ = refusal_text("not enough memory for the answer", "ask for less at a time");
   Answers answers_;
   QueryScratch scratch_;
+  std::vector<double> numbers_;  // of the questions at hand, a row each
   std::vector<std::uint64_t> named_in_;
   std::uint64_t reply_number_ = 0;
 };
@@ -170,21 +176,22 @@ void Answering::Worker::work(ExpireLeases sweep) {
 
 void Answering::Worker::answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover) {
   const wire::Query& query = *ask.query;
+  wire::gather_rows(query, wire::question_columns(static_cast<QueryKind>(query.kind)), numbers_);
   const std::int64_t allowed_ns = query.deadline_ns > 0 ? query.deadline_ns : owner_.options_.deadline_ns;
   const Questions questions{
       .kind = static_cast<QueryKind>(query.kind),
-      .mode = wire_contract::ray_mode(query.mode),
+      .mode = static_cast<wire_contract::RayMode>(query.mode),
       .mask = query.mask,
       .max_hits = query.max_hits,
       .only = query.only,
       .skip = query.skip,
       .deadline_ns = allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0,
-      .error_m = query.error_asked_m > 0 ? query.error_asked_m : owner_.options_.error_m,
-      .numbers = dds::view(query.numbers),
+      .error_m = query.error_asked > 0 ? query.error_asked : owner_.options_.error_m,
+      .numbers = numbers_,
       .mover = mover};
   const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
   if (restore_float_environment()) ++owner_.counts_.float_repairs;
-  if (query.text[0] != 0) return answer_of_instant(client, ask, questions, *lease);
+  if (query.instant != 0) return answer_of_instant(client, ask, questions, *lease);
   engine::answer(*lease, questions, answers_, scratch_);
   // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
   if (owner_.options_.recovering()) doubt(questions);
@@ -195,7 +202,7 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
 }
 
 void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest) {
-  const auto past = owner_.past_states_.at(*wire_contract::asked_instant(ask.query->text), newest);
+  const auto past = owner_.past_states_.at(instant_of(*ask.query), newest);
   if (const auto* refusal = std::get_if<std::string>(&past)) {
     ++owner_.counts_.refused;
     return write_text(client, ask.query->request, ReplyStatus::refused, refusal_text(*refusal));
@@ -240,6 +247,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
   reply_->oldest_pose_age_ns = posed_ns > 0 ? std::max<std::int64_t>(0, owner_.clock_.now_ns() - posed_ns) : -1;
   client.note_told(snapshot.version);
   while (filler.fill(columns_)) {
+    columns_.of_sweeps = static_cast<QueryKind>(query.kind) == QueryKind::sweep;
     columns_.lend(*reply_);
     reply_->first_question = query.first_question + static_cast<std::uint32_t>(filler.first());
     reply_->compute_ns = steady_ns() - ask.taken_ns;
@@ -404,7 +412,6 @@ void Answering::admit(AskPointer ask) {
 /// class are taken as long as anything is.
 void Answering::enqueue(AskPointer ask) {
   const wire::Query& query = *ask->query;
-  const wire_contract::QuestionClass of_class = wire_contract::question_class(query.mode);
   const bool is_question = wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0;
   if (leaves_out(query)) {
     refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
@@ -412,7 +419,7 @@ void Answering::enqueue(AskPointer ask) {
   }
   const Share share{.client = query.client,
                     .cost = cost_of(query),
-                    .is_kept = !is_question || of_class == wire_contract::QuestionClass::high};
+                    .is_kept = !is_question || static_cast<Importance>(query.importance) == Importance::high};
   Work work(std::move(ask));
   if (queue_.push(share, work)) return;
   refuse_later(std::move(std::get<AskPointer>(work)),
@@ -423,7 +430,7 @@ void Answering::enqueue(AskPointer ask) {
 bool Answering::leaves_out(const wire::Query& query) const {
   return options_.overload != nullptr && options_.overload->refuses_low_questions() &&
          wire_contract::numbers_of(static_cast<QueryKind>(query.kind)) > 0 &&
-         wire_contract::question_class(query.mode) == wire_contract::QuestionClass::low;
+         static_cast<Importance>(query.importance) == Importance::low;
 }
 
 bool Answering::was_pressed() {

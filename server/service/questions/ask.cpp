@@ -6,15 +6,16 @@
 #include <cmath>
 #include <cstring>
 
+#include "idl/columns.hpp"
 #include "idl/instant.hpp"
-#include "idl/question_class.hpp"
 #include "server/service/questions/validation.hpp"
 
 namespace collided::engine::service {
 namespace {
 
+using wire_contract::AskedInstant;
 using wire_contract::QueryKind;
-using wire_contract::QuestionClass;
+using wire_contract::Importance;
 using wire_contract::RayMode;
 
 std::optional<std::string> why_bad_chunk(const wire::Query& query, std::size_t questions) {
@@ -33,6 +34,12 @@ std::optional<std::string> why_bad_chunk(const wire::Query& query, std::size_t q
                        kMaxQuestionsPerRequest);
   }
   return std::nullopt;
+}
+
+template <class Code>
+std::optional<std::string> why_unknown(const char* noun, std::uint8_t code, Code last) {
+  if (code <= static_cast<std::uint8_t>(last)) return std::nullopt;
+  return fmt::format("{} {} is not known; allowed 0 to {}", noun, code, static_cast<unsigned>(last));
 }
 
 std::optional<std::string> why_bad_filter(const wire::Query& query) {
@@ -70,17 +77,15 @@ void AskPool::put(AskPointer ask) {
 }
 
 bool is_single(const wire::Query& query) {
-  const std::uint32_t numbers = wire_contract::numbers_of(static_cast<QueryKind>(query.kind));
-  return query.chunk_count == 1 && numbers != 0 && query.numbers._length == numbers;
+  return query.chunk_count == 1 && wire::question_count(query) == 1U;
 }
 
 /// The README's table of times, a ray being 0.3 us; a nearest point and a time of contact are of another order.
 double cost_of(const wire::Query& query) {
   const auto kind = static_cast<QueryKind>(query.kind);
-  const std::uint32_t numbers = wire_contract::numbers_of(kind);
-  const double questions = numbers == 0 ? 1 : std::max(1U, query.numbers._length / numbers);
+  const double questions = std::max(1U, wire::question_count(query).value_or(1));
   // A state at a past instant is put together first.
-  const double state = numbers > 0 && query.text[0] != 0 ? 2'000 : 0;
+  const double state = query.instant != static_cast<std::uint8_t>(AskedInstant::Kind::latest) ? 2'000 : 0;
   switch (kind) {
     case QueryKind::sphere: return state + 2 * questions;
     case QueryKind::box: return state + 3 * questions;
@@ -97,30 +102,22 @@ std::optional<std::string> why_refused(const wire::Query& query) {
                        static_cast<unsigned>(QueryKind::sweep));
   }
   const auto kind = static_cast<QueryKind>(query.kind);
-  const std::uint32_t per_question = wire_contract::numbers_of(kind);
-  if (per_question == 0) return std::nullopt;
-  const std::size_t count = query.numbers._length;
-  if (count == 0 || count % per_question != 0) {
-    return fmt::format("{} numbers for {} questions; {} are needed for each", count, wire_contract::name_of(kind),
-                       per_question);
+  if (wire::question_columns(kind).empty()) return std::nullopt;
+  const std::optional<std::uint32_t> count = wire::question_count(query);
+  if (!count || *count == 0) {
+    return fmt::format("the columns of {} questions are {}", wire_contract::name_of(kind),
+                       count ? "empty" : "not of one length, or others are filled too");
   }
-  if (auto reason = why_bad_chunk(query, count / per_question)) return reason;
-  const RayMode mode = wire_contract::ray_mode(query.mode);
-  if (mode > RayMode::all) {
-    return fmt::format("ray mode {} is not known; allowed 0 to {}", static_cast<unsigned>(mode),
-                       static_cast<unsigned>(RayMode::all));
-  }
-  if (wire_contract::question_class(query.mode) > QuestionClass::high) {
-    return fmt::format("question class 3 is not known; allowed 0 to {}", static_cast<unsigned>(QuestionClass::high));
-  }
+  if (auto reason = why_bad_chunk(query, *count)) return reason;
+  if (auto reason = why_unknown("ray mode", query.mode, RayMode::all)) return reason;
+  if (auto reason = why_unknown("importance", query.importance, Importance::high)) return reason;
+  if (auto reason = why_unknown("instant", query.instant, AskedInstant::Kind::back)) return reason;
   if (query.max_hits == 0 || query.max_hits > wire_contract::kMaxHitsPerChunk) {
     return fmt::format("max_hits {}; allowed 1 to {}", query.max_hits, wire_contract::kMaxHitsPerChunk);
   }
-  if (!wire_contract::asked_instant(query.text)) {
-    return fmt::format("the instant {}; allowed are nothing, settled, ns since 1970 and -ns before the newest", printable(query.text));
-  }
+  if (query.instant_ns < 0) return fmt::format("the instant {} ns; allowed 0 and more", query.instant_ns);
   if (query.deadline_ns < 0) return fmt::format("deadline {} ns; allowed 0 (none) and more", query.deadline_ns);
-  if (!(query.error_asked_m >= 0)) return fmt::format("error asked {} m; allowed 0 and more", query.error_asked_m);
+  if (!(query.error_asked >= 0)) return fmt::format("error asked {} m; allowed 0 and more", query.error_asked);
   return why_bad_filter(query);
 }
 

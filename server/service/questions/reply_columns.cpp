@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "idl/columns.hpp"
+
 namespace collided::engine::service {
 namespace {
 
@@ -20,10 +22,12 @@ void ReplyColumns::clear() {
   for (auto* column : {&hit_counts, &nodes, &exact_tests, &triangles}) column->clear();
   objects.clear();
   numbers.clear();
+  uncovered_questions.clear();
+  uncovered.clear();
   named.clear();
 }
 
-void ReplyColumns::lend(wire::Reply& reply) const {
+void ReplyColumns::lend(wire::Reply& reply) {
   dds::borrow(reply.answers, answers);
   dds::borrow(reply.reasons, reasons);
   dds::borrow(reply.levels, levels);
@@ -33,7 +37,13 @@ void ReplyColumns::lend(wire::Reply& reply) const {
   dds::borrow(reply.objects, objects);
   dds::borrow(reply.triangles, triangles);
   dds::borrow(reply.hit_flags, hit_flags);
-  dds::borrow(reply.numbers, numbers);
+  for (auto* column : {&reply.distances, &reply.distance_errors, &reply.exits, &reply.sweep_ends, &reply.sweep_widths, &reply.sweep_begins}) {
+    dds::borrow(*column, std::span<const double>());
+  }
+  const wire::Columns<wire::Reply> columns = of_sweeps ? wire::Columns<wire::Reply>(wire::kSweepHitColumns) : wire::kHitColumns;
+  wire::lend_columns(numbers, columns, hit_memory_, reply);
+  dds::borrow(reply.uncovered_questions, uncovered_questions);
+  wire::lend_columns<wire::Reply>(uncovered, wire::kUncoveredColumns, uncovered_memory_, reply);
   dds::borrow(reply.named_ids, named.ids);
   dds::borrow(reply.names, named.names);
 }
@@ -70,16 +80,21 @@ std::size_t ReplyFiller::bytes_of(const AnswerHit& hit) {
   return kBytesPerHit + (named ? 0 : sizeof(ObjectId) + name_of(hit.object).size() + 1);
 }
 
+void ReplyFiller::add_uncovered(const AnswerHit& entry, ReplyColumns& columns) {
+  columns.uncovered_questions.push_back(static_cast<std::uint32_t>(question_ - first_));
+  columns.uncovered.insert(columns.uncovered.end(), entry.point.begin(), entry.point.end());
+  columns.uncovered.push_back(entry.distance_m);
+}
+
 void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
   const std::uint32_t slot = slot_of(hit.object);
-  const bool is_object = (hit.flags & wire_contract::kUncovered) == 0;
-  if (is_object && slot < named_in_.size() && named_in_[slot] != reply_number_) {
+  if (slot < named_in_.size() && named_in_[slot] != reply_number_) {
     named_in_[slot] = reply_number_;
     columns.named.add_id(hit.object);
     columns.named.append(name_of(hit.object));
   }
   columns.objects.push_back(hit.object);
-  const ObjectInfo* info = is_object ? info_of(hit.object) : nullptr;
+  const ObjectInfo* info = info_of(hit.object);
   columns.triangles.push_back(info ? info->reported_triangle(hit.triangle) : hit.triangle);
   columns.hit_flags.push_back(hit.flags);
   const std::size_t end = columns.numbers.size();
@@ -100,20 +115,25 @@ bool ReplyFiller::add_question(ReplyColumns& columns) {
   const bool fits = bytes_ + bytes <= kRoom && columns.objects.size() + hit_count <= wire_contract::kMaxHitsPerChunk;
   if (!fits && !alone) return false;
   bytes_ += kBytesPerAnswer;
-  std::size_t kept = 0;
+  std::size_t kept = 0, hits = 0;
   for (; kept < hit_count && kept < wire_contract::kMaxHitsPerChunk; ++kept) {
     const AnswerHit& hit = answers_.hits[hit_ + kept];
     const std::size_t more = bytes_of(hit);
     if (bytes_ + more > kRoom) break;
     bytes_ += more;
-    add_hit(hit, columns);
+    if ((hit.flags & wire_contract::kUncovered) != 0) {
+      add_uncovered(hit, columns);
+    } else {
+      add_hit(hit, columns);
+      ++hits;
+    }
   }
   const bool cut = kept < hit_count;
   const Verdict answer = cut ? Verdict::undecided : answers_.answers[question_];
   columns.answers.push_back(static_cast<std::uint8_t>(answer));
   columns.reasons.push_back(static_cast<std::uint8_t>(cut ? UndecidedReason::truncated : answers_.reasons[question_]));
   columns.levels.push_back(answers_.levels[question_]);
-  columns.hit_counts.push_back(static_cast<std::uint32_t>(kept));
+  columns.hit_counts.push_back(static_cast<std::uint32_t>(hits));
   columns.nodes.push_back(answers_.nodes[question_]);
   columns.exact_tests.push_back(answers_.exact_tests[question_]);
   if (answer == Verdict::undecided) ++undecided_;

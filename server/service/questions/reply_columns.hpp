@@ -16,12 +16,18 @@ struct ReplyColumns {
   std::vector<std::uint64_t> objects;
   std::vector<std::uint32_t> triangles;
   std::vector<std::uint8_t> hit_flags;
-  std::vector<double> numbers;
+  std::vector<double> numbers;  // rows of kHitColumns or kSweepHitColumns
+  bool of_sweeps = false;
+  std::vector<std::uint32_t> uncovered_questions;
+  std::vector<double> uncovered;  // rows of kUncoveredColumns
   NameTable named;
 
   void clear();
   /// Points the message's sequences here.
-  void lend(wire::Reply& reply) const;
+  void lend(wire::Reply& reply);
+
+ private:
+  std::vector<double> hit_memory_, uncovered_memory_;
 };
 
 /// Fills replies from a chunk's answers, as many as its hits need: a reply stays within kMaxHitsPerChunk and
@@ -51,6 +57,7 @@ class ReplyFiller {
   bool add_question(ReplyColumns& columns);
   std::size_t bytes_of(const AnswerHit& hit);
   void add_hit(const AnswerHit& hit, ReplyColumns& columns);
+  void add_uncovered(const AnswerHit& entry, ReplyColumns& columns);
   const ObjectInfo* info_of(ObjectId id) const;
   std::string_view name_of(ObjectId id) const;
 

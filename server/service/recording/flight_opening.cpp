@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "idl/columns.hpp"
 #include "idl/mcap/format.hpp"
 
 namespace collided::engine::service {
@@ -110,8 +111,8 @@ void FlightOpening::fold(const wire::Definition& definition) {
 void FlightOpening::fold(const wire::PoseBatch& batch) {
   Publisher* publisher = meet(batch.publisher, batch.incarnation);
   const auto numbers = dds::view(batch.object_numbers);
-  const auto poses = dds::view(batch.poses);
-  if (publisher == nullptr || poses.size() != numbers.size() * kPoseNumbers) return;
+  if (publisher == nullptr || wire::row_count<wire::PoseBatch>(batch, wire::kPoseColumns) != numbers.size()) return;
+  wire::gather_rows<wire::PoseBatch>(batch, wire::kPoseColumns, rows_);
   publisher->last_sequence = std::max<std::uint64_t>(publisher->last_sequence, batch.sequence_number);
   publisher->source_time_ns = std::max<std::int64_t>(publisher->source_time_ns, batch.source_time_ns);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -127,7 +128,7 @@ void FlightOpening::fold(const wire::PoseBatch& batch) {
     poses_ += is_new ? 1 : 0;
     if (posed.sequence > batch.sequence_number) continue;
     posed.sequence = batch.sequence_number;
-    std::copy_n(poses.begin() + static_cast<std::ptrdiff_t>(i * kPoseNumbers), kPoseNumbers, posed.pose.begin());
+    std::copy_n(rows_.begin() + static_cast<std::ptrdiff_t>(i * kPoseNumbers), kPoseNumbers, posed.pose.begin());
   }
 }
 
@@ -214,10 +215,10 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
     batch->source_time_ns = publisher.source_time_ns;
     batch->flags = wire_contract::kTeleported;
     std::vector<std::uint32_t> numbers;
-    std::vector<double> poses;
+    std::vector<double> poses, columns;
     const auto send = [&] {
       dds::borrow(batch->object_numbers, numbers);
-      dds::borrow(batch->poses, poses);
+      wire::lend_columns<wire::PoseBatch>(poses, wire::kPoseColumns, columns, *batch);
       put(Recorded::pose, bytes_of(*batch));
       numbers.clear();
       poses.clear();

@@ -77,6 +77,7 @@ class FlightOpening {
   std::size_t objects_ = 0;
   std::size_t poses_ = 0;
   std::uint64_t left_out_ = 0;
+  std::vector<double> rows_;  // of the poses at hand
 };
 
 }  // namespace collided::engine::service

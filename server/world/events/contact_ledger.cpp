@@ -25,7 +25,6 @@ OpenContact doubted(const FoundContact& found, wire_contract::Doubt why, std::in
   of.doubt = why;
   of.a_triangle = of.b_triangle = wire_contract::kNoTriangle;
   of.contact = Contact{};
-  of.contact.normal = Vec3(static_cast<double>(why), 0, 0);
   of.contact.depth_m = 0;
   of.contact.depth_error_m = std::numeric_limits<double>::infinity();
   return of;

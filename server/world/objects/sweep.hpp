@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "server/exact_phase/motion/time_of_contact.hpp"
-#include "server/world/objects/swept_object.hpp"
 #include "server/world/objects/contact_search.hpp"
+#include "server/world/objects/swept_object.hpp"
 
 namespace collided::engine {
 

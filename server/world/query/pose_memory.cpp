@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "server/world/objects/contact_search.hpp"
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/objects/sources.hpp"
-#include "server/world/objects/contact_search.hpp"
 #include "server/world/step/step_motion.hpp"
 
 namespace collided::engine {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/exact_phase/arithmetic/decision.hpp"
+#include "server/exact_phase/arithmetic/precision.hpp"
 
 namespace collided::census {
 using namespace engine;

@@ -2,6 +2,7 @@
 // that NaN slips through lets it into every comparison behind.
 #include <gtest/gtest.h>
 
+#include "idl/columns.hpp"
 #include "server/service/questions/ask.hpp"
 #include "server/service/questions/validation.hpp"
 #include "tests/extreme/worlds.hpp"
@@ -107,26 +108,38 @@ class ExtremeBorderChunk : public testing::Test {
     query.kind = static_cast<std::uint8_t>(QueryKind::ray);
     query.chunk_count = 1;
     query.max_hits = 1;
-    query.numbers._buffer = numbers.data();
-    query.numbers._length = query.numbers._maximum = 7;
+    fill(1);
   }
   void expect_refused(const std::string& reason) {
     EXPECT_EQ(service::why_refused(query).value_or("(accepted)"), reason);
   }
-  std::vector<double> numbers = std::vector<double>(7'007, 1.0);
+  void fill(std::size_t rays) {
+    rays_.assign(7 * rays, 1.0);
+    wire::lend_columns<wire::Query>(rays_, wire::kRayColumns, columns_, query);
+  }
   wire::Query query{};
+
+ private:
+  std::vector<double> rays_, columns_;
 };
 
 TEST_F(ExtremeBorderChunk, TheGoodOneIsTaken) { EXPECT_FALSE(service::why_refused(query)); }
 
 TEST_F(ExtremeBorderChunk, Counts) {
-  query.numbers._length = 6;
-  expect_refused("6 numbers for ray questions; 7 are needed for each");
-  query.numbers._length = 0;
-  expect_refused("0 numbers for ray questions; 7 are needed for each");
-  query.numbers._length = 7'007;
+  for (auto* column : {&query.points, &query.directions, &query.lengths}) {
+    --column->_length;
+    expect_refused("the columns of ray questions are not of one length, or others are filled too");
+    ++column->_length;
+  }
+  const std::vector<double> radius{1};
+  dds::borrow(query.radii, radius);
+  expect_refused("the columns of ray questions are not of one length, or others are filled too");
+  query.radii = {};
+  fill(0);
+  expect_refused("the columns of ray questions are empty");
+  fill(1'001);
   expect_refused("a chunk of 1001 questions; allowed 1000");
-  query.numbers._length = 7;
+  fill(1);
   query.first_question = 100'000;
   expect_refused("question 100000 and 1 more; a request has at most 100000");
   query.first_question = 0xffffffff;
@@ -147,6 +160,15 @@ TEST_F(ExtremeBorderChunk, Codes) {
   query.kind = 1;
   query.mode = 3;
   expect_refused("ray mode 3 is not known; allowed 0 to 2");
+  query.mode = 2;
+  query.importance = 3;
+  expect_refused("importance 3 is not known; allowed 0 to 2");
+  query.importance = 2;
+  query.instant = 4;
+  expect_refused("instant 4 is not known; allowed 0 to 3");
+  query.instant = 3;
+  query.instant_ns = -1;
+  expect_refused("the instant -1 ns; allowed 0 and more");
 }
 
 TEST_F(ExtremeBorderChunk, Limits) {
@@ -158,11 +180,11 @@ TEST_F(ExtremeBorderChunk, Limits) {
   query.deadline_ns = -1;
   expect_refused("deadline -1 ns; allowed 0 (none) and more");
   query.deadline_ns = 0;
-  query.error_asked_m = -1;
+  query.error_asked = -1;
   expect_refused("error asked -1 m; allowed 0 and more");
-  query.error_asked_m = kNaN;
+  query.error_asked = kNaN;
   expect_refused("error asked nan m; allowed 0 and more");
-  query.error_asked_m = 0;
+  query.error_asked = 0;
   query.only[0] = '\n';
   expect_refused("the name pattern '?' is not text");
 }

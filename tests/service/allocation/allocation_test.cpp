@@ -13,6 +13,7 @@
 #include "server/service/questions/answering.hpp"
 #include "tests/service/allocation/counting.hpp"
 #include "tests/service/wire_network.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -112,7 +113,7 @@ class Allocation : public ::testing::Test {
     query.kind = static_cast<std::uint8_t>(kind);
     query.mask = 0xffffffff;
     query.max_hits = 1'000;
-    dds::borrow(query.numbers, numbers);
+    test::put_questions(query, numbers);
     return query_writer_.write(query) &&
            test::eventually([&] { return answered_.load() == request_; }, std::chrono::milliseconds(patience_ms));
   }
@@ -246,7 +247,7 @@ TEST_F(Allocation, NoneForABatchOfAThousandPosesUntilItIsApplied) {
     batch->sequence_number = ++sequence;
     batch->definitions_through = kMovers;
     dds::borrow(batch->object_numbers, numbers);
-    dds::borrow(batch->poses, poses);
+    test::put_poses(*batch, poses);
     EXPECT_TRUE(pose_writer_.write(*batch));
     // As the world's thread does.
     const std::uint64_t applied = serving_.publishers.counts().poses_applied;

@@ -29,6 +29,7 @@
 #include "tests/scenes/meshes.hpp"
 #include "tests/service/child_process.hpp"
 #include "tests/service/server_wire_asker.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided::testing_support {
 using namespace engine;
@@ -225,25 +226,29 @@ class Border {
     dds::Sample<wire::Query> query;
     query->kind = static_cast<std::uint8_t>(malice_.below(9));
     query->mode = static_cast<std::uint8_t>(malice_.chance(0.9) ? malice_.below(3) : malice_.below(256));
+    query->importance = static_cast<std::uint8_t>(malice_.chance(0.9) ? malice_.below(3) : malice_.below(256));
+    query->instant = static_cast<std::uint8_t>(malice_.chance(0.9) ? 0 : malice_.below(256));
+    query->instant_ns = malice_.chance(0.9) ? 0 : static_cast<std::int64_t>(malice_.any_bits());
     query->mask = malice_.chance(0.9) ? 0xffffffff : static_cast<std::uint32_t>(malice_.any_bits());
     query->max_hits = malice_.chance(0.9) ? 100 : static_cast<std::uint32_t>(malice_.any_bits());
     query->chunk_count = malice_.chance(0.95) ? 1 : static_cast<std::uint32_t>(malice_.any_bits());
     query->chunk_index = malice_.chance(0.95) ? 0 : static_cast<std::uint32_t>(malice_.any_bits());
     query->first_question = malice_.chance(0.95) ? 0 : static_cast<std::uint32_t>(malice_.any_bits());
-    query->error_asked_m = malice_.chance(0.9) ? 0 : malice_.number();
+    query->error_asked = malice_.chance(0.9) ? 0 : malice_.number();
     query->deadline_ns = malice_.chance(0.95) ? 0 : static_cast<std::int64_t>(malice_.any_bits());
     static_cast<void>(dds::set_text(query->only, malice_.chance(0.9) ? "" : malice_.name()));
     const std::uint32_t stride = wire_contract::numbers_of(static_cast<QueryKind>(query->kind));
     std::vector<double> numbers(malice_.chance(0.9) ? stride : malice_.below(30));
     for (double& number : numbers) number = malice_.number();
-    dds::borrow(query->numbers, numbers);
+    test::put_questions(*query, numbers);
+    if (malice_.chance(0.1)) dds::borrow(malice_.chance(0.5) ? query->radii : query->directions, numbers);
     std::optional<std::string> refusal;
     timed("check", [&] { refusal = service::why_refused(*query); });
     if (refusal || stride == 0 || numbers.size() != stride) return;
     const ObjectInfo mover = without_world(Shape{{Sphere{{0, 0, 0}, 0.3}}, nullptr});
-    const Questions questions{.kind = static_cast<QueryKind>(query->kind), .mode = static_cast<wire_contract::RayMode>(query->mode & 63),
+    const Questions questions{.kind = static_cast<QueryKind>(query->kind), .mode = static_cast<wire_contract::RayMode>(query->mode),
                               .mask = query->mask, .max_hits = query->max_hits, .only = query->only,
-                              .error_m = query->error_asked_m, .numbers = numbers, .mover = &mover};
+                              .error_m = query->error_asked, .numbers = numbers, .mover = &mover};
     const SnapshotRing::Lease state = world_.newest();
     timed(wire_contract::name_of(questions.kind), [&] { answer(*state, questions, answers_, scratch_); });
     for (const AnswerHit& hit : answers_.hits) {
@@ -353,7 +358,10 @@ void write_samples(WireAsker& asker, Malice& malice, std::uint64_t count) {
       definition->sequence_number = i;
       definition->removed = malice.chance(0.3);
       definition->moving = malice.chance(0.8);
-      malice.fill_pose(definition->pose);
+      double pose[7];
+      malice.fill_pose(pose);
+      std::copy_n(pose, 3, definition->position);
+      std::copy_n(pose + 3, 4, definition->orientation);
       // As far as DDS takes it: text without a zero in it, no longer than the field.
       const std::string name = malice.name();
       static_cast<void>(dds::set_text(definition->name, name.substr(0, std::min(name.find('\0'), name.size())).substr(0, 250)));
@@ -367,7 +375,8 @@ void write_samples(WireAsker& asker, Malice& malice, std::uint64_t count) {
       batch->flags = static_cast<std::uint8_t>(malice.below(256));
       const std::vector<std::uint32_t> objects(malice.below(6), static_cast<std::uint32_t>(malice.below(50)));
       dds::borrow(batch->object_numbers, objects);
-      dds::borrow(batch->poses, numbers);
+      test::put_poses(*batch, numbers);
+      if (malice.chance(0.3)) dds::borrow(malice.chance(0.5) ? batch->orientations : batch->angular_velocities, numbers);
       asker.pose(*batch);
     } else {
       dds::Sample<wire::Query> query;
@@ -378,7 +387,11 @@ void write_samples(WireAsker& asker, Malice& malice, std::uint64_t count) {
       query->chunk_count = static_cast<std::uint32_t>(malice.chance(0.7) ? 1 : malice.below(5));
       query->chunk_index = static_cast<std::uint32_t>(malice.chance(0.7) ? 0 : malice.below(5));
       query->fence_publisher = malice.chance(0.9) ? 0 : malice.below(50);
-      dds::borrow(query->numbers, numbers);
+      query->importance = static_cast<std::uint8_t>(malice.below(256));
+      query->instant = static_cast<std::uint8_t>(malice.below(256));
+      query->instant_ns = static_cast<std::int64_t>(malice.any_bits());
+      test::put_questions(*query, numbers);
+      if (malice.chance(0.3)) dds::borrow(malice.chance(0.5) ? query->points : query->end_points, numbers);
       dds::borrow(query->blob, shape);
       asker.send(*query);
     }
@@ -402,7 +415,7 @@ bool server_crashes(const std::string& server_path, std::uint64_t seed, std::uin
     query->max_hits = 10;
     static_cast<void>(dds::set_text(query->only, "warehouse/*"));
     const std::vector<double> ray{0, 0, 5, 0, 0, -1, 100};
-    dds::borrow(query->numbers, ray);
+    test::put_questions(*query, ray);
     const auto reply = asker.ask(*query, 10s);
     return server.wait(0ms) == -1 && reply && reply->numbers.size() == 13 && std::abs(reply->numbers[0] - 3.8) < 1e-9;
   };

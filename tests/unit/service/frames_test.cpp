@@ -1,4 +1,5 @@
 // What travels of events, contacts, readings and answers: each column has the value of its own field.
+#include "idl/columns.hpp"
 #include "server/service/events/frames.hpp"
 
 #include <gtest/gtest.h>
@@ -66,14 +67,14 @@ TEST_F(ServiceFrames, AnEventTravelsWithEveryFieldInItsPlace) {
   EXPECT_EQ(columns.a_triangles, std::vector<std::uint32_t>(2, 3));
   EXPECT_EQ(columns.b_triangles, std::vector<std::uint32_t>(2, 5));
   EXPECT_EQ(columns.episodes, std::vector<std::uint64_t>(2, 11));
-  ASSERT_EQ(columns.numbers.size(), 2U * wire_contract::kEventNumbers);
-  for (std::size_t i = 0; i < wire_contract::kEventNumbers; ++i) EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
+  ASSERT_EQ(columns.numbers.size(), 2U * wire::width_of<wire::EventFrame>(wire::kEventColumns));
+  for (std::size_t i = 0; i < wire::width_of<wire::EventFrame>(wire::kEventColumns); ++i) EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
   EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{a, b})) << "each once";
   EXPECT_EQ(split(columns.named.names), (Names{"left", "right"}));
   columns.clear();
   columns.add(second, book);
   EXPECT_EQ(columns.first_sequence, 22U) << "the next frame starts where this one ended";
-  EXPECT_EQ(columns.numbers.size(), std::size_t{wire_contract::kEventNumbers});
+  EXPECT_EQ(columns.numbers.size(), std::size_t{wire::width_of<wire::EventFrame>(wire::kEventColumns)});
 }
 
 TEST_F(ServiceFrames, AContactTravelsWithEveryFieldInItsPlace) {
@@ -190,16 +191,17 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
     EXPECT_EQ(columns.answers, (std::vector<std::uint8_t>{1, 0, 2, 3}));
     EXPECT_EQ(columns.reasons, (std::vector<std::uint8_t>{0, 0, 6, 0}));
     EXPECT_EQ(columns.levels, (std::vector<std::uint8_t>{2, 0, 1, 0}));
-    EXPECT_EQ(columns.hit_counts, (std::vector<std::uint32_t>{2, 0, 2, 0}));
+    EXPECT_EQ(columns.hit_counts, (std::vector<std::uint32_t>{2, 0, 1, 0}));
     EXPECT_EQ(columns.nodes, (std::vector<std::uint32_t>{10, 11, 12, 13}));
     EXPECT_EQ(columns.exact_tests, (std::vector<std::uint32_t>{20, 21, 22, 23}));
-    EXPECT_EQ(columns.objects, (std::vector<std::uint64_t>{b, a, b, 0}));
+    EXPECT_EQ(columns.objects, (std::vector<std::uint64_t>{b, a, b}));
     EXPECT_EQ(columns.triangles[0], 5U);
-    EXPECT_EQ(columns.hit_flags, (std::vector<std::uint8_t>{wire_contract::kInside, 0, wire_contract::kStale, wire_contract::kUncovered}));
-    ASSERT_EQ(columns.numbers.size(), 4U * wire_contract::kHitNumbers);
+    EXPECT_EQ(columns.hit_flags, (std::vector<std::uint8_t>{wire_contract::kInside, 0, wire_contract::kStale}));
+    ASSERT_EQ(columns.numbers.size(), 3U * wire_contract::kHitNumbers);
     for (std::size_t i = 0; i < wire_contract::kHitNumbers; ++i) EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
     EXPECT_EQ(columns.numbers[wire_contract::kHitNumbers], 4);
-    EXPECT_EQ(columns.numbers[3 * wire_contract::kHitNumbers], 6);
+    EXPECT_EQ(columns.uncovered_questions, std::vector<std::uint32_t>{2});
+    EXPECT_EQ(columns.uncovered, (std::vector<double>{0, 0, 0, 6}));
     EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{b, a})) << "anew in every reply";
     EXPECT_EQ(split(columns.named.names), (Names{"right", "left"}));
     EXPECT_FALSE(filler.fill(columns));

@@ -14,6 +14,7 @@
 #include "server/service/questions/reply_columns.hpp"
 #include "server/service/questions/snapshot_leases.hpp"
 #include "server/service/questions/write_barriers.hpp"
+#include "tests/service/wire_rows.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -278,7 +279,7 @@ TEST(AskLimits, AreThoseThatTheRefusalNames) {
     query.kind = static_cast<std::uint8_t>(wire_contract::QueryKind::ray);
     query.chunk_count = 1;
     query.max_hits = 1;
-    dds::borrow(query.numbers, ray);
+    test::put_questions(query, ray);
     change(query);
     return why_refused(query).value_or("");
   };
@@ -296,8 +297,8 @@ TEST(AskLimits, AreThoseThatTheRefusalNames) {
   EXPECT_NE(refusal([](wire::Query& q) { q.max_hits = kMaxHitsPerChunk + 1; }), "");
   EXPECT_NE(refusal([](wire::Query& q) { q.max_hits = 0; }), "");
   EXPECT_NE(refusal([](wire::Query& q) { q.deadline_ns = -1; }), "");
-  EXPECT_NE(refusal([](wire::Query& q) { q.error_asked_m = -1e-300; }), "");
-  EXPECT_NE(refusal([](wire::Query& q) { q.error_asked_m = std::numeric_limits<double>::quiet_NaN(); }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.error_asked = -1e-300; }), "");
+  EXPECT_NE(refusal([](wire::Query& q) { q.error_asked = std::numeric_limits<double>::quiet_NaN(); }), "");
   EXPECT_NE(refusal([](wire::Query& q) { q.kind = 7; }), "");
   EXPECT_NE(refusal([](wire::Query& q) { q.mode = 3; }), "");
 }

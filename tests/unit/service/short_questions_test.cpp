@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "idl/topics.hpp"
+#include "idl/columns.hpp"
 #include "server/service/questions/short_questions.hpp"
 
 namespace collided::engine::service {
@@ -16,10 +16,13 @@ class ShortQuestionsTest : public ::testing::Test {
   }
   void set(QueryKind kind, std::uint32_t numbers) {
     query_.kind = static_cast<std::uint8_t>(kind);
-    query_.numbers._length = numbers;
+    rows_.assign(numbers, 0);
+    wire::clear_questions(query_);
+    wire::lend_columns(rows_, wire::question_columns(kind), columns_, query_);
   }
 
   wire::Query query_{};
+  std::vector<double> rows_, columns_;
   ShortQuestions questions_;
 };
 

@@ -264,7 +264,7 @@ TEST(ContactLedger, ADoubtBeganWhereTheUndecidedSpanBeginsAndTellsNoPlace) {
   EXPECT_EQ(open.a_triangle, wire_contract::kNoTriangle);
   EXPECT_EQ(open.b_triangle, wire_contract::kNoTriangle);
   EXPECT_EQ(open.contact.point, Vec3(0, 0, 0));
-  EXPECT_EQ(open.contact.normal, Vec3(static_cast<double>(wire_contract::Doubt::cost_limit), 0, 0));
+  EXPECT_EQ(open.doubt, wire_contract::Doubt::cost_limit);
   EXPECT_EQ(open.contact.depth_m, 0);
   EXPECT_EQ(ledger.events().at(0).bracket_low_s, 0.75);
   EXPECT_EQ(ledger.events()[0].bracket_high_s, 0.5);

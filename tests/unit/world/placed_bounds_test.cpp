@@ -3,10 +3,10 @@
 
 #include <cmath>
 
+#include "server/world/objects/contact_search.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/part_index.hpp"
 #include "server/world/objects/sweep.hpp"
-#include "server/world/objects/contact_search.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/scenes/meshes.hpp"
 

@@ -1,0 +1,45 @@
+#include "idl/columns.hpp"
+
+#include <algorithm>
+
+namespace collided::wire {
+namespace {
+
+using wire_contract::QueryKind;
+
+constexpr dds_sequence_double Query::*kQuestionSequences[] = {
+    &Query::points,     &Query::directions,   &Query::lengths,    &Query::radii,
+    &Query::half_sizes, &Query::orientations, &Query::end_points, &Query::end_orientations};
+
+}  // namespace
+
+Columns<Query> question_columns(QueryKind kind) {
+  switch (kind) {
+    case QueryKind::ray: return kRayColumns;
+    case QueryKind::sphere: return kSphereColumns;
+    case QueryKind::box: return kBoxColumns;
+    case QueryKind::near: return kNearColumns;
+    case QueryKind::sweep: return kSweepColumns;
+    default: return {};
+  }
+}
+
+Columns<Reply> hit_columns(const Reply& reply) {
+  if (reply.sweep_ends._length > 0) return kSweepHitColumns;
+  return kHitColumns;
+}
+
+std::optional<std::uint32_t> question_count(const Query& query) {
+  const Columns<Query> columns = question_columns(static_cast<QueryKind>(query.kind));
+  for (const auto sequence : kQuestionSequences) {
+    const bool is_own = std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.sequence == sequence; });
+    if (!is_own && (query.*sequence)._length > 0) return std::nullopt;
+  }
+  return row_count(query, columns);
+}
+
+void clear_questions(Query& query) {
+  for (const auto sequence : kQuestionSequences) dds::borrow(query.*sequence, std::span<const double>());
+}
+
+}  // namespace collided::wire

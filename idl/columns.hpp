@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "idl/dds.hpp"
+
+/// Rows of numbers as programs keep them, and the named columns of collided.idl in which they travel. A ray is a row of seven:
+/// its origin goes to points, its direction to directions, its length to lengths.
+namespace collided::wire {
+
+template <class Message>
+struct Column {
+  dds_sequence_double Message::*sequence;
+  std::uint32_t width;  // numbers of a row
+};
+
+inline constexpr Column<Query> kRayColumns[] = {{&Query::points, 3}, {&Query::directions, 3}, {&Query::lengths, 1}};
+inline constexpr Column<Query> kSphereColumns[] = {{&Query::points, 3}, {&Query::radii, 1}};
+inline constexpr Column<Query> kBoxColumns[] = {{&Query::points, 3}, {&Query::half_sizes, 3}, {&Query::orientations, 4}};
+inline constexpr Column<Query> kNearColumns[] = {{&Query::points, 3}, {&Query::lengths, 1}};
+inline constexpr Column<Query> kSweepColumns[] = {
+    {&Query::points, 3}, {&Query::orientations, 4}, {&Query::end_points, 3}, {&Query::end_orientations, 4}};
+inline constexpr Column<PoseBatch> kPoseColumns[] = {{&PoseBatch::positions, 3}, {&PoseBatch::orientations, 4}};
+inline constexpr Column<PoseBatch> kVelocityColumns[] = {{&PoseBatch::linear_velocities, 3}, {&PoseBatch::angular_velocities, 3}};
+inline constexpr Column<Reply> kHitColumns[] = {
+    {&Reply::distances, 1}, {&Reply::distance_errors, 1}, {&Reply::exits, 1},       {&Reply::points, 3},
+    {&Reply::normals, 3},   {&Reply::weights, 3},         {&Reply::point_errors, 1}};
+/// What stands first in a hit of a sweep: the end of the bracket, its width, its beginning.
+inline constexpr Column<Reply> kSweepHitColumns[] = {
+    {&Reply::sweep_ends, 1}, {&Reply::sweep_widths, 1}, {&Reply::sweep_begins, 1}, {&Reply::points, 3},
+    {&Reply::normals, 3},    {&Reply::weights, 3},      {&Reply::point_errors, 1}};
+inline constexpr Column<Reply> kUncoveredColumns[] = {{&Reply::uncovered_points, 3}, {&Reply::uncovered_distances, 1}};
+inline constexpr Column<EventFrame> kEventColumns[] = {
+    {&EventFrame::points, 3},       {&EventFrame::normals, 3},       {&EventFrame::depths, 1},     {&EventFrame::depth_errors, 1},
+    {&EventFrame::bracket_lows, 1}, {&EventFrame::bracket_highs, 1}, {&EventFrame::velocities, 3}, {&EventFrame::velocity_errors, 1}};
+inline constexpr Column<ContactShard> kContactColumns[] = {
+    {&ContactShard::points, 3}, {&ContactShard::normals, 3}, {&ContactShard::depths, 1}, {&ContactShard::depth_errors, 1}};
+inline constexpr Column<ProbeFrame> kProbeColumns[] = {
+    {&ProbeFrame::clearances, 1}, {&ProbeFrame::clearance_errors, 1}, {&ProbeFrame::points, 3}, {&ProbeFrame::normals, 3}};
+
+template <class Message>
+using Columns = std::span<const Column<Message>>;
+
+/// Empty for what is no question about the world.
+Columns<Query> question_columns(wire_contract::QueryKind kind);
+/// As the reply's own columns say which kind of question it answers.
+Columns<Reply> hit_columns(const Reply& reply);
+
+template <class Message>
+constexpr std::uint32_t width_of(Columns<Message> columns) {
+  std::uint32_t width = 0;
+  for (const Column<Message>& column : columns) width += column.width;
+  return width;
+}
+
+/// Nothing where the columns are not of one length.
+template <class Message>
+std::optional<std::uint32_t> row_count(const Message& message, Columns<Message> columns) {
+  std::uint32_t count = 0;
+  for (const Column<Message>& column : columns) {
+    const std::uint32_t length = (message.*column.sequence)._length;
+    const std::uint32_t rows = length / column.width;
+    if (length % column.width != 0 || (&column != columns.data() && rows != count)) return std::nullopt;
+    count = rows;
+  }
+  return count;
+}
+
+/// How many questions of its kind a message has; nothing where its columns differ in length or another kind's are there.
+std::optional<std::uint32_t> question_count(const Query& query);
+
+/// Puts rows into `memory` column by column and points the message there: it must outlive the write.
+template <class Message>
+void lend_columns(std::span<const double> rows, Columns<Message> columns, std::vector<double>& memory, Message& message) {
+  const std::size_t width = width_of(columns), count = rows.size() / width;
+  memory.resize(count * width);
+  double* to = memory.data();
+  std::size_t offset = 0;
+  for (const Column<Message>& column : columns) {
+    dds::borrow(message.*column.sequence, std::span(to, count * column.width));
+    for (std::size_t row = 0; row < count; ++row) {
+      for (std::size_t k = 0; k < column.width; ++k) *to++ = rows[row * width + offset + k];
+    }
+    offset += column.width;
+  }
+}
+
+/// Leaves no question of any kind in the message.
+void clear_questions(Query& query);
+
+/// The rows of a message whose columns are of one length.
+template <class Message>
+void gather_rows(const Message& message, Columns<Message> columns, std::vector<double>& rows) {
+  const std::size_t width = width_of(columns), count = (message.*columns.front().sequence)._length / columns.front().width;
+  rows.resize(count * width);
+  std::size_t offset = 0;
+  for (const Column<Message>& column : columns) {
+    const double* from = (message.*column.sequence)._buffer;
+    for (std::size_t row = 0; row < count; ++row) {
+      for (std::size_t k = 0; k < column.width; ++k) rows[row * width + offset + k] = *from++;
+    }
+    offset += column.width;
+  }
+}
+
+}  // namespace collided::wire
