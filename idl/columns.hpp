@@ -76,6 +76,7 @@ std::optional<std::uint32_t> question_count(const Query& query);
 /// Puts rows into `memory` column by column and points the message there: it must outlive the write.
 template <class Message>
 void lend_columns(std::span<const double> rows, Columns<Message> columns, std::vector<double>& memory, Message& message) {
+  if (columns.empty()) return;
   const std::size_t width = width_of(columns), count = rows.size() / width;
   memory.resize(count * width);
   double* to = memory.data();
@@ -95,6 +96,8 @@ void clear_questions(Query& query);
 /// The rows of a message whose columns are of one length.
 template <class Message>
 void gather_rows(const Message& message, Columns<Message> columns, std::vector<double>& rows) {
+  rows.clear();
+  if (columns.empty()) return;
   const std::size_t width = width_of(columns), count = (message.*columns.front().sequence)._length / columns.front().width;
   rows.resize(count * width);
   std::size_t offset = 0;

@@ -21,6 +21,11 @@ std::optional<std::uint64_t> opening_messages(const mcap::Contents& contents) {
   return count;
 }
 
+bool is_of_first_wire(const mcap::Contents& contents) {
+  return std::any_of(contents.schemas.begin(), contents.schemas.end(),
+                     [](const auto& schema) { return schema.second.name.starts_with("collided::wire::"); });
+}
+
 void sort_into(std::vector<RecordedItem>& items, const mcap::Contents& contents) {
   std::uint64_t left = opening_messages(contents).value_or(0);
   for (const mcap::Message& message : contents.messages) {
@@ -51,6 +56,9 @@ RecordedItems read_items(std::vector<std::byte> bytes, const std::string& name, 
   say(contents.lost_messages, " messages are of no known channel; left out");
   recorded.has_opening = opening_messages(contents).has_value();
   sort_into(recorded.items, contents);
+  if (recorded.items.empty() && is_of_first_wire(contents)) {
+    throw std::runtime_error(name + ": was recorded by an earlier version, whose messages were laid out differently. " + consequence);
+  }
   if (recorded.items.empty()) throw std::runtime_error(name + ": holds nothing of a collision server. " + consequence);
   return recorded;
 }

@@ -197,6 +197,7 @@ TriangleMesh city(std::uint32_t side, std::mt19937_64& random) {
 }  // namespace collided::bench
 
 int main() {
+  using namespace collided::engine;
   using namespace collided;
   std::mt19937_64 random = oracle::seeded(20260611);
   const TriangleMesh terrain = scenes::terrain(707, 1000, 7);

@@ -125,7 +125,7 @@ TrianglePairs by_force(const TriangleMesh& a, const TriangleMesh& b, const Frame
     const auto first = std::lower_bound(parts.begin(), parts.end(), bounds.low[0] - 1.001 * widest,
                                         [](const Part& p, double x) { return p.bounds.low[0] < x; });
     for (auto part = first; part != parts.end() && part->bounds.low[0] <= bounds.high[0]; ++part) {
-      if (collided::overlaps(part->bounds, bounds) && collided::overlaps(a.triangle(part->number), placed).yes()) {
+      if (engine::overlaps(part->bounds, bounds) && engine::overlaps(a.triangle(part->number), placed).yes()) {
         pairs.emplace_back(part->number, j);
       }
     }
@@ -250,6 +250,7 @@ void over_terrain(const Options& options, const char* scene, const TriangleMesh&
 }  // namespace collided::bench
 
 int main(int argc, char** argv) {
+  using namespace collided::engine;
   using namespace collided;
   const bench::Options options = bench::read_options(argc, argv);
   std::mt19937_64 random = oracle::seeded(20260120);

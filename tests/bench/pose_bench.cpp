@@ -19,6 +19,7 @@
 namespace {
 
 using namespace collided;
+using namespace collided::engine;
 using namespace collided::engine::service;
 
 constexpr std::uint64_t kPublisher = 7;

@@ -122,6 +122,7 @@ void run(const Options& options, const Case& one, const StaticScene& scene, std:
 }  // namespace collided::bench
 
 int main(int argc, char** argv) {
+  using namespace collided::engine;
   using namespace collided;
   const bench::Options options = bench::read_options(argc, argv);
   std::mt19937_64 random = oracle::seeded(20261122);

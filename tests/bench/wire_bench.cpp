@@ -25,6 +25,7 @@
 namespace {
 
 using namespace collided;
+using namespace collided::engine;
 using bench::Method;
 using bench::Work;
 using testing_support::ChildProcess;

@@ -140,6 +140,7 @@ TriangleMesh star(std::uint32_t count, std::mt19937_64& random) {
 }  // namespace collided::bench
 
 int main() {
+  using namespace collided::engine;
   using namespace collided;
   using bench::Question;
   std::mt19937_64 random = oracle::seeded(20260613);

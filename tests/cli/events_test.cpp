@@ -250,6 +250,18 @@ TEST_F(EventsVerb, WhatMakesNoSenseIsRefused) {
   EXPECT_EQ(csv.err, "error: events: " + other.path() + ": is no MCAP file. Nothing was read\n");
 }
 
+// Whose columns had no names yet.
+TEST_F(EventsVerb, ARecordingOfTheFirstWireIsSaidToBeOne) {
+  {
+    mcap::FileOutput output(path());
+    mcap::Writer writer(output, "collided 0.1.0", {{"collided/event", "cdr", "collided::wire::EventFrame", "omgidl", "struct EventFrame {};", {}}});
+    writer.write(1, 1, 1, {});
+    ASSERT_TRUE(writer.close());
+  }
+  EXPECT_EQ(collide("events " + path()).err, "error: events: " + path() +
+            ": was recorded by an earlier version, whose messages were laid out differently. Nothing was read\n");
+}
+
 TEST(TimeText, IsReadToTheNanosecond) {
   const auto ns = [](const char* text) {
     const RunTime time = cli::parse_time("--from", text, "");

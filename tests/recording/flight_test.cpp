@@ -487,7 +487,7 @@ TEST(FlightRecorder, AFileBeginsWithTheStateBeforeItsWindow) {
   ASSERT_TRUE(contents.complete);
   EXPECT_EQ(contents.metadata.at("recording").at("opening_messages"), "2");
   ASSERT_EQ(contents.messages.size(), 3U);
-  EXPECT_EQ(contents.channels.at(contents.messages[0].head.channel).topic, "hall/object");
+  EXPECT_EQ(contents.channels.at(contents.messages[0].head.channel).topic, "hall/object_v2");
   dds::Sample<wire::PoseBatch> before, after;
   ASSERT_TRUE(wire::read_cdr(contents.messages[1].data, before));
   ASSERT_TRUE(wire::read_cdr(contents.messages[2].data, after));

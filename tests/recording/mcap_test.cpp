@@ -160,7 +160,7 @@ TEST(Mcap, ChannelsOfANamespaceAreToldApart) {
     EXPECT_EQ(recording::recorded_topic(renamed, contents), std::nullopt) << channel.topic;
     EXPECT_EQ(recording::recorded_topic(encoded, contents), std::nullopt) << channel.topic;
   }
-  EXPECT_EQ(contents.channels.at(1).topic, "hall/a/object");
+  EXPECT_EQ(contents.channels.at(1).topic, "hall/a/object_v2");
   EXPECT_NE(contents.schemas.at(1).text.find("@final struct Definition"), std::string::npos);
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 bool is_taken(const std::string& name_space) {
   try {
-    return topic_name(name_space, kPoseTopic) == name_space + "/pose";
+    return topic_name(name_space, kPoseTopic) == name_space + "/pose_v2";
   } catch (const std::invalid_argument&) {
     return false;
   }

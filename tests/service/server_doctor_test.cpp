@@ -129,7 +129,7 @@ TEST_F(ServerDoctor, ItsRoundTripsAreGreetings) {
     return heard >= 1'000;
   }));
   const std::lock_guard lock(mutex);
-  EXPECT_EQ(unlike, std::multiset<std::string>{"kind " + std::to_string(static_cast<int>(wire_contract::QueryKind::command)) + ", chunk 0 of 1, numbers 0"})
+  EXPECT_EQ(unlike, std::multiset<std::string>{"kind " + std::to_string(static_cast<int>(wire_contract::QueryKind::command)) + ", chunk 0 of 1, points 0"})
       << "only the server's figures are asked for beside them, once";
 }
 

@@ -52,12 +52,12 @@ class ServerRecording : public testing_support::ServerTest {
     std::size_t found = 0;
     for (const mcap::Message& message : contents.messages) {
       dds::Sample<wire::Reply> reply;
-      const bool is_reply = contents.channels.at(message.head.channel).topic == "collided/reply";
+      const bool is_reply = contents.channels.at(message.head.channel).topic == "collided/reply_v2";
       if (is_reply && wire::read_cdr(message.data, reply)) found += reply->answers._length;
     }
     return found >= count;
   }
-  static bool listens(const std::string& file) { return test::eventually([&] { return has(file, "collided/status", 1); }, 20s); }
+  static bool listens(const std::string& file) { return test::eventually([&] { return has(file, "collided/status_v2", 1); }, 20s); }
 
   /// A run with something of everything: balls that move at random, one that was there before and rests, one that is
   /// removed, questions of every kind between, commands.
@@ -127,8 +127,8 @@ TEST_F(ServerRecording, WhatIsCountedIsWhatIsInTheFile) {
     if (channel.samples > 0) counted["collided/" + channel.topic] = channel.samples;
   }
   EXPECT_EQ(counted, in_file);
-  EXPECT_GE(counted["collided/object"], 1U);
-  EXPECT_GE(counted["collided/pose"], 1U);
+  EXPECT_GE(counted["collided/object_v2"], 1U);
+  EXPECT_GE(counted["collided/pose_v2"], 1U);
 }
 
 // A recording of one server's life, asked of another: every answer has the same bits. The other is changed then, by one box
@@ -385,8 +385,8 @@ TEST_F(ServerRecording, AServerThatFailsLeavesAFile) {
     if (entry.path().string().ends_with("_crash.mcap")) file = entry.path();
   }
   ASSERT_NE(file, "");
-  EXPECT_TRUE(has(file, "collided/query", 2)) << "hello and a ray";
-  EXPECT_TRUE(has(file, "collided/reply", 2));
+  EXPECT_TRUE(has(file, "collided/query_v2", 2)) << "hello and a ray";
+  EXPECT_TRUE(has(file, "collided/reply_v2", 2));
 }
 
 // What was written is handed out in pages for as long as it is kept and can be read; each refusal says what is allowed.

@@ -337,7 +337,7 @@ TEST_F(WireAnswering, ATextSaysWhoseItIsAndNothingOfObjects) {
   expect_text(ears.reply(), wire_contract::ReplyStatus::ok, "");
   ask(down);
   expect_text(ask({1, 2, 3}), wire_contract::ReplyStatus::refused,
-              R"({"error":"3 numbers for ray questions; 7 are needed for each"})");
+              R"({"error":"the columns of ray questions are empty"})");
   ask(down);
   answering->send_text(kClient, ++request, wire_contract::ReplyStatus::refused, refusal_text("no", "yes"));
   ASSERT_TRUE(ears.hears(request));

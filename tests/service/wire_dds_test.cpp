@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 using test::eventually;
 
 TEST(WireTopics, NamespaceMayHoldOnlyWhatDdsAccepts) {
-  EXPECT_EQ(wire_contract::topic_name("plant/hall_2", wire_contract::kQueryTopic), "plant/hall_2/query");
+  EXPECT_EQ(wire_contract::topic_name("plant/hall_2", wire_contract::kQueryTopic), "plant/hall_2/query_v2");
   EXPECT_THROW(wire_contract::topic_name("", wire_contract::kQueryTopic), std::invalid_argument);
   EXPECT_THROW(wire_contract::topic_name("2nd", wire_contract::kQueryTopic), std::invalid_argument);
   EXPECT_THROW(wire_contract::topic_name("a-b", wire_contract::kQueryTopic), std::invalid_argument);

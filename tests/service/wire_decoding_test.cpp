@@ -108,23 +108,6 @@ TEST(AnswerDecoding, EveryFieldOfAnAnswerIsItsOwn) {
   }
 }
 
-// The last entry of an answer that is not covered says where, and is no hit.
-TEST(AnswerDecoding, WhereAnAnswerIsNotCoveredIsNoHit) {
-  Names names;
-  AnswerCollector collector(3, 3, names);
-  ReplyMessage reply;
-  reply.hit_flags[1] = wire_contract::kUncovered;
-  ASSERT_FALSE(collector.add(reply.message()));
-  const Answers answers = collector.take();
-  const Answer& answer = answers.answers[1];
-  ASSERT_EQ(answer.hits.size(), 1u);
-  EXPECT_EQ(answer.hits[0].object, "seven");
-  ASSERT_TRUE(answer.uncovered);
-  EXPECT_EQ(answer.uncovered->point, three(116));
-  EXPECT_EQ(answer.uncovered->covered_m, 113);
-  EXPECT_FALSE(answers.answers[0].uncovered);
-}
-
 /// A reply with one miss of so many nodes for each of the questions from `first` on.
 ReplyMessage misses(std::uint32_t first, std::size_t count) {
   ReplyMessage reply;

@@ -26,8 +26,7 @@ void put_rows(Message& message, wire::Columns<Message> columns, std::span<const 
 /// Questions of the query's kind, a row each; as many numbers as are no whole row are left out.
 inline void put_questions(wire::Query& query, std::span<const double> rows) {
   wire::clear_questions(query);
-  const wire::Columns<wire::Query> columns = wire::question_columns(static_cast<wire_contract::QueryKind>(query.kind));
-  if (!columns.empty()) put_rows(query, columns, rows);
+  put_rows(query, wire::question_columns(static_cast<wire_contract::QueryKind>(query.kind)), rows);
 }
 inline void put_poses(wire::PoseBatch& batch, std::span<const double> rows) {
   put_rows<wire::PoseBatch>(batch, wire::kPoseColumns, rows);

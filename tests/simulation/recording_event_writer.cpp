@@ -57,6 +57,7 @@ void RecordingEventWriter::write_contacts(const service::ContactColumns& contact
   payload_.put(epoch_);
   payload_.put(as_of_sequence);
   payload_.put(contacts.shard);
+  payload_.put(contacts.doubts);
   payload_.put(contacts.a);
   payload_.put(contacts.b);
   payload_.put(contacts.a_triangles);

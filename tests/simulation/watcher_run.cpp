@@ -56,6 +56,7 @@ client::HeardShard shard_of(Message& message, client::Names& names) {
   shard->server = life_of(shard->epoch).server;
   shard->as_of_sequence = message.get<std::uint64_t>();
   shard->shard = message.get<std::uint8_t>();
+  const auto doubts = message.get_all<std::uint8_t>();
   const auto a = message.get_all<std::uint64_t>();
   const auto b = message.get_all<std::uint64_t>();
   const auto a_triangles = message.get_all<std::uint32_t>();
@@ -65,6 +66,7 @@ client::HeardShard shard_of(Message& message, client::Names& names) {
   const auto numbers = message.get_all<double>();
   const auto ids = message.get_all<std::uint64_t>();
   const auto text = message.get_all<std::uint8_t>();
+  dds::borrow(shard->doubts, doubts);
   dds::borrow(shard->a, a);
   dds::borrow(shard->b, b);
   dds::borrow(shard->a_triangles, a_triangles);

@@ -92,7 +92,7 @@ TEST_F(ServiceFrames, AContactTravelsWithEveryFieldInItsPlace) {
   EXPECT_EQ(columns.began_ns, std::vector<std::int64_t>{13});
   EXPECT_EQ(columns.numbers, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
   EXPECT_EQ(split(columns.named.names), (Names{"left", "right"}));
-  EXPECT_EQ(columns.bytes(), 5U * 8 + 8 * 8 + 2 * 8 + sizeof "left" + sizeof "right");
+  EXPECT_EQ(columns.bytes(), 1 + 5U * 8 + 8 * 8 + 2 * 8 + sizeof "left" + sizeof "right");
 }
 
 // Two contacts of one object: its name stays until both are over, and is its own when its slot is used again.
