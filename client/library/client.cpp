@@ -16,22 +16,13 @@ struct [[gnu::visibility("hidden")]] Client::State {
   std::shared_ptr<client::Connection> connection;
   client::Workers workers;  // goes first: its tasks ask over the connection
 
-  template <class Question>
-  Result<Answer> ask_one(const Question& question, const AskOptions& options) {
-    Result<Answers> answers = client::ask(*connection, std::span<const Question>(&question, 1), options);
-    if (!answers) {
-      return answers.error();
-    }
-    return std::move(answers->answers.front());
-  }
-
-  template <class Question>
-  std::future<Result<Answers>> ask_later(std::vector<Question> questions, AskOptions options) {
+  template <Question Q>
+  std::future<Result<Answers>> ask_later(std::vector<Q> questions, AskOptions options) {
     // Shared, because std::function wants to be copied.
     auto promise = std::make_shared<std::promise<Result<Answers>>>();
     std::future<Result<Answers>> answers = promise->get_future();
     auto task = [this, promise, questions = std::move(questions), options = std::move(options)] {
-      promise->set_value(client::ask(*connection, std::span<const Question>(questions), options));
+      promise->set_value(client::ask(*connection, std::span<const Q>(questions), options));
     };
     if (!workers.run(std::move(task))) {
       promise->set_value(Error{ErrorCode::refused,
@@ -63,60 +54,25 @@ Result<Client> Client::connect(const ConnectOptions& options) {
   return Client(std::move(state));
 }
 
-Result<Answer> Client::ask(const RayQuestion& question, const AskOptions& options) {
-  return state_->ask_one(question, options);
-}
-Result<Answer> Client::ask(const SphereQuestion& question, const AskOptions& options) {
-  return state_->ask_one(question, options);
-}
-Result<Answer> Client::ask(const BoxQuestion& question, const AskOptions& options) {
-  return state_->ask_one(question, options);
-}
-Result<Answer> Client::ask(const NearQuestion& question, const AskOptions& options) {
-  return state_->ask_one(question, options);
-}
-
-Result<Answers> Client::ask(std::span<const RayQuestion> questions, const AskOptions& options) {
-  return client::ask(*state_->connection, questions, options);
-}
-Result<Answers> Client::ask(std::span<const SphereQuestion> questions, const AskOptions& options) {
-  return client::ask(*state_->connection, questions, options);
-}
-Result<Answers> Client::ask(std::span<const BoxQuestion> questions, const AskOptions& options) {
-  return client::ask(*state_->connection, questions, options);
-}
-Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOptions& options) {
-  return client::ask(*state_->connection, questions, options);
-}
-
-Result<Answers> Client::ask(std::span<const RayQuestion> questions, const AskOptions& options, Answers&& earlier) {
+template <Question Q>
+Result<Answers> Client::ask_all(std::span<const Q> questions, const AskOptions& options, Answers&& earlier) {
   return client::ask(*state_->connection, questions, options, std::move(earlier));
 }
-Result<Answers> Client::ask(std::span<const SphereQuestion> questions, const AskOptions& options, Answers&& earlier) {
-  return client::ask(*state_->connection, questions, options, std::move(earlier));
+template <Question Q>
+std::future<Result<Answers>> Client::ask_async(std::vector<Q> questions, AskOptions options) {
+  return state_->ask_later(std::move(questions), std::move(options));
 }
-Result<Answers> Client::ask(std::span<const BoxQuestion> questions, const AskOptions& options, Answers&& earlier) {
-  return client::ask(*state_->connection, questions, options, std::move(earlier));
-}
-Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOptions& options, Answers&& earlier) {
-  return client::ask(*state_->connection, questions, options, std::move(earlier));
-}
+#define COLLIDED_QUESTION(Q)                                                                          \
+  template Result<Answers> Client::ask_all(std::span<const Q>, const AskOptions&, Answers&&);        \
+  template std::future<Result<Answers>> Client::ask_async(std::vector<Q>, AskOptions)
+COLLIDED_QUESTION(RayQuestion);
+COLLIDED_QUESTION(SphereQuestion);
+COLLIDED_QUESTION(BoxQuestion);
+COLLIDED_QUESTION(NearQuestion);
+#undef COLLIDED_QUESTION
 
 Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion> motions, const AskOptions& options) {
   return client::sweep(*state_->connection, shape, motions, options);
-}
-
-std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion> questions, AskOptions options) {
-  return state_->ask_later(std::move(questions), std::move(options));
-}
-std::future<Result<Answers>> Client::ask_async(std::vector<SphereQuestion> questions, AskOptions options) {
-  return state_->ask_later(std::move(questions), std::move(options));
-}
-std::future<Result<Answers>> Client::ask_async(std::vector<BoxQuestion> questions, AskOptions options) {
-  return state_->ask_later(std::move(questions), std::move(options));
-}
-std::future<Result<Answers>> Client::ask_async(std::vector<NearQuestion> questions, AskOptions options) {
-  return state_->ask_later(std::move(questions), std::move(options));
 }
 
 Result<Watch> Client::watch(const WatchOptions& options) { return watch(options, {}); }

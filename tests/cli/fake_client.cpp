@@ -86,16 +86,20 @@ Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 
-Result<Answers> Client::ask(std::span<const RayQuestion> questions, const AskOptions& options) {
+template <>
+Result<Answers> Client::ask_all(std::span<const RayQuestion> questions, const AskOptions& options, Answers&&) {
   return answer_all(questions, options, fake::server().ray);
 }
-Result<Answers> Client::ask(std::span<const SphereQuestion> questions, const AskOptions& options) {
+template <>
+Result<Answers> Client::ask_all(std::span<const SphereQuestion> questions, const AskOptions& options, Answers&&) {
   return answer_all(questions, options, fake::server().sphere);
 }
-Result<Answers> Client::ask(std::span<const BoxQuestion> questions, const AskOptions& options) {
+template <>
+Result<Answers> Client::ask_all(std::span<const BoxQuestion> questions, const AskOptions& options, Answers&&) {
   return answer_all(questions, options, fake::server().box);
 }
-Result<Answers> Client::ask(std::span<const NearQuestion> questions, const AskOptions& options) {
+template <>
+Result<Answers> Client::ask_all(std::span<const NearQuestion> questions, const AskOptions& options, Answers&&) {
   return answer_all(questions, options, fake::server().near);
 }
 
@@ -107,18 +111,14 @@ Result<Answers> Client::sweep(const Shape& shape, std::span<const SweepQuestion>
   return answer_all(motions, options, respond);
 }
 
-std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion> questions, AskOptions options) {
-  return ready(ask(std::span<const RayQuestion>(questions), options));
+template <Question Q>
+std::future<Result<Answers>> Client::ask_async(std::vector<Q> questions, AskOptions options) {
+  return ready(ask(questions, options));
 }
-std::future<Result<Answers>> Client::ask_async(std::vector<SphereQuestion> questions, AskOptions options) {
-  return ready(ask(std::span<const SphereQuestion>(questions), options));
-}
-std::future<Result<Answers>> Client::ask_async(std::vector<BoxQuestion> questions, AskOptions options) {
-  return ready(ask(std::span<const BoxQuestion>(questions), options));
-}
-std::future<Result<Answers>> Client::ask_async(std::vector<NearQuestion> questions, AskOptions options) {
-  return ready(ask(std::span<const NearQuestion>(questions), options));
-}
+template std::future<Result<Answers>> Client::ask_async(std::vector<RayQuestion>, AskOptions);
+template std::future<Result<Answers>> Client::ask_async(std::vector<SphereQuestion>, AskOptions);
+template std::future<Result<Answers>> Client::ask_async(std::vector<BoxQuestion>, AskOptions);
+template std::future<Result<Answers>> Client::ask_async(std::vector<NearQuestion>, AskOptions);
 
 Result<std::string> Client::command(std::string_view name, std::string_view json_arguments, const Shape& shape,
                                     std::chrono::nanoseconds, std::function<void(double)>) {
