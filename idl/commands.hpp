@@ -75,7 +75,7 @@ inline constexpr const char* kProbes = "probes";
 ///          b_triangle]]
 ///    miss: distance, error, normal, on_a, on_b, point_error, contained ("", "a", "b": in the other's closed mesh)
 ///    with triangles:   triangle_pairs [[a, b, from 3, to 3, error]], pair_count, cut (there are more than told)
-///    with certificate: certificate, as client/library/pair.cpp reads it, or no_certificate (why)
+///    with certificate: certificate, as client/library/asking/pair.cpp reads it, or no_certificate (why)
 inline constexpr const char* kPair = "pair";
 
 /// The flight recorder. last_s (0: only what publishers and commands have brought into the world, up to now)

@@ -7,10 +7,10 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/global_options.hpp"
-#include "client/cli/help.hpp"
-#include "client/cli/line_reader.hpp"
-#include "client/cli/suggest.hpp"
-#include "client/cli/tokens.hpp"
+#include "client/cli/input/line_reader.hpp"
+#include "client/cli/input/tokens.hpp"
+#include "client/cli/output/help.hpp"
+#include "client/cli/output/suggest.hpp"
 
 namespace collided::cli {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/number.hpp"
-#include "client/cli/suggest.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/suggest.hpp"
 #include "idl/commands.hpp"
 
 namespace collided::cli {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/number.hpp"
+#include "client/cli/input/number.hpp"
 
 namespace collided::cli {
 namespace {

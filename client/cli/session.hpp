@@ -11,7 +11,7 @@
 
 #include "client/cli/failure.hpp"
 #include "client/cli/io.hpp"
-#include "client/cli/output.hpp"
+#include "client/cli/output/output.hpp"
 
 namespace collided::cli {
 

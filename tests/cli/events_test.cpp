@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "client/cli/failure.hpp"
-#include "client/cli/time_text.hpp"
+#include "client/cli/input/time_text.hpp"
 #include "tests/cli/event_recording.hpp"
 #include "tests/cli/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "client/cli/output.hpp"
-#include "client/cli/text_row.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/cli/output/text_row.hpp"
 #include "client/draw/plot.hpp"
 #include "client/draw/svg.hpp"
 #include "client/view/foxglove_scene.hpp"

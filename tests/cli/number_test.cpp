@@ -5,8 +5,8 @@
 #include <random>
 
 #include "client/cli/failure.hpp"
-#include "client/cli/number.hpp"
-#include "client/cli/tokens.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/input/tokens.hpp"
 
 namespace collided::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "client/cli/progress.hpp"
+#include "client/cli/output/progress.hpp"
 #include "client/cli/run.hpp"
 #include "tests/cli/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"

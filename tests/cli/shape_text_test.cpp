@@ -1,5 +1,5 @@
 // Shapes as they are typed: lengths along an axis are whole ones, and the middle is at the origin.
-#include "client/cli/shape_text.hpp"
+#include "client/cli/input/shape_text.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <array>
 #include <string>
 
-#include "client/cli/line_reader.hpp"
+#include "client/cli/input/line_reader.hpp"
 
 namespace collided::cli {
 namespace {

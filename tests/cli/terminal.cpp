@@ -4,8 +4,8 @@
 
 #include <cstdio>
 
+#include "client/cli/input/tokens.hpp"
 #include "client/cli/run.hpp"
-#include "client/cli/tokens.hpp"
 
 Ran collide(const std::string& words, const Terminal& terminal) {
   std::FILE* file = std::tmpfile();

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/library/geometry_decoding.hpp"
+#include "client/library/commands/geometry_decoding.hpp"
 #include "idl/geometry_generated.h"
 #include "idl/topics.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

@@ -1,4 +1,4 @@
-#include "client/library/recorded_run.hpp"
+#include "client/library/recordings/recorded_run.hpp"
 #include "idl/mcap/writer.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

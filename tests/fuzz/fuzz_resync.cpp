@@ -2,7 +2,7 @@
 #include <random>
 #include <set>
 
-#include "client/library/watch_state.hpp"
+#include "client/library/watching/watch_state.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/service/watch_model.hpp"
 

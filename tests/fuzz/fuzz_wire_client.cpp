@@ -3,9 +3,9 @@
 #include <set>
 #include <string>
 
-#include "client/library/answer_decoding.hpp"
-#include "client/library/asked_again.hpp"
-#include "client/library/watch_decoding.hpp"
+#include "client/library/asking/answer_decoding.hpp"
+#include "client/library/recordings/asked_again.hpp"
+#include "client/library/watching/watch_decoding.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/service/wire_rows.hpp"

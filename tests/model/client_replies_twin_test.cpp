@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "client/library/answer_decoding.hpp"
+#include "client/library/asking/answer_decoding.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/service/wire_rows.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "client/library/watch_state.hpp"
+#include "client/library/watching/watch_state.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/service/watch_model.hpp"
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "client/library/geometry_decoding.hpp"
+#include "client/library/commands/geometry_decoding.hpp"
 #include "tests/service/server_fixture.hpp"
 
 namespace collided {

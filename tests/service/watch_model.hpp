@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "client/library/watch_state.hpp"
+#include "client/library/watching/watch_state.hpp"
 
 namespace collided::test {
 

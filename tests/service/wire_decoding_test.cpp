@@ -5,9 +5,9 @@
 #include <limits>
 #include <numeric>
 
-#include "client/library/answer_decoding.hpp"
-#include "client/library/probes.hpp"
-#include "client/library/watch_decoding.hpp"
+#include "client/library/asking/answer_decoding.hpp"
+#include "client/library/watching/probes.hpp"
+#include "client/library/watching/watch_decoding.hpp"
 #include "idl/instant.hpp"
 #include "idl/topics.hpp"
 #include "tests/service/wire_rows.hpp"

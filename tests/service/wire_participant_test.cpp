@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "client/library/shared_participant.hpp"
+#include "client/library/connection/shared_participant.hpp"
 #include "tests/service/wire_network.hpp"
 
 namespace collided::client {

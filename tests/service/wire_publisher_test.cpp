@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/library/published_objects.hpp"
+#include "client/library/publishing/published_objects.hpp"
 #include "collided/client.hpp"
 #include "tests/service/wire_fake_server.hpp"
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "client/library/recorded_loss.hpp"
+#include "client/library/recordings/recorded_loss.hpp"
 
 namespace collided {
 namespace {

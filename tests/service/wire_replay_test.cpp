@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "client/library/recorded_run.hpp"
+#include "client/library/recordings/recorded_run.hpp"
 #include "collided/recording.hpp"
 #include "idl/cdr.hpp"
 #include "idl/mcap/writer.hpp"

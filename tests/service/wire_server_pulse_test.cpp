@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "client/library/server_pulse.hpp"
+#include "client/library/connection/server_pulse.hpp"
 #include "tests/service/wire_network.hpp"
 
 namespace collided {

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "client/library/shape_encoding.hpp"
+#include "client/library/publishing/shape_encoding.hpp"
 #include "idl/scene_generated.h"
 
 namespace collided::client {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "client/library/unacknowledged_poses.hpp"
+#include "client/library/publishing/unacknowledged_poses.hpp"
 
 namespace collided::client {
 namespace {

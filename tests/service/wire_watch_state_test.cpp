@@ -1,4 +1,4 @@
-#include "client/library/watch_state.hpp"
+#include "client/library/watching/watch_state.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "client/library/names.hpp"
-#include "client/library/watch_state.hpp"
+#include "client/library/connection/names.hpp"
+#include "client/library/watching/watch_state.hpp"
 
 namespace collided::simulation {
 

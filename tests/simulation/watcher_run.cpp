@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "client/library/watch_decoding.hpp"
+#include "client/library/watching/watch_decoding.hpp"
 #include "tests/service/wire_rows.hpp"
 #include "tests/simulation/record.hpp"
 #include "tests/simulation/simulated_watcher.hpp"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/number.hpp"
+#include "client/cli/input/number.hpp"
 #include "client/cli/publish/sphere_mesh.hpp"
 #include "client/cli/session.hpp"
 

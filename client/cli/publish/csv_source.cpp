@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/number.hpp"
+#include "client/cli/input/number.hpp"
 #include "client/cli/publish/pose_csv.hpp"
 #include "client/cli/session.hpp"
 

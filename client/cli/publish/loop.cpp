@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/number.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/progress.hpp"
 #include "client/cli/pace.hpp"
-#include "client/cli/progress.hpp"
 
 namespace collided::cli {
 namespace {

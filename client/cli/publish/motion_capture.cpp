@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "client/cli/failure.hpp"
-#include "client/cli/number.hpp"
-#include "client/cli/output.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/output.hpp"
 
 namespace collided::cli {
 namespace {

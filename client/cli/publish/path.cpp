@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/line_reader.hpp"
-#include "client/cli/number.hpp"
+#include "client/cli/input/line_reader.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/text_row.hpp"
 #include "client/cli/session.hpp"
-#include "client/cli/text_row.hpp"
 
 namespace collided::cli {
 namespace {

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "client/cli/failure.hpp"
-#include "client/cli/number.hpp"
-#include "client/cli/output.hpp"
-#include "client/cli/suggest.hpp"
-#include "client/cli/text_row.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/output.hpp"
+#include "client/cli/output/suggest.hpp"
+#include "client/cli/output/text_row.hpp"
 
 namespace collided::cli {
 namespace {

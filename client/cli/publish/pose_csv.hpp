@@ -6,7 +6,7 @@
 
 #include <collided/client.hpp>
 
-#include "client/cli/line_reader.hpp"
+#include "client/cli/input/line_reader.hpp"
 
 namespace collided::cli {
 

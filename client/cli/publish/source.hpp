@@ -8,7 +8,7 @@
 
 #include <collided/client.hpp>
 
-#include "client/cli/output.hpp"
+#include "client/cli/output/output.hpp"
 #include "client/cli/session.hpp"
 
 namespace collided::cli {

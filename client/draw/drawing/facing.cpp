@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "client/draw/drawing/features.hpp"
-#include "client/library/exact_sum.hpp"
+#include "client/library/asking/exact_sum.hpp"
 
 namespace collided::draw {
 namespace {

@@ -1,0 +1,94 @@
+#include "client/cli/input/shape_file.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "client/cli/failure.hpp"
+#include "client/cli/input/line_reader.hpp"
+#include "client/cli/input/number.hpp"
+
+namespace collided::cli {
+namespace {
+
+using Row = std::vector<double>;
+
+std::vector<std::string> words_of(const std::string& line) {
+  constexpr const char* kBlanks = " \t\r,;";
+  std::vector<std::string> words;
+  const std::string text = line.substr(0, line.find('#'));
+  for (std::size_t at = text.find_first_not_of(kBlanks); at != std::string::npos;) {
+    const std::size_t end = text.find_first_of(kBlanks, at);
+    words.push_back(text.substr(at, end - at));
+    at = text.find_first_not_of(kBlanks, end);
+  }
+  return words;
+}
+
+/// Rows of equally many finite numbers.
+std::vector<Row> read_rows(const std::string& path, int in) {
+  const InputFile file(path, in);
+  LineReader reader(file.descriptor());
+  std::vector<Row> rows;
+  std::string line;
+  while (reader.next(line)) {
+    const std::vector<std::string> words = words_of(line);
+    if (words.empty()) continue;
+    Row row;
+    try {
+      for (const std::string& word : words) row.push_back(parse_finite(word, Measure::length));
+    } catch (const Failure& failure) {
+      throw bad_use(fmt::format("{}: line {}: {}", file.name(), reader.line_number(), failure.what()), failure.hint);
+    }
+    if (!rows.empty() && row.size() != rows.front().size()) {
+      throw bad_use(fmt::format("{}: line {}: {} numbers; the lines before have {}", file.name(), reader.line_number(),
+                                row.size(), rows.front().size()));
+    }
+    rows.push_back(std::move(row));
+  }
+  if (rows.empty()) throw bad_use(fmt::format("{}: no numbers", file.name()));
+  return rows;
+}
+
+std::vector<Vec3> read_points(const std::string& path, int in) {
+  std::vector<Vec3> points;
+  for (const Row& row : read_rows(path, in)) {
+    if (row.size() != 3) throw bad_use(fmt::format("{}: {} numbers a line; a point takes 3", path, row.size()));
+    points.emplace_back(row[0], row[1], row[2]);
+  }
+  return points;
+}
+
+HeightFieldShape read_heights(const std::string& path, double dx, double dy, int in) {
+  HeightFieldShape field;
+  field.spacing_x_m = dx;
+  field.spacing_y_m = dy;
+  for (const Row& row : read_rows(path, in)) {
+    field.columns = static_cast<std::uint32_t>(row.size());
+    field.heights_m.insert(field.heights_m.end(), row.begin(), row.end());
+  }
+  return field;
+}
+
+}  // namespace
+
+bool is_file_kind(const std::string& kind) { return kind == "points" || kind == "polyline" || kind == "heights"; }
+
+ShapePart read_shape(const std::vector<std::string>& words, int in) {
+  const std::string& kind = words[0];
+  const bool heights = kind == "heights";
+  const std::size_t most = heights ? 4 : 3;
+  if (words.size() < 3 || words.size() > most) {
+    throw bad_use(fmt::format("{} takes {}", kind, heights ? "FILE and the spacings DX and DY (DX)" : "FILE and a radius"));
+  }
+  std::vector<double> numbers;
+  for (std::size_t i = 2; i < words.size(); ++i) {
+    numbers.push_back(parse_finite(words[i], Measure::length));
+    if (numbers.back() < 0) throw bad_use(fmt::format("{} {}: must not be below 0", kind, words[i]));
+  }
+  if (heights) return read_heights(words[1], numbers[0], numbers.back(), in);
+  if (kind == "points") return CloudShape{.points = read_points(words[1], in), .radius_m = numbers[0]};
+  return PolylineShape{.points = read_points(words[1], in), .radius_m = numbers[0]};
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,99 @@
+#include "client/cli/output/event_output.hpp"
+
+#include <fmt/format.h>
+
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/clock_text.hpp"
+
+namespace collided::cli {
+namespace {
+
+std::string_view name_of(EventKind what) {
+  switch (what) {
+    case EventKind::open: return "open";
+    case EventKind::began: return "began";
+    case EventKind::persisted: return "persisted";
+    case EventKind::ended: break;
+  }
+  return "ended";
+}
+
+std::string_view name_of(EndReason why) {
+  switch (why) {
+    case EndReason::none: return "";
+    case EndReason::separated: return "separated";
+    case EndReason::removed: return "removed";
+    case EndReason::publisher_lost: return "publisher_lost";
+    case EndReason::teleported: return "teleported";
+    case EndReason::geometry_changed: return "geometry_changed";
+    case EndReason::server_stopping: return "server_stopping";
+    case EndReason::decided: return "decided";
+    case EndReason::server_restarted: break;
+  }
+  return "server_restarted";
+}
+
+std::string_view name_of(Doubt doubt) {
+  switch (doubt) {
+    case Doubt::none: return "";
+    case Doubt::numeric: return "numeric";
+    case Doubt::cost_limit: return "cost_limit";
+    case Doubt::publisher_lost: break;
+  }
+  return "publisher_lost";
+}
+
+Value triangle_value(std::uint32_t triangle) {
+  if (triangle == kNoTriangle) return std::monostate{};
+  return std::uint64_t{triangle};
+}
+
+}  // namespace
+
+Record event_record(const Event& event) {
+  const bool is_doubt = event.doubt != Doubt::none;
+  const bool touches = event.kind != EventKind::ended && !is_doubt;
+  const bool is_told = event.kind == EventKind::began || event.kind == EventKind::persisted;
+  const Value none = std::monostate{};
+  const auto at = [&](double seconds_before) { return event.world_time.count() - std::llround(seconds_before * 1e9); };
+  const bool has_bracket = event.kind == EventKind::began || event.kind == EventKind::ended;
+  return {{"time", seconds_of(event.world_time)},
+          {"time_ns", std::int64_t{event.world_time.count()}},
+          {"first_ns", has_bracket ? Value(std::int64_t{at(event.bracket_low_s)}) : none},
+          {"last_ns", has_bracket ? Value(std::int64_t{at(event.bracket_high_s)}) : none},
+          {"what", name_of(event.kind)},
+          {"a", std::string_view(event.a)},
+          {"b", std::string_view(event.b)},
+          {"depth", touches ? Value(event.depth_m) : none},
+          {"error", touches ? Value(event.depth_error_m) : none},
+          {"point", touches ? MaybeVector(event.point) : MaybeVector()},
+          {"normal", touches ? MaybeVector(event.normal) : MaybeVector()},
+          {"a_triangle", triangle_value(event.a_triangle)},
+          {"b_triangle", triangle_value(event.b_triangle)},
+          {"after", event.kind == EventKind::ended ? Value(seconds_of(lasted(event))) : none},
+          {"why", event.reason == EndReason::none ? none : Value(name_of(event.reason))},
+          {"doubt", is_doubt ? Value(name_of(event.doubt)) : none},
+          {"resync", event.resync ? Value(true) : none},
+          {"sequence", event.sequence},
+          {"episode", event.episode},
+          {"bracket_low", event.bracket_low_s},
+          {"bracket_high", event.bracket_high_s},
+          {"epoch", event.epoch},
+          {"velocity", is_told && touches ? MaybeVector(event.relative_velocity) : MaybeVector()},
+          {"velocity_error", is_told && touches ? Value(event.velocity_error) : none}};
+}
+
+std::string event_line(const Printer& printer, const Event& event) {
+  const std::string pair = fmt::format("{} x {}", printable(event.a), printable(event.b));
+  const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt));
+  if (event.kind == EventKind::open) return fmt::format("{:<8} {}  since {}{}", "open", pair, clock_text(event.began), doubt);
+  const Paint paint = event.kind == EventKind::began ? Paint::bad : Paint::faint;
+  std::string line = fmt::format("{} {}  {}", clock_text(happened(event)), printer.paint(paint, name_of(event.kind)), pair);
+  if (event.kind == EventKind::ended) line += fmt::format("  after {}  ({})", format_duration(lasted(event)), name_of(event.reason));
+  else if (event.doubt == Doubt::none) line += fmt::format("  depth {} at {}", format_length(event.depth_m), format_vector(event.point));
+  line += doubt + fmt::format("  seq {}", event.sequence);
+  if (event.resync) line += "  resync";
+  return line;
+}
+
+}  // namespace collided::cli

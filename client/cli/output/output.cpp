@@ -1,0 +1,254 @@
+#include "client/cli/output/output.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/failure.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/suggest.hpp"
+
+namespace collided::cli {
+namespace {
+
+void append_number(std::string& out, double value) {
+  std::array<char, 32> text{};
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
+  out.append(text.data(), result.ptr);
+}
+
+void append_json_number(std::string& out, double value) {
+  // JSON has no infinity: a string that every reader of ours takes back.
+  if (!std::isfinite(value)) out += '"';
+  append_number(out, value);
+  if (!std::isfinite(value)) out += '"';
+}
+
+void append_json_value(std::string& out, const Value& value) {
+  if (const auto* flag = std::get_if<bool>(&value)) {
+    out += *flag ? "true" : "false";
+  } else if (const auto* number = std::get_if<double>(&value)) {
+    append_json_number(out, *number);
+  } else if (const auto* whole = std::get_if<std::int64_t>(&value)) {
+    out += std::to_string(*whole);
+  } else if (const auto* count = std::get_if<std::uint64_t>(&value)) {
+    out += std::to_string(*count);
+  } else if (const auto* view = std::get_if<std::string_view>(&value)) {
+    append_json_string(out, *view);
+  } else if (const auto* text = std::get_if<std::string>(&value)) {
+    append_json_string(out, *text);
+  } else if (const auto* raw = std::get_if<RawJson>(&value)) {
+    out += raw->text;
+  } else if (const auto* vector = std::get_if<MaybeVector>(&value)) {
+    out += '[';
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis > 0) out += ',';
+      append_json_number(out, vector->value[axis]);
+    }
+    out += ']';
+  }
+}
+
+bool is_absent(const Value& value) {
+  const auto* vector = std::get_if<MaybeVector>(&value);
+  return std::holds_alternative<std::monostate>(value) || (vector != nullptr && !vector->given);
+}
+
+void append_csv_text(std::string& out, std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
+    out += text;
+    return;
+  }
+  out += '"';
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  out += '"';
+}
+
+/// One record stays one line: a tab or line end inside a name is written as \t, \n, \r.
+void append_plain_text(std::string& out, std::string_view text) {
+  for (const char c : text) {
+    if (c == '\t') out += "\\t";
+    else if (c == '\n') out += "\\n";
+    else if (c == '\r') out += "\\r";
+    else out += c;
+  }
+}
+
+void append_text(std::string& out, std::string_view text, bool csv) {
+  if (csv) append_csv_text(out, text);
+  else append_plain_text(out, text);
+}
+
+/// A JSON string loses its quotes: a column holds the text itself.
+std::string raw_as_text(const RawJson& raw) {
+  if (raw.text.empty() || raw.text.front() != '"') return raw.text;
+  const auto parsed = nlohmann::json::parse(raw.text, nullptr, false);
+  return parsed.is_string() ? parsed.get<std::string>() : raw.text;
+}
+
+void append_column_value(std::string& out, const Value& value, char separator) {
+  const bool csv = separator == ',';
+  if (const auto* vector = std::get_if<MaybeVector>(&value)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis > 0 && (csv || vector->given)) out += csv ? ',' : ' ';
+      if (vector->given) append_number(out, vector->value[axis]);
+    }
+  } else if (const auto* number = std::get_if<double>(&value)) {
+    append_number(out, *number);
+  } else if (const auto* view = std::get_if<std::string_view>(&value)) {
+    append_text(out, *view, csv);
+  } else if (const auto* text = std::get_if<std::string>(&value)) {
+    append_text(out, *text, csv);
+  } else if (const auto* raw = std::get_if<RawJson>(&value)) {
+    append_text(out, raw_as_text(*raw), csv);
+  } else {
+    append_json_value(out, value);
+  }
+}
+
+/// Bytes of a line that take a column: continuation bytes of UTF-8 do not.
+std::size_t width(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+}  // namespace
+
+void append_json_string(std::string& out, std::string_view text) {
+  const bool simple = std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; });
+  if (simple) {
+    out += '"';
+    out += text;
+    out += '"';
+  } else {
+    out += nlohmann::json(std::string(text)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+}
+
+std::string value_text(const Value& value) {
+  std::string text;
+  append_column_value(text, value, '\t');
+  return text;
+}
+
+std::string printable(std::string_view text) {
+  std::string safe(text);
+  for (char& c : safe) {
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
+  }
+  return safe;
+}
+
+Printer::Printer(std::ostream& out, Format format, std::vector<std::string> fields, bool color)
+    : out_(out), format_(format), fields_(std::move(fields)), color_(color) {}
+
+void Printer::select(const Record& record) {
+  selected_.clear();
+  if (fields_.empty()) {
+    selected_.resize(record.size());
+    std::iota(selected_.begin(), selected_.end(), std::size_t{0});
+    return;
+  }
+  for (const std::string& wanted : fields_) {
+    const auto found = std::find_if(record.begin(), record.end(), [&](const Field& field) { return field.name == wanted; });
+    if (found == record.end()) {
+      std::vector<std::string> names;
+      std::string listed;
+      for (const Field& field : record) {
+        names.emplace_back(field.name);
+        listed += (listed.empty() ? "" : ",") + names.back();
+      }
+      throw bad_use(fmt::format("no field '{}'{}", wanted, did_you_mean(wanted, names)), "fields: " + listed);
+    }
+    selected_.push_back(static_cast<std::size_t>(found - record.begin()));
+  }
+}
+
+void Printer::record(const Record& record) {
+  // Records of one verb share their fields, so the choice is made once.
+  if (selected_.empty()) select(record);
+  if (format_ == Format::json) json(record);
+  else if (format_ == Format::csv) separated(record, ',');
+  else separated(record, '\t');
+}
+
+void Printer::json(const Record& record) {
+  buffer_ = "{";
+  for (const std::size_t index : selected_) {
+    const Field& field = record[index];
+    if (is_absent(field.value)) continue;
+    if (buffer_.size() > 1) buffer_ += ',';
+    buffer_ += '"';
+    buffer_ += field.name;
+    buffer_ += "\":";
+    append_json_value(buffer_, field.value);
+  }
+  buffer_ += "}\n";
+  out_ << buffer_;
+}
+
+void Printer::separated(const Record& record, char separator) {
+  buffer_.clear();
+  if (separator == ',' && !header_written_) {
+    header_written_ = true;
+    for (const std::size_t index : selected_) {
+      const std::string name(record[index].name);
+      if (!buffer_.empty()) buffer_ += ',';
+      const bool three = std::holds_alternative<MaybeVector>(record[index].value);
+      buffer_ += three ? fmt::format("{0}_x,{0}_y,{0}_z", name) : name;
+    }
+    buffer_ += '\n';
+  }
+  bool first = true;
+  for (const std::size_t index : selected_) {
+    if (!first) buffer_ += separator;
+    first = false;
+    append_column_value(buffer_, record[index].value, separator);
+  }
+  buffer_ += '\n';
+  out_ << buffer_;
+}
+
+void Printer::line(std::string_view text) {
+  out_ << text << '\n';
+}
+
+void Printer::row(const std::vector<std::string>& header, std::vector<std::string> cells) {
+  if (rows_.empty()) rows_.push_back(header);
+  rows_.push_back(std::move(cells));
+}
+
+void Printer::finish() {
+  std::vector<std::size_t> widths;
+  for (const auto& cells : rows_) {
+    widths.resize(std::max(widths.size(), cells.size()));
+    for (std::size_t column = 0; column < cells.size(); ++column) widths[column] = std::max(widths[column], width(cells[column]));
+  }
+  for (std::size_t at = 0; at < rows_.size(); ++at) {
+    std::string text;
+    for (std::size_t column = 0; column < rows_[at].size(); ++column) {
+      const std::string& cell = rows_[at][column];
+      text += cell;
+      if (column + 1 < rows_[at].size()) text.append(widths[column] - width(cell) + 2, ' ');
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    line(at == 0 ? paint(Paint::faint, text) : text);
+  }
+  rows_.clear();
+}
+
+std::string Printer::paint(Paint paint, std::string_view text) const {
+  if (!color_ || paint == Paint::plain) return std::string(text);
+  constexpr std::array kCodes{"", "\x1b[32m", "\x1b[31m", "\x1b[33m", "\x1b[2m"};
+  return fmt::format("{}{}\x1b[0m", kCodes[static_cast<std::size_t>(paint)], text);
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,224 @@
+#include "client/cli/output/top_page.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/clock_text.hpp"
+
+namespace collided::cli {
+namespace {
+
+using view::Asked;
+using view::Figures;
+using view::quantile_ns;
+
+double seconds(const Figures& figures) {
+  return std::max(1e-9, seconds_of(std::chrono::nanoseconds(figures.up_ns)));
+}
+
+double rate(std::uint64_t count, const Figures& figures) {
+  return static_cast<double>(count) / seconds(figures);
+}
+
+double a_step(std::uint64_t count, const Figures& figures) {
+  return figures.steps == 0 ? 0 : static_cast<double>(count) / static_cast<double>(figures.steps);
+}
+
+double part(std::uint64_t of, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(of) / static_cast<double>(whole);
+}
+
+/// "12.4 k/s"
+std::string rate_text(double per_second) {
+  if (per_second < 1e3) return fmt::format("{:.3g}/s", per_second);
+  return per_second < 1e6 ? fmt::format("{:.1f} k/s", per_second / 1e3) : fmt::format("{:.1f} M/s", per_second / 1e6);
+}
+
+/// "0.5", "312", "1 044"
+std::string mean_text(double mean) {
+  return mean < 999.5 ? fmt::format("{:.3g}", mean) : format_count(static_cast<std::uint64_t>(std::llround(mean)));
+}
+
+std::string percent_text(double part_of_one) {
+  return fmt::format("{:.2g} %", 100 * part_of_one);
+}
+
+std::string quantile_text(const std::vector<view::DurationStep>& durations, double which) {
+  const std::optional<std::int64_t> ns = quantile_ns(durations, which);
+  return ns ? format_duration(std::chrono::nanoseconds(*ns)) : "-";
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + printable(name);
+  return text;
+}
+
+/// One character a value, by eighths of the largest.
+std::string sparkline(const std::deque<double>& values) {
+  static constexpr std::array<const char*, 8> kBars{"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+  double largest = 0;
+  for (const double value : values) largest = std::max(largest, value);
+  std::string line;
+  for (const double value : values) {
+    const double share = largest > 0 ? value / largest : 0;
+    line += kBars[std::min<std::size_t>(7, static_cast<std::size_t>(share * 8))];
+  }
+  return line;
+}
+
+std::uint64_t answered(const Figures& figures) {
+  std::uint64_t all = 0;
+  for (const Asked& asked : figures.questions) all += asked.answered;
+  return all;
+}
+
+void add_questions(const Look& look, std::vector<std::string>& lines) {
+  const Figures& figures = look.figures;
+  std::string label = "ASK";
+  for (const Asked& asked : figures.questions) {
+    if (asked.answered == 0) continue;
+    lines.push_back(fmt::format("{:<7}{:<7}{:>10}  p50 {:<8} p99 {:<8}", label, asked.kind, rate_text(rate(asked.answered, figures)),
+                                quantile_text(asked.durations, 0.5), quantile_text(asked.durations, 0.99)));
+    if (label.empty()) continue;
+    lines.back() += fmt::format(" |{}|", sparkline(look.past_rates));
+    label.clear();
+  }
+  const std::string undecided = percent_text(part(figures.undecided_answers, answered(figures)));
+  const std::string refused = format_count(figures.refused_requests);
+  if (!label.empty()) lines.push_back(fmt::format("{:<7}nobody asks   refused {}", label, refused));
+  else lines.push_back(fmt::format("       undecided {}   refused {}", undecided, refused));
+}
+
+std::string publishers_text(const ServerStatus& status) {
+  constexpr std::chrono::seconds kSilent{2};
+  constexpr std::size_t kMostNamed = 4;
+  std::vector<const PublisherInfo*> oldest;
+  for (const PublisherInfo& publisher : status.publishers) oldest.push_back(&publisher);
+  std::stable_sort(oldest.begin(), oldest.end(), [](const auto* a, const auto* b) { return a->silent > b->silent; });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(oldest.size(), kMostNamed); ++i) {
+    const PublisherInfo& publisher = *oldest[i];
+    const char* state = publisher.lost ? "lost, " : publisher.silent > kSilent ? "silent, " : "";
+    text += fmt::format("{}{} {}{}", i == 0 ? "" : "   ", printable(publisher.name), state, format_duration(publisher.silent));
+  }
+  if (oldest.size() > kMostNamed) text += fmt::format("   and {} more", oldest.size() - kMostNamed);
+  return text.empty() ? "nobody publishes" : text;
+}
+
+/// In as many lines as it needs.
+void add_not_built(const Figures& figures, std::vector<std::string>& lines) {
+  constexpr std::size_t kColumns = 80;
+  std::string line = "NOT BUILT  ";
+  const std::size_t indent = line.size();
+  for (const std::string& structure : figures.not_built) {
+    const bool is_first = line.size() == indent;
+    if (!is_first && line.size() + structure.size() + 3 > kColumns) {
+      lines.push_back(line + ",");
+      line.assign(indent, ' ');
+    } else if (!is_first) {
+      line += ", ";
+    }
+    line += printable(structure);
+  }
+  lines.push_back(line);
+}
+
+/// Only where a publisher's clock does what clocks should not.
+void add_odd_stamps(const Figures& figures, std::vector<std::string>& lines) {
+  if (figures.stamps_late + figures.stamps_jumped + figures.stamps_missing == 0) return;
+  lines.push_back(fmt::format("STAMPS late {}   jumped {}   missing {}", format_count(figures.stamps_late), format_count(figures.stamps_jumped),
+                              format_count(figures.stamps_missing)));
+}
+
+std::string stages_text(const Figures& figures) {
+  std::uint64_t busy_ns = 0;
+  for (const view::Stage& stage : figures.stages) busy_ns += stage.ns;
+  std::string text;
+  for (const view::Stage& stage : figures.stages) {
+    text += fmt::format("{} {:.0f} %  ", printable(stage.name), 100 * part(stage.ns, busy_ns));
+  }
+  const double share = static_cast<double>(busy_ns) * 1e-9 / seconds(figures);
+  return text + fmt::format(" busy {:.0f} %", 100 * std::min(share, 1.0));
+}
+
+}  // namespace
+
+double asked_rate(const Figures& figures) {
+  return rate(answered(figures), figures);
+}
+
+std::vector<std::string> top_lines(const Look& look) {
+  const ServerStatus& status = look.status;
+  const Figures& figures = look.figures;
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("collided {} · {} · up {} · world {} · {}", printable(status.version_text),
+                              status.scenes.empty() ? "no scene" : "scene " + joined(status.scenes),
+                              format_duration(std::chrono::nanoseconds(look.up_ns)), format_count(status.version), printable(status.state)));
+  add_questions(look, lines);
+  lines.push_back(fmt::format("POSES  {} objects, {} moving   {}   late {}   lost {}", format_count(status.objects), format_count(status.moving),
+                              rate_text(rate(figures.poses_applied, figures)), format_count(figures.poses_late), format_count(figures.poses_lost)));
+  add_odd_stamps(figures, lines);
+  lines.push_back("FROM   " + publishers_text(status));
+  lines.push_back("STAGE  " + stages_text(figures));
+  const std::string period = figures.step_period_ns > 0 ? " of " + format_duration(std::chrono::nanoseconds(figures.step_period_ns)) : "";
+  lines.push_back(fmt::format("STEP   {}   p50 {}{}   p99 {}", rate_text(rate(figures.steps, figures)), quantile_text(figures.step_durations, 0.5),
+                              period, quantile_text(figures.step_durations, 0.99)));
+  if (figures.stalled_steps > 0) lines.back() += fmt::format("   waited for readers {} times", format_count(figures.stalled_steps));
+  lines.push_back(fmt::format("PAIRS  candidates {} a step   contacts {}   saved by filters {}", mean_text(a_step(figures.candidates, figures)),
+                              format_count(status.contacts), mean_text(a_step(figures.filtered, figures))));
+  if (figures.in_doubt > 0) lines.back() += fmt::format("   {} of them in doubt", format_count(figures.in_doubt));
+  if (status.contacts_truncated) lines.back() += "   contacts are missing (max_contacts)";
+  add_not_built(figures, lines);
+  return lines;
+}
+
+std::vector<Record> top_records(const Look& look) {
+  const ServerStatus& status = look.status;
+  const Figures& figures = look.figures;
+  std::vector<Record> records;
+  const auto add = [&](std::string name, Value value, std::string_view unit) {
+    records.push_back({{"figure", std::move(name)}, {"value", std::move(value)}, {"unit", unit}});
+  };
+  const auto quantiles = [&](const std::string& name, const std::vector<view::DurationStep>& durations) {
+    for (const auto& [label, which] : {std::pair(".p50", 0.5), std::pair(".p99", 0.99)}) {
+      const std::optional<std::int64_t> ns = quantile_ns(durations, which);
+      add(name + label, ns ? Value(static_cast<double>(*ns) * 1e-9) : Value(std::monostate{}), "s");
+    }
+  };
+  add("state", std::string(status.state), "");
+  add("epoch", status.epoch, "");
+  add("world", status.version, "");
+  add("up", static_cast<double>(look.up_ns) * 1e-9, "s");
+  add("over", seconds(figures), "s");
+  for (const Asked& asked : figures.questions) {
+    add("ask." + asked.kind + ".rate", rate(asked.answered, figures), "1/s");
+    quantiles("ask." + asked.kind, asked.durations);
+  }
+  add("ask.undecided", part(figures.undecided_answers, answered(figures)), "");
+  add("ask.refused", rate(figures.refused_requests, figures), "1/s");
+  add("objects", std::uint64_t{status.objects}, "");
+  add("moving", std::uint64_t{status.moving}, "");
+  add("poses.rate", rate(figures.poses_applied, figures), "1/s");
+  add("poses.late", rate(figures.poses_late, figures), "1/s");
+  add("poses.lost", rate(figures.poses_lost, figures), "1/s");
+  add("stamps.late", rate(figures.stamps_late, figures), "1/s");
+  add("stamps.jumped", rate(figures.stamps_jumped, figures), "1/s");
+  add("stamps.missing", rate(figures.stamps_missing, figures), "1/s");
+  add("step.rate", rate(figures.steps, figures), "1/s");
+  quantiles("step", figures.step_durations);
+  for (const view::Stage& stage : figures.stages) add("stage." + stage.name, static_cast<double>(stage.ns) * 1e-9 / seconds(figures), "of the time");
+  add("pairs.candidates", a_step(figures.candidates, figures), "a step");
+  add("pairs.filtered", a_step(figures.filtered, figures), "a step");
+  add("contacts", std::uint64_t{status.contacts}, "");
+  add("in_doubt", figures.in_doubt, "");
+  for (const PublisherInfo& publisher : status.publishers) add("silent." + publisher.name, seconds_of(publisher.silent), "s");
+  for (const std::string& structure : figures.not_built) add("not_built", structure, "");
+  return records;
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,100 @@
+#include "client/cli/verbs/undo.hpp"
+
+#include <fmt/format.h>
+
+#include "client/cli/input/number.hpp"
+#include "client/cli/server_command.hpp"
+#include "idl/commands.hpp"
+
+namespace collided::cli {
+namespace {
+
+namespace wire = wire_contract::command;
+
+std::string joined(const std::vector<double>& numbers) {
+  std::string text;
+  for (const double number : numbers) text += (text.empty() ? "" : " ") + format_number(number + 0.0);
+  return text;
+}
+
+bool all_zero(const std::vector<double>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == 0; });
+}
+
+/// "box 0.4 0.4 0.4" for what `add` can make: one sphere, box or upright capsule about its own origin. Else nothing.
+std::string shape_words(const nlohmann::json& shape) {
+  if (!shape.is_array() || shape.size() != 1) return {};
+  const nlohmann::json& part = shape[0];
+  if (part.contains("sphere")) {
+    if (!all_zero(numbers_of(part["sphere"], "center"))) return {};
+    return "sphere " + format_number(number_of(part["sphere"], "radius_m"));
+  }
+  if (part.contains("box")) {
+    std::vector<double> size = numbers_of(part["box"], "half_m");
+    const std::vector<double> turn = numbers_of(part["box"], "rotation");
+    const bool straight = turn.empty() || (turn.size() == 4 && turn[0] == 1);
+    if (size.size() != 3 || !straight || !all_zero(numbers_of(part["box"], "center"))) return {};
+    for (double& length : size) length *= 2;
+    return "box " + joined(size);
+  }
+  if (part.contains("capsule")) {
+    const std::vector<double> a = numbers_of(part["capsule"], "a");
+    const std::vector<double> b = numbers_of(part["capsule"], "b");
+    const bool upright = a.size() == 3 && b.size() == 3 && a[0] == 0 && a[1] == 0 && b[0] == 0 && b[1] == 0 && a[2] == -b[2] && b[2] >= 0;
+    if (!upright) return {};
+    return "capsule " + joined({number_of(part["capsule"], "radius_m"), 2 * b[2]});
+  }
+  return {};
+}
+
+std::string add_line(const nlohmann::json& object) {
+  const std::string shape = shape_words(object.value("shape", nlohmann::json()));
+  const std::vector<double> pose = numbers_of(object, "pose");
+  if (shape.empty() || pose.size() != 7) return {};
+  std::string line = fmt::format("collide add {} {} --at {}", shell_word(text_of(object, "name")), shape, joined({pose[0], pose[1], pose[2]}));
+  if (pose[3] != 1) line += " --quat " + joined({pose[3], pose[4], pose[5], pose[6]});
+  if (count_of(object, "layers") != 1) line += fmt::format(" --layers {:#x}", count_of(object, "layers"));
+  if (count_of(object, "mask") != 0xffffffff) line += fmt::format(" --mask {:#x}", count_of(object, "mask"));
+  if (count_of(object, "group") != 0) line += fmt::format(" --group {}", count_of(object, "group"));
+  if (!flag_of(object, "moving")) line += " --static";
+  return line;
+}
+
+}  // namespace
+
+Undo undo_of(Session& session, const Globals& globals, const std::string& glob, bool moving_only, std::size_t most) {
+  constexpr std::uint64_t kMostListed = 1'000;
+  Undo undo;
+  if (globals.quiet) return undo;
+  nlohmann::json arguments{{"name", glob}, {"limit", kMostListed}};
+  if (moving_only) arguments["moving"] = true;
+  const nlohmann::json answer = server_command(session, globals, wire::kList, arguments);
+  const nlohmann::json objects = answer.value("objects", nlohmann::json::array());
+  undo.left_out = std::max<std::uint64_t>(count_of(answer, "count"), objects.size()) - objects.size();
+  for (const nlohmann::json& object : objects) {
+    // A scene comes back from its file, a publisher's object from its publisher.
+    if (!text_of(object, "scene").empty() || !text_of(object, "publisher").empty()) continue;
+    const bool shown = undo.lines.size() < most;
+    const std::string line = shown ? add_line(server_command(session, globals, wire::kGet, {{"name", text_of(object, "name")}})) : std::string();
+    if (line.empty()) ++undo.left_out;
+    else undo.lines.push_back(line);
+  }
+  return undo;
+}
+
+void print_undo(Session& session, const Globals& globals, const Undo& undo) {
+  for (const std::string& line : undo.lines) print_hint(session.io, globals, "     undo: " + line);
+  if (undo.left_out > 0) print_hint(session.io, globals, fmt::format("     {} more that no line here brings back", format_count(undo.left_out)));
+}
+
+std::string shell_word(const std::string& word) {
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '/' || c == '.' || c == ':';
+  });
+  if (plain) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace collided::cli

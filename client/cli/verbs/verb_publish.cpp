@@ -1,0 +1,240 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/input/shape_text.hpp"
+#include "client/cli/publish/bounce_source.hpp"
+#include "client/cli/publish/csv_source.hpp"
+#include "client/cli/publish/loop.hpp"
+#include "client/cli/publish/path.hpp"
+#include "client/cli/publish/walker.hpp"
+
+namespace collided::cli {
+namespace {
+
+enum class Kind { poses, recording, spheres, path };
+
+/// One option of some kinds of publisher only: text as written, and who knows it.
+struct Setting {
+  const char* name;
+  std::vector<Kind> kinds;
+  const char* meaning;
+  std::string text = {};
+  bool flag = false;
+  bool given = false;
+};
+
+class PublishCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("file", file_, "Poses (.csv, -) or a motion capture (.bvh)");
+    declare_group(app, "Pace", {"--rate", "--speed", "--loop", "--stay", "--steps", "--for"});
+    declare_group(app, "Objects", {"--shape", "--name", "--layers", "--mask", "--when-lost", "--as"});
+    declare_group(app, "Motion capture", {"--unit", "--radius", "--bone-radius", "--up", "--group"});
+    declare_group(app, "Spheres in a cube", {"--spheres", "--polygons", "--round", "--size", "--side", "--seed", "--spin", "--bounce", "--as-asked",
+                                              "--response", "--restitution", "--stiffness"});
+    declare_group(app, "Path", {"--path", "--waypoints", "--face"});
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    for (Setting& setting : settings_) setting.given = setting.given || setting.flag || !setting.text.empty();
+    const Kind kind = kind_of_run();
+    for (const Setting& setting : settings_) refuse_unless_known(setting, kind);
+    LoopOptions loop = loop_options();
+    const std::unique_ptr<Source> source = make_source(session.io, kind, loop);
+    return publish(session, globals, *source, loop);
+  }
+
+ private:
+  Setting& setting(std::string_view name) {
+    const auto found = std::find_if(settings_.begin(), settings_.end(), [&](const Setting& entry) { return name == entry.name; });
+    if (found == settings_.end()) throw std::logic_error(fmt::format("no setting {}", name));
+    return *found;
+  }
+  const std::string& text(std::string_view name) { return setting(name).text; }
+  bool given(std::string_view name) { return setting(name).given; }
+
+  void declare_group(CLI::App& app, const std::string& group, std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+      Setting& entry = setting(name);
+      const bool is_flag = std::find(std::begin(kFlags), std::end(kFlags), entry.name) != std::end(kFlags);
+      if (is_flag) app.add_flag(entry.name, entry.flag, entry.meaning)->group(group);
+      else app.add_option(entry.name, entry.text, entry.meaning)->group(group);
+    }
+  }
+
+  Kind kind_of_run() {
+    const int motions = !file_.empty() + given("--spheres") + given("--path") + given("--waypoints");
+    if (motions == 0) throw bad_use("what? a file of poses, --spheres N, --path FILE or --waypoints \"X,Y,Z X,Y,Z\"");
+    if (motions > 1) throw bad_use("a file, --spheres, --path and --waypoints exclude each other");
+    if (given("--spheres")) return Kind::spheres;
+    if (file_.empty()) return Kind::path;
+    return file_.ends_with(".bvh") ? Kind::recording : Kind::poses;
+  }
+
+  static void refuse_unless_known(const Setting& setting, Kind kind) {
+    const bool known = setting.kinds.empty() || std::find(setting.kinds.begin(), setting.kinds.end(), kind) != setting.kinds.end();
+    if (setting.given && !known) throw bad_use(fmt::format("{} has no meaning for this kind of publisher", setting.name), "collide help publish");
+  }
+
+  double positive(std::string_view name, Measure measure, double otherwise) {
+    if (!given(name)) return otherwise;
+    const double value = parse_finite(text(name), measure);
+    if (!(value > 0)) throw bad_use(fmt::format("{} {} must be above 0", name, text(name)));
+    return value;
+  }
+
+  LoopOptions loop_options() {
+    LoopOptions loop;
+    loop.publisher_name = given("--as") ? text("--as") : "collide publish";
+    loop.loop = setting("--loop").flag;
+    loop.stay = setting("--stay").flag;
+    if (given("--steps")) loop.most_frames = parse_count(text("--steps"), 1);
+    if (given("--for")) loop.most_time = parse_duration(text("--for"));
+    return loop;
+  }
+
+  ObjectTexts object_texts() {
+    ObjectTexts objects;
+    if (given("--layers")) objects.layers = parse_bits(text("--layers"));
+    if (given("--mask")) objects.mask = parse_bits(text("--mask"));
+    const std::string& lost = text("--when-lost");
+    if (lost == "freeze") objects.lost_policy = LostPolicy::freeze;
+    else if (lost == "hold") objects.lost_policy = LostPolicy::hold;
+    else if (!lost.empty() && lost != "remove") throw bad_use(fmt::format("--when-lost '{}'; allowed: remove, freeze, hold", lost));
+    return objects;
+  }
+
+  std::unique_ptr<Source> make_source(Io& io, Kind kind, LoopOptions& loop) {
+    switch (kind) {
+      case Kind::poses: return poses(io, loop);
+      case Kind::recording: return recording(loop);
+      case Kind::spheres: return spheres();
+      case Kind::path: break;
+    }
+    return path(io);
+  }
+
+  std::unique_ptr<Source> poses(Io& io, LoopOptions& loop) {
+    loop.rate_hz = positive("--rate", Measure::rate, 0);
+    loop.speed = positive("--speed", Measure::none, 1);
+    if (loop.loop && file_ == "-") throw bad_use("--loop needs a file that can be read again, not a pipe");
+    CsvSourceOptions options{.path = file_, .objects = object_texts(), .paced = loop.rate_hz > 0};
+    if (given("--shape")) options.shape = parse_shape(text("--shape"));
+    return make_csv_source(io, options);
+  }
+
+  std::unique_ptr<Source> recording(LoopOptions& loop) {
+    loop.rate_hz = positive("--rate", Measure::rate, 0);
+    loop.speed = positive("--speed", Measure::none, 1);
+    WalkerOptions options;
+    options.objects = object_texts();
+    options.name = given("--name") ? text("--name") : "walker";
+    options.unit_m = positive("--unit", Measure::length, 1);
+    options.foot_radius_m = positive("--radius", Measure::length, options.foot_radius_m);
+    options.bone_radius_m = positive("--bone-radius", Measure::length, options.bone_radius_m);
+    if (given("--group")) options.group = parse_bits(text("--group"));
+    if (given("--up") && text("--up") != "y" && text("--up") != "z") throw bad_use(fmt::format("--up '{}'; allowed: y, z", text("--up")));
+    if (given("--up")) options.up = text("--up").front();
+    return make_walker(read_bvh(file_), options);
+  }
+
+  std::unique_ptr<Source> spheres() {
+    constexpr std::uint64_t kMostSpheres = 1'000'000;
+    constexpr std::uint64_t kMostPolygons = 1'000'000;
+    BounceSourceOptions options;
+    options.objects = object_texts();
+    options.bounce.sphere_count = parse_count(text("--spheres"), 1);
+    if (options.bounce.sphere_count > kMostSpheres) throw bad_use(fmt::format("--spheres {}, allowed {}", text("--spheres"), kMostSpheres));
+    if (given("--polygons")) options.polygon_count = parse_count(text("--polygons"), 6);
+    if (options.polygon_count > kMostPolygons) throw bad_use(fmt::format("--polygons {}, allowed {}", text("--polygons"), kMostPolygons));
+    options.bounce.relative_size = positive("--size", Measure::none, options.bounce.relative_size);
+    options.bounce.side_m = positive("--side", Measure::length, options.bounce.side_m);
+    options.bounce.speed_m_s = positive("--speed", Measure::speed, options.bounce.speed_m_s);
+    options.bounce.spin_rad_s = positive("--spin", Measure::none, 0);
+    if (given("--seed")) options.bounce.seed = parse_count(text("--seed"));
+    options.bounce.as_asked = setting("--as-asked").flag;
+    options.bounces = setting("--bounce").flag || options.bounce.as_asked;
+    read_response(options);
+    options.round = setting("--round").flag;
+    options.rate_hz = positive("--rate", Measure::rate, options.rate_hz);
+    if (given("--name")) options.name = text("--name");
+    return make_bounce_source(options);
+  }
+
+  void read_response(BounceSourceOptions& options) {
+    using response::Answer;
+    BounceOptions& bounce = options.bounce;
+    const std::string& answer = text("--response");
+    if (answer == "impulse") bounce.answer = Answer::impulse;
+    else if (answer == "compliant") bounce.answer = Answer::compliant;
+    else if (!answer.empty() && answer != "flip") throw bad_use(fmt::format("--response '{}'; allowed: flip, impulse, compliant", answer));
+    if (given("--response") && !options.bounces) throw bad_use("--response answers contacts: it needs --bounce");
+    if (bounce.as_asked && bounce.answer != Answer::flip) throw bad_use("--as-asked is a way to flip, and --response something else");
+    if (given("--restitution") && bounce.answer == Answer::flip) throw bad_use("--restitution needs --response impulse or compliant");
+    if (given("--stiffness") && bounce.answer != Answer::compliant) throw bad_use("--stiffness needs --response compliant");
+    bounce.restitution = given("--restitution") ? parse_finite(text("--restitution"), Measure::none) : 1;
+    bounce.stiffness_n_m = positive("--stiffness", Measure::none, bounce.stiffness_n_m);
+    // What the response library is tested for.
+    if (!(bounce.stiffness_n_m >= 1e2 && bounce.stiffness_n_m <= 1e12)) throw bad_use(fmt::format("--stiffness {}, allowed 1e2 to 1e12 N/m", text("--stiffness")));
+  }
+
+  std::unique_ptr<Source> path(Io& io) {
+    PathOptions options;
+    options.objects = object_texts();
+    if (given("--name")) options.name = text("--name");
+    if (given("--shape")) options.shape = parse_shape(text("--shape"));
+    options.speed_m_s = positive("--speed", Measure::speed, options.speed_m_s);
+    options.rate_hz = positive("--rate", Measure::rate, options.rate_hz);
+    options.face_forward = setting("--face").flag;
+    std::vector<Vec3> points = given("--path") ? read_waypoints(io, text("--path")) : parse_waypoints(text("--waypoints"));
+    return make_path_source(std::move(points), setting("--loop").flag, options);
+  }
+
+  static constexpr std::string_view kFlags[]{"--loop", "--stay", "--round", "--bounce", "--as-asked", "--face"};
+
+  std::string file_;
+  std::vector<Setting> settings_{
+      {"--rate", {}, "Frames a second (recordings: their own times; spheres 60, path 100)"},
+      {"--speed", {}, "Of a recording: times faster (1); of spheres and paths: m/s (0.5, 1)"},
+      {"--loop", {Kind::poses, Kind::recording, Kind::path}, "Again from the start"},
+      {"--stay", {}, "After the last frame: keep the objects until Ctrl-C"},
+      {"--steps", {}, "End after so many frames"},
+      {"--for", {}, "End after this time"},
+      {"--shape", {Kind::poses, Kind::path}, "sphere:0.1 (default), box:0.4,0.4,0.4, capsule:0.05,0.3"},
+      {"--name", {Kind::recording, Kind::spheres, Kind::path}, "Of the object, or what its parts' names begin with"},
+      {"--layers", {}, "Layers the objects are in: bits (1)"},
+      {"--mask", {}, "Layers that they meet: bits (all)"},
+      {"--when-lost", {}, "If this publisher is lost: remove (default), freeze or hold"},
+      {"--as", {}, "Name of the publisher"},
+      {"--unit", {Kind::recording}, "Metres a unit of the file (1): 0.056444, 1cm"},
+      {"--radius", {Kind::recording}, "Of the spheres at feet and toes (0.12)"},
+      {"--bone-radius", {Kind::recording}, "Of the other bones (0.05)"},
+      {"--up", {Kind::recording}, "y: as recorded (default); z: turned so that z is up"},
+      {"--group", {Kind::recording}, "Parts of one group never meet (made from the name)"},
+      {"--spheres", {Kind::spheres}, "So many spheres in a cube about the origin"},
+      {"--polygons", {Kind::spheres}, "Triangles a sphere, by latitude and longitude (256)"},
+      {"--round", {Kind::spheres}, "Real spheres instead of polygons"},
+      {"--size", {Kind::spheres}, "Mean diameter over the cube's side (0.2)"},
+      {"--side", {Kind::spheres}, "Of the cube (1)"},
+      {"--seed", {Kind::spheres}, "Of sizes, places and velocities (7)"},
+      {"--spin", {Kind::spheres}, "Largest angular speed, rad/s (0)"},
+      {"--bounce", {Kind::spheres}, "On contact: flip velocities, once a contact"},
+      {"--as-asked", {Kind::spheres}, "On contact: flip on every frame, as the homework words it"},
+      {"--response", {Kind::spheres}, "To a contact: flip (default), impulse or compliant (spring and damper)"},
+      {"--restitution", {Kind::spheres}, "Of impulse 0 to 1, of compliant 0.001 to 1 (1: no energy is lost)"},
+      {"--stiffness", {Kind::spheres}, "Of compliant, N/m: 1e2 to 1e12 (1e6)"},
+      {"--path", {Kind::path}, "One object along the points of this file: x,y,z"},
+      {"--waypoints", {Kind::path}, "One object along these points: \"0,0,1 2,0,1\""},
+      {"--face", {Kind::path}, "Its x axis points along the way"},
+  };
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_publish() {
+  return std::make_unique<PublishCommand>();
+}
+
+}  // namespace collided::cli

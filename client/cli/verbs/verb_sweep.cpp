@@ -1,0 +1,95 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/input/shape_text.hpp"
+#include "client/cli/output/answer_output.hpp"
+#include "client/cli/verbs/ask_options.hpp"
+
+namespace collided::cli {
+namespace {
+
+Record sweep_record(const Answer& answer) {
+  const Hit* hit = answer.hits.empty() ? nullptr : &answer.hits.front();
+  const Value none = std::monostate{};
+  std::string_view word = "free";
+  if (answer.verdict == Verdict::hit) word = "contact";
+  if (answer.verdict == Verdict::undecided) word = "undecided";
+  if (answer.verdict == Verdict::invalid) word = "invalid";
+  return {{"answer", word},
+          {"object", hit ? Value(std::string_view(hit->object)) : none},
+          {"time_low", hit ? Value(hit->time_low) : none},
+          {"time_high", hit ? Value(hit->time_high) : none},
+          {"point", hit ? MaybeVector(hit->point) : MaybeVector()},
+          {"normal", hit ? MaybeVector(hit->normal) : MaybeVector()},
+          {"triangle", hit && hit->triangle != kNoTriangle ? Value(std::uint64_t{hit->triangle}) : none},
+          {"stale", hit && hit->stale ? Value(true) : none},
+          {"reason", answer.verdict == Verdict::undecided ? Value(name_of(answer.reason)) : none}};
+}
+
+std::string contact_line(const Printer& printer, const Hit& hit) {
+  std::string line = fmt::format("{}  {}  at t in [{}, {}]  point {}  normal {}", printer.paint(Paint::bad, "contact"),
+                                 printable(hit.object), format_number(hit.time_low), format_number(hit.time_high),
+                                 format_vector(hit.point), format_vector(hit.normal));
+  if (hit.triangle != kNoTriangle) line += fmt::format("  triangle {}", hit.triangle);
+  if (hit.stale) line += "  stale";
+  return line;
+}
+
+void print_sweep(Printer& printer, const Answer& answer) {
+  if (!printer.human()) {
+    printer.record(sweep_record(answer));
+    return;
+  }
+  if (answer.verdict == Verdict::undecided) {
+    printer.line(fmt::format("{} {}", printer.paint(Paint::doubt, "undecided:"), explain(answer.reason)));
+  }
+  if (answer.verdict == Verdict::invalid) printer.line(printer.paint(Paint::bad, "invalid"));
+  if (answer.verdict == Verdict::miss) printer.line(printer.paint(Paint::good, "free") + "  nothing is met on the way");
+  for (const Hit& hit : answer.hits) printer.line(contact_line(printer, hit));
+}
+
+class SweepCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("shape", shape_, "sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z");
+    app.add_option("--from", from_, "Where it starts");
+    app.add_option("--to", to_, "Where it ends");
+    app.add_option("--rpy", rpy_, "Roll, pitch, yaw at the start: 0 0 45deg");
+    app.add_option("--to-rpy", to_rpy_, "Roll, pitch, yaw at the end (as at the start)");
+    declare_ask_options(app, texts_);
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (shape_.empty()) throw bad_use("which shape?", "collide sweep sphere 0.1 --from 0 0 1 --to 2 0 1");
+    if (from_.empty() || to_.empty()) throw bad_use("a way takes --from X Y Z and --to X Y Z");
+    const std::vector<std::string> words(shape_.begin() + 1, shape_.end());
+    const ShapePart part = make_shape(shape_.front(), parse_numbers(words, Measure::length));
+    const SweepQuestion motion{parse_pose(from_, rpy_, {}), parse_pose(to_, to_rpy_.empty() ? rpy_ : to_rpy_, {})};
+    const AskOptions options = ask_options_of(texts_, globals);
+    const Answers answers = take(session.client(globals).sweep({part}, std::span(&motion, 1), options));
+    if (answers.answers.size() != 1) throw Failure(Exit::refused, "the server's answer does not fit the question");
+    Printer printer = make_printer(session.io, globals);
+    print_sweep(printer, answers.answers.front());
+    printer.finish();
+    if (globals.verbose || printer.human()) print_hint(session.io, globals, cost_line(answers, answers.answers.front()));
+    return exit_of(answers.answers.front());
+  }
+
+ private:
+  std::vector<std::string> shape_;
+  std::string from_;
+  std::string to_;
+  std::string rpy_;
+  std::string to_rpy_;
+  AskTexts texts_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_sweep() {
+  return std::make_unique<SweepCommand>();
+}
+
+}  // namespace collided::cli

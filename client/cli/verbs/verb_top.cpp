@@ -1,0 +1,185 @@
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/keys.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/top_page.hpp"
+#include "client/cli/pace.hpp"
+#include "idl/commands.hpp"
+
+namespace collided::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A server says how it is twenty times a second; without a word for this long it is silent.
+constexpr std::chrono::milliseconds kSilent{500};
+constexpr std::size_t kPastRates = 20;
+constexpr std::size_t kColumns = 80;
+
+std::size_t columns_of_terminal() {
+  winsize size{};
+  const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : kColumns;
+}
+
+/// The first `columns` characters: a line that wraps would push the others out of place.
+std::string_view cut(std::string_view line, std::size_t columns) {
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool begins_character = (static_cast<unsigned char>(line[i]) & 0xc0) != 0x80;
+    if (begins_character && seen++ == columns) return line.substr(0, i);
+  }
+  return line;
+}
+
+/// A screen of its own while it lives; what stood there before comes back.
+class Screen {
+ public:
+  explicit Screen(std::ostream& out) : out_(out) { out_ << "\x1b[?1049h\x1b[?25l"; }
+  ~Screen() { (out_ << "\x1b[?25h\x1b[?1049l").flush(); }
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  void show(const std::vector<std::string>& lines) {
+    const std::size_t columns = columns_of_terminal();
+    out_ << "\x1b[H";
+    for (const std::string& line : lines) out_ << cut(line, columns) << "\x1b[K\n";
+    (out_ << "\x1b[J").flush();
+  }
+
+ private:
+  std::ostream& out_;
+};
+
+class TopCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_flag("--once", once_, "One set of figures, over the time of --every");
+    app.add_option("--every", period_, "Between two looks (1s)");
+    app.add_option("-n", most_looks_, "End after so many");
+    app.add_option("--for", most_time_, "End after this time");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    const std::chrono::nanoseconds period = parse_duration(period_);
+    constexpr std::chrono::milliseconds kShortest{10};
+    if (period < kShortest) throw bad_use(fmt::format("--every {}; allowed: 10ms and more", period_));
+    const std::uint64_t most = most_looks_.empty() ? 0 : parse_count(most_looks_, 1);
+    Printer printer = make_printer(session.io, globals);
+    const bool is_live = printer.human() && session.io.out_is_terminal && !once_;
+    const bool ends_by_itself = once_ || (!is_live && most == 0 && most_time_.empty());
+    const Until until(ends_by_itself ? 1 : most, most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_));
+    begin(session, globals);
+    if (is_live) return live(session, globals, until, period);
+    return print(session, globals, printer, until, period);
+  }
+
+ private:
+  void begin(Session& session, const Globals& globals) {
+    epoch_ = take(session.client(globals).status()).epoch;
+    before_ = ask(session, globals);
+    if (!before_) throw Failure(Exit::refused, "the server's answer to 'figures' is none that this collide knows");
+  }
+
+  /// Nothing while no server answers.
+  static std::optional<view::Figures> ask(Session& session, const Globals& globals) {
+    const Result<std::string> text = session.client(globals).command(wire_contract::command::kFigures, "{}", {}, timeout_of(globals, std::chrono::seconds(1)));
+    return text ? view::parse_figures(*text) : std::nullopt;
+  }
+
+  /// What has happened since the last look; nothing while the server is silent.
+  std::optional<Look> look(Session& session, const Globals& globals) {
+    const std::optional<view::Figures> now = ask(session, globals);
+    if (!now) return std::nullopt;
+    Look look{.status = take(session.client(globals).status()), .figures = between(*before_, *now), .up_ns = now->up_ns, .past_rates = {}};
+    if (look.status.age > kSilent) return std::nullopt;
+    before_ = now;
+    if (look.status.epoch != epoch_) {
+      restart_ = fmt::format("the server was started anew: epoch {} after {}, pid {}", look.status.epoch, epoch_, look.status.pid);
+      past_rates_.clear();
+    }
+    epoch_ = look.status.epoch;
+    past_rates_.push_back(asked_rate(look.figures));
+    if (past_rates_.size() > kPastRates) past_rates_.pop_front();
+    look.past_rates = past_rates_;
+    return look;
+  }
+
+  Exit live(Session& session, const Globals& globals, const Until& until, std::chrono::nanoseconds period) {
+    constexpr std::chrono::milliseconds kFirst{200};  // nobody waits a second for the first figures
+    Keys keys(session.io.in);
+    Screen screen(session.io.out);
+    std::vector<std::string> lines;
+    Clock::time_point heard = Clock::now();
+    std::uint64_t count = 0;
+    for (std::chrono::nanoseconds wait = std::min<std::chrono::nanoseconds>(kFirst, period); wait_for_key(keys, until, wait); wait = period) {
+      if (const std::optional<Look> seen = look(session, globals)) {
+        heard = Clock::now();
+        lines = top_lines(*seen);
+        if (!restart_.empty()) lines.insert(lines.begin() + 1, restart_);
+      } else {
+        if (lines.empty()) lines.emplace_back("collided");
+        lines.resize(1);
+        lines.push_back(fmt::format("no server answers, since {}; looking for it", format_duration(Clock::now() - heard)));
+      }
+      screen.show(lines);
+      if (until.reached(++count)) break;
+    }
+    return stop_requested ? Exit::interrupted : Exit::yes;
+  }
+
+  /// False when it is to end: by a key, by Ctrl-C, by its time.
+  static bool wait_for_key(Keys& keys, const Until& until, std::chrono::nanoseconds wait) {
+    constexpr std::chrono::milliseconds kLook{50};
+    const Clock::time_point due = std::min(Clock::now() + wait, until.end());
+    while (Clock::now() < due) {
+      if (!sleep_until(std::min(Clock::now() + kLook, due))) return false;
+      const std::optional<char> key = keys.next();
+      if (key == 'q' || key == 'Q') return false;
+    }
+    return Clock::now() < until.end();
+  }
+
+  Exit print(Session& session, const Globals& globals, Printer& printer, const Until& until, std::chrono::nanoseconds period) {
+    for (std::uint64_t count = 0; !until.reached(count) && session.io.out.good(); ++count) {
+      if (!sleep_until(std::min(Clock::now() + period, until.end()))) return Exit::interrupted;
+      const std::optional<Look> seen = look(session, globals);
+      if (!seen) {
+        if (until.reached(count + 1)) throw Failure(Exit::no_server, "the server fell silent");
+        print_hint(session.io, globals, "no server answers");
+        continue;
+      }
+      if (!restart_.empty()) print_hint(session.io, globals, std::exchange(restart_, {}));
+      if (printer.human()) {
+        for (const std::string& line : top_lines(*seen)) printer.line(line);
+      } else {
+        for (const Record& record : top_records(*seen)) printer.record(record);
+      }
+      session.io.out.flush();
+    }
+    return stop_requested ? Exit::interrupted : Exit::yes;
+  }
+
+  bool once_ = false;
+  std::string period_ = "1s";
+  std::string most_looks_;
+  std::string most_time_;
+  std::optional<view::Figures> before_;
+  std::uint64_t epoch_ = 0;
+  std::string restart_;
+  std::deque<double> past_rates_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_top() {
+  return std::make_unique<TopCommand>();
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,190 @@
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/input/time_text.hpp"
+#include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/event_output.hpp"
+#include "client/cli/output/suggest.hpp"
+#include "client/cli/pace.hpp"
+
+namespace collided::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A text with {names} of fields in it; {t} is the clock's time.
+class Template {
+ public:
+  explicit Template(std::string text) : text_(std::move(text)) { fill(Event{}, [](std::string_view, const Value&) { return std::string(); }); }
+
+  /// Every {name} replaced by what `show` makes of its value; throws Failure for unknown names.
+  template <class Show>
+  std::string fill(const Event& event, const Show& show) const {
+    const Record record = event_record(event);
+    std::string filled;
+    std::size_t at = 0;
+    while (at < text_.size()) {
+      const std::size_t open = text_.find('{', at);
+      const std::size_t close = open == std::string::npos ? open : text_.find('}', open);
+      filled.append(text_, at, std::min(open, text_.size()) - at);
+      if (open == std::string::npos) break;
+      if (close == std::string::npos) throw bad_use(fmt::format("a {{ is never closed: {}", text_));
+      filled += value(record, event, text_.substr(open + 1, close - open - 1), show);
+      at = close + 1;
+    }
+    return filled;
+  }
+
+ private:
+  template <class Show>
+  static std::string value(const Record& record, const Event& event, const std::string& name, const Show& show) {
+    if (name == "t") return show("t", Value(clock_text(happened(event))));
+    std::vector<std::string> names{"t"};
+    for (const Field& field : record) {
+      if (field.name == name) return show(field.name, field.value);
+      names.emplace_back(field.name);
+    }
+    std::string listed;
+    for (const std::string& known : names) listed += (listed.empty() ? "" : " ") + known;
+    throw bad_use(fmt::format("no field '{{{}}}'{}", name, did_you_mean(name, names)), "fields: " + listed);
+  }
+
+  std::string text_;
+};
+
+/// Runs a shell command with the event's fields in its environment: a name can hold what it likes, the shell never reads it
+/// as a command.
+void run_shell(const Template& command, const Event& event) {
+  std::vector<std::string> environment;
+  const std::string line = command.fill(event, [&](std::string_view name, const Value& value) {
+    environment.push_back(fmt::format("COLLIDE_{}={}", name, value_text(value)));
+    return fmt::format("${{COLLIDE_{}}}", name);
+  });
+  for (char** inherited = ::environ; *inherited != nullptr; ++inherited) environment.emplace_back(*inherited);
+  std::vector<char*> pointers;
+  for (std::string& entry : environment) pointers.push_back(entry.data());
+  pointers.push_back(nullptr);
+  const char* words[] = {"sh", "-c", line.c_str(), nullptr};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execve("/bin/sh", const_cast<char* const*>(words), pointers.data());
+    ::_exit(127);
+  }
+  int status = 0;
+  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR && !stop_requested) {
+  }
+}
+
+constexpr const char* kTimes = "-10s, 2026-11-22T12:03:10.5Z or seconds since 1970";
+
+class WatchCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("--only", options_.only, "Pairs of which either name matches this glob");
+    app.add_option("--skip", options_.skip, "No pair of which a name matches this glob");
+    app.add_flag("--persisted", options_.persisted, "Contacts that go on, too");
+    app.add_flag("--manifold", manifold_, "Where the two bear on each other, asked for as each contact begins");
+    app.add_option("--since", since_, "First what the server remembers since 2026-11-22T12:03:10Z, seconds since 1970, or -10s");
+    app.add_option("-n", most_events_, "End after so many events");
+    app.add_option("--for", most_time_, "End after this time");
+    app.add_option("--format", format_, "One line an event: '{t} {what} {a} {b} {depth}'");
+    app.add_option("--exec", command_, "Run this in a shell for every event; {a}, {b} ... stand for its fields");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    const std::uint64_t most = most_events_.empty() ? 0 : parse_count(most_events_, 1);
+    const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
+    if (!format_.empty()) line_.emplace(format_);
+    if (!command_.empty()) shell_.emplace(command_);
+    if (!since_.empty()) options_.since = since_1970(parse_time("--since", since_, kTimes));
+    Watch watch = take(session.client(globals).watch(options_));
+    if (options_.since && watch.tells_since() > *options_.since) print_hint(session.io, globals, fmt::format("the server remembers what happened from {} on", clock_text(watch.tells_since())));
+    Printer printer = make_printer(session.io, globals);
+    const Until until(most, most_time);
+    const Clock::time_point start = Clock::now();
+    std::uint64_t count = 0;
+    while (!until.reached(count) && session.io.out.good()) {
+      const std::optional<Event> event = next_of(watch, session.io, until);
+      tell_of_silence(session, globals, watch);
+      if (!event) continue;
+      print(printer, *event, session.io);
+      if (manifold_ && event->kind == EventKind::began) print_manifold(session, globals, printer, *event);
+      if (shell_) run_shell(*shell_, *event);
+      ++count;
+    }
+    session.io.out.flush();
+    print_hint(session.io, globals, fmt::format("{} event{} in {}, {} lost", format_count(count), count == 1 ? "" : "s", format_duration(Clock::now() - start), format_count(watch.lost())));
+    if (stop_requested) return Exit::interrupted;
+    return count > 0 ? Exit::yes : Exit::no;
+  }
+
+ private:
+  void print(Printer& printer, const Event& event, Io& io) const {
+    if (line_) printer.line(line_->fill(event, [&](std::string_view, const Value& value) { return io.out_is_terminal ? printable(value_text(value)) : value_text(value); }));
+    else if (printer.human()) printer.line(event_line(printer, event) + age_of(event));
+    else printer.record(event_record(event));
+  }
+
+  /// How long ago it began, where the world's clock is this machine's.
+  static std::string age_of(const Event& event) {
+    const auto age = std::chrono::system_clock::now().time_since_epoch() - happened(event);
+    const bool one_clock = age >= std::chrono::seconds(0) && age < std::chrono::hours(1);
+    return one_clock && event.kind == EventKind::began ? "  age " + format_duration(age) : std::string();
+  }
+
+  /// As the two stand when they are asked about: they may have gone on, or parted.
+  static void print_manifold(Session& session, const Globals& globals, Printer& printer, const Event& event) {
+    const Result<PairAnswer> pair = session.client(globals).pair(event.a, event.b);
+    if (!pair) return;
+    for (const ManifoldPoint& p : pair->manifold) {
+      if (printer.human()) {
+        printer.line(fmt::format("  bears at {}  {} deep ±{}", format_vector(p.point), format_length(p.depth_m), format_bound(p.error_m)));
+        continue;
+      }
+      Event point = event;
+      point.kind = EventKind::persisted;
+      point.point = p.point;
+      point.normal = pair->normal;
+      point.depth_m = p.depth_m;
+      point.depth_error_m = p.error_m;
+      printer.record(event_record(point));
+    }
+  }
+
+  static std::chrono::nanoseconds since_1970(const RunTime& time) {
+    if (time.since == RunTime::Since::begin) throw bad_use("--since: a time after the begin is for recordings", kTimes);
+    if (time.since == RunTime::Since::year_1970) return time.offset;
+    return std::chrono::system_clock::now().time_since_epoch() + time.offset;
+  }
+
+  void tell_of_silence(Session& session, const Globals& globals, const Watch& watch) {
+    const bool connected = watch.connected();
+    if (connected == was_connected_) return;
+    was_connected_ = connected;
+    print_hint(session.io, globals, connected ? "the server is back" : "the server is silent; events that it missed come marked resync");
+  }
+
+  WatchOptions options_;
+  std::string since_;
+  std::string most_events_;
+  std::string most_time_;
+  std::string format_;
+  std::string command_;
+  std::optional<Template> line_;
+  std::optional<Template> shell_;
+  bool manifold_ = false;
+  bool was_connected_ = true;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_watch() {
+  return std::make_unique<WatchCommand>();
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,379 @@
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/input/shape_file.hpp"
+#include "client/cli/input/shape_text.hpp"
+#include "client/cli/output/progress.hpp"
+#include "client/cli/server_command.hpp"
+#include "client/cli/verbs/undo.hpp"
+#include "idl/commands.hpp"
+
+namespace collided::cli {
+namespace {
+
+namespace wire = wire_contract::command;
+
+/// A command's answer: its own members for machines, one line for people.
+void print_done(Session& session, const Globals& globals, const Record& record, const std::string& line) {
+  Printer printer = make_printer(session.io, globals);
+  if (printer.human()) printer.line(line);
+  else printer.record(record);
+  printer.finish();
+}
+
+std::vector<std::byte> bytes_of_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  if (!file || size < 0) throw Failure(Exit::bad_use, fmt::format("{} cannot be read: {}", path, std::strerror(errno)));
+  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+  file.seekg(0);
+  if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) throw Failure(Exit::bad_use, fmt::format("{} cannot be read to its end", path));
+  return bytes;
+}
+
+std::string joined(const std::vector<std::string>& names, std::size_t most = 5) {
+  std::string text;
+  for (std::size_t at = 0; at < std::min(most, names.size()); ++at) text += (at == 0 ? "" : ", ") + printable(names[at]);
+  if (names.size() > most) text += fmt::format(" and {} more", names.size() - most);
+  return text;
+}
+
+RawJson names_json(const std::vector<std::string>& names) {
+  return {nlohmann::json(names).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+}
+
+class AddCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("words", words_, "NAME SHAPE NUMBERS");
+    app.add_option("--at", at_, "Position X Y Z");
+    app.add_option("--rpy", rpy_, "Roll, pitch, yaw: 0 0 30deg");
+    app.add_option("--quat", quat_, "Rotation w x y z");
+    app.add_option("--layers", layers_, "Layers it is in: bits (1)");
+    app.add_option("--mask", mask_, "Layers that it meets: bits (all)");
+    app.add_option("--group", group_, "Members of one group other than 0 never meet");
+    app.add_option("--scale", scale_, "Factor, or X,Y,Z for boxes, ellipsoids, heights");
+    app.add_flag("--static", static_, "It will not move (a plane never does)");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (words_.size() < 2) throw bad_use("a name and a shape are needed", kShapeForms);
+    const std::string& name = words_[0];
+    const ShapePart shape = this->shape(session);
+    // A plane has no end, so it cannot move; nobody needs to say so.
+    const bool moving = !static_ && !std::holds_alternative<HalfSpaceShape>(shape);
+    const nlohmann::json arguments{{"name", name},
+                                   {"pose", pose_json(parse_pose(at_, rpy_, quat_))},
+                                   {"layers", parse_bits(layers_)},
+                                   {"mask", parse_bits(mask_)},
+                                   {"group", parse_bits(group_)},
+                                   {"scale", scale()},
+                                   {"moving", moving}};
+    const nlohmann::json answer = server_command(session, globals, wire::kAdd, arguments, {shape});
+    const std::uint64_t version = count_of(answer, "version");
+    print_done(session, globals, {{"added", std::string(name)}, {"id", count_of(answer, "id")}, {"world", version}},
+               fmt::format("added {} (world {})", printable(name), version));
+    return Exit::yes;
+  }
+
+ private:
+  ShapePart shape(Session& session) const {
+    const std::vector<std::string> words(words_.begin() + 1, words_.end());
+    if (is_file_kind(words[0])) return read_shape(words, session.io.in);
+    return make_shape(words[0], parse_numbers({words.begin() + 1, words.end()}, Measure::length));
+  }
+  nlohmann::json scale() const {
+    const std::vector<double> factors = parse_numbers({scale_});
+    if (factors.size() == 1) return {factors[0], factors[0], factors[0]};
+    if (factors.size() != 3) throw bad_use(fmt::format("--scale {}: one factor or three are needed", scale_));
+    return {factors[0], factors[1], factors[2]};
+  }
+
+  std::vector<std::string> words_;
+  std::string scale_ = "1";
+  std::string at_;
+  std::string rpy_;
+  std::string quat_;
+  std::string layers_ = "1";
+  std::string mask_ = "0xffffffff";
+  std::string group_ = "0";
+  bool static_ = false;
+};
+
+class MoveCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("words", words_, "NAME X Y Z");
+    app.add_option("--rpy", rpy_, "Roll, pitch, yaw: 0 0 30deg (without: as it is)");
+    app.add_option("--quat", quat_, "Rotation w x y z");
+    app.add_flag("--by", by_, "X Y Z is added to where it is");
+    app.add_flag("--teleport", teleport_, "Nothing lies on the way");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (words_.empty()) throw bad_use("which object?", "collide move NAME X Y Z");
+    const std::string& name = words_[0];
+    const std::vector<double> numbers = parse_numbers({words_.begin() + 1, words_.end()}, Measure::length);
+    if (numbers.size() != 3) throw bad_use(fmt::format("{} numbers; a position takes 3", numbers.size()));
+    Pose pose = parse_pose({}, rpy_, quat_);
+    pose.position = Vec3(numbers[0], numbers[1], numbers[2]);
+    if (!pose.position.allFinite()) throw bad_use("a position must be finite");
+    if (by_ || (rpy_.empty() && quat_.empty())) start_from_present(session, globals, name, pose);
+    const nlohmann::json answer =
+        object_command(session, globals, wire::kMove, name, {{"name", name}, {"pose", pose_json(pose)}, {"teleport", teleport_}});
+    print(session, globals, name, answer);
+    return Exit::yes;
+  }
+
+ private:
+  void start_from_present(Session& session, const Globals& globals, const std::string& name, Pose& pose) const {
+    const std::vector<double> now = numbers_of(object_command(session, globals, wire::kGet, name, {{"name", name}}), "pose");
+    if (now.size() != 7) throw Failure(Exit::refused, fmt::format("the server gave no pose for '{}'", name));
+    if (rpy_.empty() && quat_.empty()) pose.rotation = Quat(now[3], now[4], now[5], now[6]);
+    if (by_) pose.position += Vec3(now[0], now[1], now[2]);
+  }
+
+  static void print(Session& session, const Globals& globals, const std::string& name, const nlohmann::json& answer) {
+    const std::vector<std::string> began = texts_of(answer, "began");
+    const std::vector<std::string> ended = texts_of(answer, "ended");
+    std::string line = fmt::format("moved {} {}", printable(name), format_length(number_of(answer, "moved_m")));
+    if (!began.empty()) line += "; began x " + joined(began);
+    if (!ended.empty()) line += "; ended x " + joined(ended);
+    print_done(session, globals,
+               {{"moved", std::string(name)},
+                {"distance", number_of(answer, "moved_m")},
+                {"began", names_json(began)},
+                {"ended", names_json(ended)},
+                {"world", count_of(answer, "version")}},
+               line);
+  }
+
+  std::vector<std::string> words_;
+  std::string rpy_;
+  std::string quat_;
+  bool by_ = false;
+  bool teleport_ = false;
+};
+
+class RemoveCommand : public Command {
+ public:
+  void declare(CLI::App& app) override { app.add_option("names", names_, "Names or globs"); }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (names_.empty()) throw bad_use("which object?");
+    std::size_t removed_count = 0;
+    for (const std::string& name : names_) removed_count += remove(session, globals, name);
+    return removed_count > 0 ? Exit::yes : Exit::no;
+  }
+
+ private:
+  static std::size_t remove(Session& session, const Globals& globals, const std::string& name) {
+    const bool is_glob = name.find_first_of("*?[") != std::string::npos;
+    const nlohmann::json arguments{{"name", name}};
+    const Undo undo = undo_of(session, globals, name, false);
+    const nlohmann::json answer = is_glob ? server_command(session, globals, wire::kRemove, arguments)
+                                          : object_command(session, globals, wire::kRemove, name, arguments);
+    const std::vector<std::string> removed = texts_of(answer, "removed");
+    const std::uint64_t ended = count_of(answer, "ended");
+    const std::uint64_t version = count_of(answer, "version");
+    std::string line = removed.empty() ? fmt::format("nothing is named '{}'", printable(name))
+                                       : fmt::format("removed {} (world {})", joined(removed), version);
+    if (ended > 0) line += fmt::format("; it had {} open contact{}, ended (removed)", ended, ended == 1 ? "" : "s");
+    print_done(session, globals, {{"removed", names_json(removed)}, {"ended", ended}, {"world", version}}, line);
+    if (!removed.empty()) print_undo(session, globals, undo);
+    return removed.size();
+  }
+
+  std::vector<std::string> names_;
+};
+
+class LoadCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("file", path_, "File that the server can read; with --upload, that this side can read");
+    app.add_flag("--upload", upload_, "Send the file's bytes; the server reads them in a process that may do nothing else");
+    app.add_option("--name", name_, "Name of the scene (the file's stem)");
+    app.add_option("--unit", unit_, "Of the file: m, mm, in, ... or metres a unit (m)");
+    app.add_option("--up", up_, "Axis of the file that points up: y or z (as the format says, else z)")->check(CLI::IsMember({"y", "z"}));
+    app.add_option("--radius", radius_, "Of the balls about the points of an .xyz or .pcd file (0)");
+    app.add_flag("--strict", strict_, "Refuse what would be mended");
+    app.add_flag("--mend", mend_, "Cut edges at T-vertices and close cracks");
+    app.add_option("--crack", crack_, "Widest crack (a ten-thousandth of the diagonal)");
+    app.add_option("--srdf", srdf_, "Of a .urdf robot: the file that says which links may touch");
+    app.add_flag("--replace", replace_, "Replace the scene of that name");
+    app.add_option("--covers", covers_, "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
+        ->allow_extra_args(false);
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (path_.empty()) throw bad_use("which file?");
+    nlohmann::json arguments{{"name", name_},
+                             {"unit_m", unit_in_metres()},
+                             {"up", up_},
+                             {"radius_m", parse_finite(radius_, Measure::length)},
+                             {"strict", strict_},
+                             {"mend", mend_},
+                             {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
+                             {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
+                             {"replace", replace_}};
+    for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
+    if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
+    if (!upload_) arguments["path"] = std::filesystem::absolute(path_).lexically_normal().string();
+    const nlohmann::json answer = upload_ ? upload(session, globals, arguments) : load(session, globals, arguments);
+    print(session, globals, answer);
+    return texts_of(answer, "refused").empty() ? Exit::yes : Exit::partly_refused;
+  }
+
+ private:
+  double unit_in_metres() const {
+    if (unit_.empty()) return 1;
+    const double metres = is_number_text(unit_) ? parse_finite(unit_, Measure::length) : parse_finite("1" + unit_, Measure::length);
+    if (!(metres > 0)) throw bad_use(fmt::format("--unit {} must be above 0", unit_));
+    return metres;
+  }
+
+  static nlohmann::json box_json(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    const std::vector<double> low = parse_numbers({text.substr(0, colon)}, Measure::length);
+    const std::vector<double> high = colon == std::string::npos ? std::vector<double>() : parse_numbers({text.substr(colon + 1)}, Measure::length);
+    if (low.size() != 3 || high.size() != 3) throw bad_use(fmt::format("--covers {}: two corners are needed, X0,Y0,Z0:X1,Y1,Z1", text));
+    nlohmann::json box;
+    for (const std::vector<double>* corner : {&low, &high}) {
+      for (const double x : *corner) box.push_back(std::isinf(x) ? nlohmann::json(x > 0 ? "inf" : "-inf") : nlohmann::json(x));
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (low[axis] > high[axis]) throw bad_use(fmt::format("--covers {}: the lower corner comes first", text));
+    }
+    return box;
+  }
+
+  /// The bar is drawn from the library's thread that hears of the progress, while this one waits for the answer.
+  static nlohmann::json load(Session& session, const Globals& globals, const nlohmann::json& arguments) {
+    Progress progress(session.io, globals);
+    return server_command(session, globals, wire::kLoad, arguments, {}, [&](double now) { progress.show(0, "loading", now); });
+  }
+
+  /// The file's bytes, and its name with what a server may not like in one replaced.
+  nlohmann::json upload(Session& session, const Globals& globals, const nlohmann::json& arguments) const {
+    const std::vector<std::byte> bytes = bytes_of_file(path_);
+    std::string name = std::filesystem::path(path_).filename().string();
+    for (char& c : name) {
+      if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-') c = '_';
+    }
+    Progress progress(session.io, globals);
+    return upload_command(session, globals, bytes, name, arguments, [&](double now) { progress.show(0, "sending and loading", now); });
+  }
+
+  static Value covers_of(const nlohmann::json& answer) {
+    const auto covers = answer.find("covers");
+    if (covers == answer.end() || covers->empty()) return {};
+    return RawJson{covers->dump()};
+  }
+
+  static void print(Session& session, const Globals& globals, const nlohmann::json& answer) {
+    Printer printer = make_printer(session.io, globals);
+    if (!printer.human()) {
+      printer.record({{"scene", text_of(answer, "scene")},
+                      {"triangles", count_of(answer, "triangles")},
+                      {"parts", count_of(answer, "parts")},
+                      {"objects", count_of(answer, "objects")},
+                      {"seconds", number_of(answer, "seconds")},
+                      {"notes", names_json(texts_of(answer, "notes"))},
+                      {"mended", names_json(texts_of(answer, "mended"))},
+                      {"refused", names_json(texts_of(answer, "refused"))},
+                      {"warnings", names_json(texts_of(answer, "warnings"))},
+                      {"left_out", names_json(texts_of(answer, "left_out"))},
+                      {"world", count_of(answer, "version")},
+                      {"placed", names_json(texts_of(answer, "placed"))},
+                      {"covers", covers_of(answer)}});
+      return;
+    }
+    const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));
+    printer.line(fmt::format("loaded '{}' in {}  world {}", printable(text_of(answer, "scene")),
+                             format_duration(std::chrono::duration_cast<std::chrono::nanoseconds>(seconds)), count_of(answer, "version")));
+    printer.line(fmt::format("  {} parts, {} triangles, {} objects", format_count(count_of(answer, "parts")),
+                             format_count(count_of(answer, "triangles")), format_count(count_of(answer, "objects"))));
+    const auto lines = [&](const char* label, const char* key) {
+      for (const std::string& text : texts_of(answer, key)) printer.line(fmt::format("  {:<9}{}", label, printable(text)));
+    };
+    lines("placed", "placed");
+    lines("note", "notes");
+    lines("mended", "mended");
+    lines("refused", "refused");
+    lines("warning", "warnings");
+    if (!texts_of(answer, "left_out").empty()) printer.line("  left out " + joined(texts_of(answer, "left_out")));
+  }
+
+  std::string path_;
+  std::string name_;
+  std::string unit_;
+  std::string up_;
+  std::string radius_ = "0";
+  std::string crack_;
+  std::string srdf_;
+  std::vector<std::string> covers_;
+  bool strict_ = false;
+  bool mend_ = false;
+  bool upload_ = false;
+  bool replace_ = false;
+};
+
+class ClearCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("scene", scene_, "Only this scene (all)");
+    app.add_flag("--moving", moving_, "Only moving objects; with a scene: those too");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    const bool objects_too = scene_.empty() || moving_;
+    const Undo undo = objects_too ? undo_of(session, globals, "", moving_) : Undo{};
+    const std::vector<std::string> scenes = take(session.client(globals).status()).scenes;
+    const nlohmann::json answer = server_command(session, globals, wire::kClear, {{"scene", scene_}, {"moving", moving_}});
+    const std::uint64_t removed = count_of(answer, "removed");
+    const std::uint64_t ended = count_of(answer, "ended");
+    const std::uint64_t kept = count_of(answer, "kept");
+    std::string line = fmt::format("removed {} objects, ended {} contacts (world {})", format_count(removed), format_count(ended), count_of(answer, "version"));
+    if (kept > 0) line += fmt::format("; {} belong to publishers that live and stay", format_count(kept));
+    print_done(session, globals, {{"removed", removed}, {"kept", kept}, {"ended", ended}, {"world", count_of(answer, "version")}}, line);
+    print_undo(session, globals, undo);
+    for (const std::string& scene : scenes) {
+      const bool went = scene == scene_ || (scene_.empty() && !moving_);
+      if (went) print_hint(session.io, globals, fmt::format("     undo: collide load FILE --name {}", shell_word(scene)));
+    }
+    return removed > 0 ? Exit::yes : Exit::no;
+  }
+
+ private:
+  std::string scene_;
+  bool moving_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_add() {
+  return std::make_unique<AddCommand>();
+}
+std::unique_ptr<Command> make_move() {
+  return std::make_unique<MoveCommand>();
+}
+std::unique_ptr<Command> make_rm() {
+  return std::make_unique<RemoveCommand>();
+}
+std::unique_ptr<Command> make_load() {
+  return std::make_unique<LoadCommand>();
+}
+std::unique_ptr<Command> make_clear() {
+  return std::make_unique<ClearCommand>();
+}
+
+}  // namespace collided::cli

@@ -1,0 +1,301 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/output/clock_text.hpp"
+#include "client/cli/server_command.hpp"
+#include "idl/commands.hpp"
+
+namespace collided::cli {
+namespace {
+
+namespace wire = wire_contract::command;
+
+std::string json_text(const nlohmann::json& value) {
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+MaybeVector vector_of(const nlohmann::json& object, const char* key) {
+  const std::vector<double> numbers = numbers_of(object, key);
+  return numbers.size() < 3 ? MaybeVector() : MaybeVector(Vec3(numbers[0], numbers[1], numbers[2]));
+}
+
+class StatusCommand : public Command {
+ public:
+  void declare(CLI::App&) override {}
+
+  Exit run(Session& session, const Globals& globals) override {
+    const ConnectOptions options = connect_options(session.io, globals);
+    const ServerStatus status = take(session.client(globals).status());
+    const nlohmann::json covers = covers_of(session.client(globals));
+    const nlohmann::json in_doubt = in_doubt_of(session.client(globals));
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) {
+      print_text(printer, status, options.domain);
+      if (in_doubt.is_number_unsigned() && in_doubt != 0u) {
+        printer.line(printer.paint(Paint::doubt, format_count(in_doubt.get<std::uint64_t>()) + " pairs in doubt: neither known to touch nor to be apart"));
+      }
+      print_covers(printer, covers);
+    } else {
+      Record all = record(status, options.domain);
+      all.push_back({"in_doubt", in_doubt.is_number_unsigned() ? Value(in_doubt.get<std::uint64_t>()) : Value()});
+      all.push_back({"covers", covers.is_null() ? Value() : Value(RawJson{covers.dump()})});
+      printer.record(all);
+    }
+    printer.finish();
+    return status.state == "ready" ? Exit::yes : Exit::no;
+  }
+
+ private:
+  /// Null where none was stated, or a server that has said how it is does not answer.
+  static nlohmann::json covers_of(Client& client) {
+    const Result<std::string> answer = client.command(wire::kCovers, "{}", {}, std::chrono::milliseconds(500));
+    const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+    const bool is_stated = parsed.is_object() && parsed.contains("covers") && parsed["covers"].is_array();
+    return is_stated ? parsed["covers"] : nlohmann::json();
+  }
+
+  static nlohmann::json in_doubt_of(Client& client) {
+    const Result<std::string> answer = client.command(wire::kFigures, "{}", {}, std::chrono::milliseconds(500));
+    const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
+    const bool is_told = parsed.is_object() && parsed.contains("pairs") && parsed["pairs"].is_object();
+    return is_told ? parsed["pairs"].value("in_doubt", nlohmann::json()) : nlohmann::json();
+  }
+
+  static void print_covers(Printer& printer, const nlohmann::json& covers) {
+    if (covers.is_null()) return;
+    if (covers.empty()) printer.line(printer.paint(Paint::doubt, "nothing is covered: nothing is called free (load --covers)"));
+    for (const nlohmann::json& box : covers) {
+      const auto number = [](const nlohmann::json& x) { return x.is_number() ? format_number(x.get<double>()) : text_of_value(x); };
+      std::string line = "covers";
+      for (std::size_t i = 0; i < box.size(); ++i) line += (i == 3 ? " to " : " ") + number(box[i]);
+      printer.line(line);
+    }
+  }
+  static std::string text_of_value(const nlohmann::json& value) { return value.is_string() ? printable(value.get<std::string>()) : "?"; }
+
+  static void print_text(Printer& printer, const ServerStatus& status, int domain) {
+    const Paint paint = status.state == "ready" ? Paint::good : Paint::doubt;
+    printer.line(fmt::format("collided {} pid {}  domain {}  namespace {}  {}", status.version_text, status.pid, domain,
+                             printable(status.name_space), printer.paint(paint, status.state)));
+    std::string scenes;
+    for (const std::string& scene : status.scenes) scenes += (scenes.empty() ? "" : ", ") + printable(scene);
+    printer.line(fmt::format("scene {}  {} triangles  ·  {} objects, {} moving  ·  {} open contacts  ·  world {}",
+                             scenes.empty() ? "(none)" : scenes, format_count(status.static_triangles), format_count(status.objects),
+                             format_count(status.moving), format_count(status.contacts), format_count(status.version)));
+    printer.line(fmt::format("poses {} applied, {} dropped  ·  questions {} answered, {} refused, {} undecided", format_count(status.poses_applied),
+                             format_count(status.poses_dropped), format_count(status.questions_answered), format_count(status.questions_refused),
+                             format_count(status.undecided_answers)));
+    if (status.contacts_truncated) {
+      printer.line(printer.paint(Paint::bad, "contacts are missing: the last step found more than it may tell (max_contacts)"));
+    }
+    for (const PublisherInfo& publisher : status.publishers) {
+      const std::string state = publisher.lost ? printer.paint(Paint::bad, "lost, ") : std::string();
+      printer.line(fmt::format("publisher {}  {}silent for {}", printable(publisher.name), state, format_duration(publisher.silent)));
+    }
+  }
+
+  static Record record(const ServerStatus& status, int domain) {
+    nlohmann::json publishers = nlohmann::json::array();
+    for (const PublisherInfo& publisher : status.publishers) {
+      publishers.push_back({{"name", publisher.name},
+                            {"applied_sequence", publisher.applied_sequence},
+                            {"silent", seconds_of(publisher.silent)},
+                            {"lost", publisher.lost}});
+    }
+    return {{"state", std::string(status.state)},
+            {"version_text", std::string(status.version_text)},
+            {"pid", std::uint64_t{status.pid}},
+            {"domain", std::int64_t{domain}},
+            {"namespace", std::string(status.name_space)},
+            {"epoch", status.epoch},
+            {"world", status.version},
+            {"world_time", seconds_of(status.world_time)},
+            {"scenes", RawJson{json_text(status.scenes)}},
+            {"static_triangles", status.static_triangles},
+            {"objects", std::uint64_t{status.objects}},
+            {"moving", std::uint64_t{status.moving}},
+            {"contacts", std::uint64_t{status.contacts}},
+            {"contacts_truncated", status.contacts_truncated},
+            {"poses_applied", status.poses_applied},
+            {"poses_dropped", status.poses_dropped},
+            {"questions_answered", status.questions_answered},
+            {"questions_refused", status.questions_refused},
+            {"undecided_answers", status.undecided_answers},
+            {"last_event_sequence", status.last_event_sequence},
+            {"age", seconds_of(status.age)},
+            {"publishers", RawJson{json_text(publishers)}}};
+  }
+};
+
+class ListCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("name", glob_, "Name or glob (* ? [..])");
+    app.add_flag("--moving", moving_, "Only what moves");
+    app.add_flag("--static", static_, "Only what stands still");
+    app.add_option("--limit", limit_, "At most so many (10000)");
+    app.add_flag("--count", count_only_, "Only how many");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (moving_ && static_) throw bad_use("--moving and --static exclude each other");
+    nlohmann::json arguments{{"name", glob_}, {"limit", count_only_ ? 0 : parse_count(limit_, 1)}};
+    if (moving_ || static_) arguments["moving"] = moving_;
+    const nlohmann::json answer = server_command(session, globals, wire::kList, arguments);
+    const nlohmann::json objects = answer.value("objects", nlohmann::json::array());
+    const std::uint64_t count = count_of(answer, "count");
+    Printer printer = make_printer(session.io, globals);
+    if (count_only_) {
+      if (printer.human()) printer.line(std::to_string(count));
+      else printer.record({{"count", count}});
+      return count > 0 ? Exit::yes : Exit::no;
+    }
+    for (const nlohmann::json& object : objects) print(printer, object);
+    printer.finish();
+    if (objects.size() < count) print_hint(session.io, globals, fmt::format("{} of {} objects; --limit shows more", objects.size(), format_count(count)));
+    return objects.empty() ? Exit::no : Exit::yes;
+  }
+
+ private:
+  static void print(Printer& printer, const nlohmann::json& object) {
+    if (printer.human()) {
+      const MaybeVector position = vector_of(object, "position");
+      const std::string from = text_of(object, "publisher").empty() ? text_of(object, "scene") : text_of(object, "publisher");
+      printer.row({"OBJECT", "KIND", "MOVES", "AT", "FROM"},
+                  {printable(text_of(object, "name")), printable(text_of(object, "kind")),
+                   std::string(flag_of(object, "moving") ? "yes" : "no") + (flag_of(object, "stale") ? ", stale" : ""),
+                   position.given ? format_vector(position.value) : std::string(), printable(from)});
+      return;
+    }
+    printer.record({{"name", text_of(object, "name")},
+                    {"id", count_of(object, "id")},
+                    {"kind", text_of(object, "kind")},
+                    {"moving", flag_of(object, "moving")},
+                    {"scene", text_of(object, "scene")},
+                    {"publisher", text_of(object, "publisher")},
+                    {"position", vector_of(object, "position")},
+                    {"triangles", count_of(object, "triangles")},
+                    {"layers", count_of(object, "layers")},
+                    {"stale", flag_of(object, "stale")}});
+  }
+
+  std::string glob_;
+  bool moving_ = false;
+  bool static_ = false;
+  bool count_only_ = false;
+  std::string limit_ = "10000";
+};
+
+class GetCommand : public Command {
+ public:
+  void declare(CLI::App& app) override { app.add_option("name", name_, "Name of the object"); }
+
+  Exit run(Session& session, const Globals& globals) override {
+    if (name_.empty()) throw bad_use("which object?", "collide ls lists their names");
+    const nlohmann::json object = object_command(session, globals, wire::kGet, name_, {{"name", name_}});
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) print_text(printer, object);
+    else print_record(printer, object);
+    printer.finish();
+    return Exit::yes;
+  }
+
+ private:
+  static std::string joined(const std::vector<double>& numbers) {
+    std::string text;
+    for (const double number : numbers) text += (text.empty() ? "" : " ") + format_number(number + 0.0);
+    return text;
+  }
+
+  static void print_text(Printer& printer, const nlohmann::json& object) {
+    printer.line(fmt::format("{}  {}  {}{}", printable(text_of(object, "name")), printable(text_of(object, "kind")),
+                             flag_of(object, "moving") ? "moving" : "static", flag_of(object, "stale") ? ", stale" : ""));
+    const auto line = [&](const char* label, const std::string& text) {
+      if (!text.empty()) printer.line(fmt::format("  {:<10}{}", label, text));
+    };
+    line("pose", joined(numbers_of(object, "pose")));
+    line("velocity", joined(numbers_of(object, "velocity")));
+    if (object.contains("bounds") && object["bounds"].is_array()) {
+      std::string bounds;
+      for (const nlohmann::json& corner : object["bounds"]) bounds += (bounds.empty() ? "" : "  to  ") + joined(numbers_of({{"corner", corner}}, "corner"));
+      line("bounds", bounds);
+    }
+    for (const nlohmann::json& part : object.value("shape", nlohmann::json::array())) line("shape", json_text(part));
+    if (count_of(object, "triangles") > 0) line("triangles", format_count(count_of(object, "triangles")));
+    line("layers", fmt::format("{:#x}", count_of(object, "layers")));
+    line("scene", printable(text_of(object, "scene")));
+    line("publisher", printable(text_of(object, "publisher")));
+    std::string contacts;
+    for (const std::string& contact : texts_of(object, "contacts")) contacts += (contacts.empty() ? "" : ", ") + printable(contact);
+    line("contacts", contacts.empty() ? "none" : contacts);
+  }
+
+  static void print_record(Printer& printer, const nlohmann::json& object) {
+    static constexpr std::array<const char*, 15> kKeys{"name",     "id",       "kind",   "moving", "scene",  "publisher", "position", "pose",
+                                                       "velocity", "bounds",   "shape",  "triangles", "layers", "age_ns",   "contacts"};
+    Record record;
+    for (const char* key : kKeys) {
+      const bool given = object.contains(key) && !object[key].is_null();
+      record.push_back({key, given ? Value(RawJson{json_text(object[key])}) : Value(std::monostate{})});
+    }
+    printer.record(record);
+  }
+
+  std::string name_;
+};
+
+class PlanCommand : public Command {
+ public:
+  void declare(CLI::App& app) override { app.add_flag("--pairs", pairs_, "Which shapes meet which, and how"); }
+
+  Exit run(Session& session, const Globals& globals) override {
+    const nlohmann::json answer = server_command(session, globals, wire::kPlan, nlohmann::json::object());
+    Printer printer = make_printer(session.io, globals);
+    if (pairs_) {
+      for (const nlohmann::json& pair : answer.value("pairs", nlohmann::json::array())) {
+        print(printer, pair, {"a", "b", "how"}, {"A", "B", "HOW"});
+      }
+    } else {
+      for (const nlohmann::json& row : answer.value("structures", nlohmann::json::array())) {
+        print(printer, row, {"structure", "built", "why", "saves"}, {"STRUCTURE", "BUILT", "WHY", "SAVES"});
+      }
+    }
+    printer.finish();
+    return Exit::yes;
+  }
+
+ private:
+  static void print(Printer& printer, const nlohmann::json& row, const std::vector<const char*>& keys, const std::vector<std::string>& header) {
+    Record record;
+    std::vector<std::string> cells;
+    for (const char* key : keys) {
+      const nlohmann::json value = row.value(key, nlohmann::json());
+      if (value.is_boolean()) record.push_back({key, value.get<bool>()});
+      else record.push_back({key, value.is_string() ? value.get<std::string>() : json_text(value)});
+      cells.push_back(value.is_boolean() ? (value.get<bool>() ? "yes" : "no") : printable(value.is_string() ? value.get<std::string>() : json_text(value)));
+    }
+    if (printer.human()) printer.row(header, cells);
+    else printer.record(record);
+  }
+
+  bool pairs_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_status() {
+  return std::make_unique<StatusCommand>();
+}
+std::unique_ptr<Command> make_ls() {
+  return std::make_unique<ListCommand>();
+}
+std::unique_ptr<Command> make_get() {
+  return std::make_unique<GetCommand>();
+}
+std::unique_ptr<Command> make_plan() {
+  return std::make_unique<PlanCommand>();
+}
+
+}  // namespace collided::cli

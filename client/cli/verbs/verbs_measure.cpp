@@ -1,0 +1,138 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <limits>
+
+#include "client/cli/command.hpp"
+#include "client/cli/input/number.hpp"
+#include "client/cli/server_command.hpp"
+#include "idl/commands.hpp"
+
+namespace collided::cli {
+namespace {
+
+namespace wire = wire_contract::command;
+
+std::vector<nlohmann::json> rows_of(const nlohmann::json& answer, const char* key) {
+  const nlohmann::json rows = answer.value(key, nlohmann::json::array());
+  return {rows.begin(), rows.end()};
+}
+
+/// The server writes infinity as text.
+double number_or_infinity(const nlohmann::json& row, const char* key) {
+  return text_of(row, key) == "inf" ? std::numeric_limits<double>::infinity() : number_of(row, key);
+}
+
+class MenuCommand : public Command {
+ public:
+  void declare(CLI::App& app) override {
+    app.add_option("--questions", questions_, "Of each kind (1000)");
+    app.add_option("--seed", seed_, "Of the random questions (1)");
+  }
+
+  Exit run(Session& session, const Globals& globals) override {
+    const nlohmann::json arguments{{"questions", parse_count(questions_, 1)}, {"seed", parse_count(seed_, 0)}};
+    const nlohmann::json answer = server_command(session, globals, wire::kMenu, arguments);
+    const std::vector<nlohmann::json> rows = rows_of(answer, "rows");
+    Printer printer = make_printer(session.io, globals);
+    for (const nlohmann::json& row : rows) print(printer, row);
+    printer.finish();
+    if (rows.empty()) print_hint(session.io, globals, "the world is empty: nothing to price");
+    return rows.empty() ? Exit::no : Exit::yes;
+  }
+
+ private:
+  static std::string length(double metres) {
+    return std::isfinite(metres) ? format_bound(metres) + (metres == 0 ? "" : " m") : "none";
+  }
+  static std::string duration(const nlohmann::json& row, const char* key) {
+    return format_duration(std::chrono::nanoseconds(count_of(row, key)));
+  }
+
+  static void print(Printer& printer, const nlohmann::json& row) {
+    const double error = number_or_infinity(row, "worst_error");
+    const double bound = number_or_infinity(row, "worst_bound");
+    if (printer.human()) {
+      printer.row({"ASKED", "METHOD", "WORST ERROR", "BOUND", "P50", "P99", "UNDECIDED", "WRONG"},
+                  {text_of(row, "kind"), text_of(row, "method"), length(error), length(bound), duration(row, "p50_ns"),
+                   duration(row, "p99_ns"), format_count(count_of(row, "undecided")),
+                   format_count(count_of(row, "wrong"))});
+      return;
+    }
+    printer.record({{"kind", text_of(row, "kind")},
+                    {"method", text_of(row, "method")},
+                    {"worst_error", error},
+                    {"worst_bound", bound},
+                    {"p50_ns", count_of(row, "p50_ns")},
+                    {"p99_ns", count_of(row, "p99_ns")},
+                    {"asked", count_of(row, "asked")},
+                    {"undecided", count_of(row, "undecided")},
+                    {"wrong", count_of(row, "wrong")}});
+  }
+
+  std::string questions_ = "1000";
+  std::string seed_ = "1";
+};
+
+class AuditCommand : public Command {
+ public:
+  void declare(CLI::App&) override {}
+
+  Exit run(Session& session, const Globals& globals) override {
+    const nlohmann::json answer = server_command(session, globals, wire::kAudit, nlohmann::json::object());
+    Printer printer = make_printer(session.io, globals);
+    if (printer.human()) print_text(printer, answer);
+    else printer.record(record(answer));
+    printer.finish();
+    if (count_of(answer, "every") == 0) {
+      print_hint(session.io, globals, "this server audits nothing; 'collided --audit 1/1000' works one answer in 1 000 out again");
+    }
+    return count_of(answer, "differing") == 0 ? Exit::yes : Exit::no;
+  }
+
+ private:
+  static void print_text(Printer& printer, const nlohmann::json& answer) {
+    const std::uint64_t differing = count_of(answer, "differing");
+    const std::string differ = fmt::format("{} differ", format_count(differing));
+    printer.line(fmt::format("since start {} re-asked, {}", format_count(count_of(answer, "audited")),
+                             printer.paint(differing == 0 ? Paint::good : Paint::bad, differ)));
+    if (const std::uint64_t skipped = count_of(answer, "skipped"); skipped > 0) {
+      printer.line(fmt::format("{} more were chosen while the auditor was behind", format_count(skipped)));
+    }
+    if (const std::uint64_t repairs = count_of(answer, "float_repairs"); repairs > 0) {
+      printer.line(fmt::format("{} threads had their floating-point settings set back", format_count(repairs)));
+    }
+    for (const std::string& difference : texts_of(answer, "differences")) printer.line("  " + printable(difference));
+    for (const nlohmann::json& row : rows_of(answer, "questions")) {
+      printer.row({"ASKED", "DOUBLE", "EXPANSION", "RATIONAL"},
+                  {text_of(row, "kind"), format_count(count_of(row, "double")), format_count(count_of(row, "expansion")),
+                   format_count(count_of(row, "rational"))});
+    }
+  }
+
+  static Record record(const nlohmann::json& answer) {
+    const auto text = [&](const char* key) {
+      return RawJson{answer.value(key, nlohmann::json::array()).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+    };
+    return {{"every", count_of(answer, "every")},
+            {"chosen", count_of(answer, "chosen")},
+            {"audited", count_of(answer, "audited")},
+            {"differing", count_of(answer, "differing")},
+            {"skipped", count_of(answer, "skipped")},
+            {"float_repairs", count_of(answer, "float_repairs")},
+            {"questions", text("questions")},
+            {"differences", text("differences")}};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_menu() {
+  return std::make_unique<MenuCommand>();
+}
+std::unique_ptr<Command> make_audit() {
+  return std::make_unique<AuditCommand>();
+}
+
+}  // namespace collided::cli

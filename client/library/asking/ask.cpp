@@ -1,0 +1,218 @@
+#include "client/library/asking/ask.hpp"
+
+#include <algorithm>
+
+#include "client/library/asking/answer_decoding.hpp"
+#include "client/library/connection/errors.hpp"
+#include "client/library/publishing/shape_encoding.hpp"
+#include "idl/columns.hpp"
+#include "idl/instant.hpp"
+
+namespace collided::client {
+namespace {
+
+using wire_contract::kChunksInFlight;
+using wire_contract::kMaxQuestionsPerChunk;
+using wire_contract::kMaxQuestionsPerRequest;
+
+// Of more questions the answers take longer than waking up, and the processor is of more use to who works them out.
+constexpr std::size_t kMostAtOnce = 16;
+
+struct Request {
+  wire_contract::QueryKind kind;
+  const char* noun;
+  std::uint32_t number_count;  // per question
+  std::size_t question_count;
+  const void* questions;
+  void (*encode)(const void* questions, std::size_t first, std::size_t count, double* numbers);
+  std::span<const std::uint8_t> shape = {};  // of sweeps
+};
+
+template <class Question>
+void encode_some(const void* questions, std::size_t first, std::size_t count, double* numbers) {
+  const std::span<const Question> some(static_cast<const Question*>(questions) + first, count);
+  for (const Question& question : some) {
+    encode(question, numbers);
+    numbers += QuestionWire<Question>::number_count;
+  }
+}
+
+std::optional<Error> options_fault(const Request& request, const AskOptions& options) {
+  const std::string noun = request.noun;
+  if (options.only.size() > wire_contract::kMaxNameBytes || options.skip.size() > wire_contract::kMaxNameBytes) {
+    return bad_input(noun + ": a name pattern has more than " + std::to_string(wire_contract::kMaxNameBytes) + " bytes");
+  }
+  if (!(options.error_m >= 0)) {
+    return bad_input(noun + ": error asked is " + words(options.error_m) + "; allowed 0 or more");
+  }
+  if (options.deadline.count() < 0 || options.timeout.count() <= 0) {
+    return bad_input(noun + ": a time is negative, or the timeout 0");
+  }
+  if (options.as_of.time.count() < 0) {
+    return bad_input(noun + ": the instant is " + std::to_string(options.as_of.time.count()) + " ns; allowed 0 or more");
+  }
+  return std::nullopt;
+}
+
+// Everything but the questions; the slot's sample may hold what another request left.
+void fill_header(wire::Query& query, const Request& request, const AskOptions& options, const WriteBarrier& fence) {
+  query.chunk_count =
+      static_cast<std::uint32_t>((request.question_count + kMaxQuestionsPerChunk - 1) / kMaxQuestionsPerChunk);
+  query.kind = static_cast<std::uint8_t>(request.kind);
+  query.mode = static_cast<std::uint8_t>(options.mode);
+  query.importance = static_cast<std::uint8_t>(options.importance);
+  query.instant = static_cast<std::uint8_t>(options.as_of.kind);
+  query.instant_ns = options.as_of.time.count();
+  query.mask = options.mask;
+  query.max_hits = options.max_hits.value_or(request.kind == wire_contract::QueryKind::near ? 1 : 1'000);
+  query.deadline_ns = options.deadline.count();
+  query.error_asked = options.error_m;
+  query.fence_publisher = fence.publisher;
+  query.fence_sequence = fence.sequence;
+  static_cast<void>(dds::set_text(query.only, options.only));  // lengths were checked
+  static_cast<void>(dds::set_text(query.skip, options.skip));
+  query.text[0] = 0;
+  dds::borrow(query.blob, request.shape);
+}
+
+// Each chunk is put together just before it leaves: the server is at the first while the next are made.
+std::optional<Error> send_chunk(Connection& connection, Requests::Running& running, const Request& request,
+                                std::uint32_t chunk) {
+  const std::size_t first = std::size_t{chunk} * kMaxQuestionsPerChunk;
+  const std::size_t count = std::min<std::size_t>(kMaxQuestionsPerChunk, request.question_count - first);
+  std::vector<double>& numbers = running.numbers();
+  numbers.resize(count * request.number_count);
+  request.encode(request.questions, first, count, numbers.data());
+  wire::Query& query = running.query();
+  query.chunk_index = chunk;
+  query.first_question = static_cast<std::uint32_t>(first);
+  wire::clear_questions(query);
+  wire::lend_columns(numbers, wire::question_columns(request.kind), running.columns(), query);
+  return connection.send(query);
+}
+
+Result<Answers> run(Connection& connection, const Request& request, const AskOptions& options, Answers&& earlier) {
+  if (auto error = options_fault(request, options)) {
+    return *error;
+  }
+  const Clock::time_point deadline = Clock::now() + options.timeout;
+  if (auto error = connection.ready(deadline)) {
+    return *error;
+  }
+  const std::uint64_t server = connection.pulse().server();
+  const std::unique_ptr<Requests::Running> running = connection.requests().begin();
+  if (!running) {
+    return Error{ErrorCode::refused, std::to_string(Requests::kMost) + " requests of this client wait for answers",
+                 kNothingSent};
+  }
+  if (request.question_count > kMostAtOnce) {
+    running->sleep_while_waiting();
+  }
+  wire::Query& query = running->query();
+  query.request = running->number();
+  fill_header(query, request, options, options.fresh ? connection.last_write() : WriteBarrier{});
+
+  std::uint32_t sent = 0;
+  const auto send_to = [&](std::size_t end) {
+    std::optional<Error> error;
+    for (; !error && sent < query.chunk_count && sent < end; ++sent) {
+      error = send_chunk(connection, *running, request, sent);
+    }
+    return error;
+  };
+  if (auto error = send_to(kChunksInFlight)) {
+    return *error;
+  }
+  AnswerCollector collector(request.question_count, kMaxQuestionsPerChunk, connection.names(), std::move(earlier));
+  while (!collector.complete()) {
+    if (auto error = send_to(collector.chunks_answered() + kChunksInFlight)) {
+      return *error;
+    }
+    const Connection::Waited waited = connection.wait(*running, deadline, server, request.noun);
+    if (waited.error) {
+      return *waited.error;
+    }
+    for (const auto& reply : *waited.replies) {
+      if ((*reply)->server != server) {
+        continue;  // a second server on this namespace
+      }
+      if (auto error = collector.add(**reply)) {
+        return *error;
+      }
+    }
+  }
+  return collector.take();
+}
+
+template <class Question>
+Error question_fault(const std::string& reason, std::size_t index, std::size_t count) {
+  const std::string noun = QuestionWire<Question>::noun;
+  return bad_input((count == 1 ? noun : noun + ' ' + std::to_string(index)) + ": " + reason);
+}
+
+}  // namespace
+
+namespace {
+
+/// All of them before the first is sent: a request is answered as a whole or not at all.
+template <class Question>
+std::optional<Error> fault_of(std::span<const Question> questions) {
+  using Wire = QuestionWire<Question>;
+  if (questions.empty() || questions.size() > kMaxQuestionsPerRequest) {
+    return bad_input(std::string(Wire::noun) + ": " + std::to_string(questions.size()) +
+                     " questions; a request holds 1 to " + std::to_string(kMaxQuestionsPerRequest));
+  }
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    if (!can_be_asked(questions[i])) {
+      return question_fault<Question>(fault(questions[i]).value_or(""), i, questions.size());
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+template <class Question>
+Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options,
+                    Answers&& earlier) {
+  using Wire = QuestionWire<Question>;
+  if (auto error = fault_of(questions)) {
+    return *error;
+  }
+  return run(connection,
+             {Wire::kind, Wire::noun, Wire::number_count, questions.size(), questions.data(), &encode_some<Question>},
+             options, std::move(earlier));
+}
+
+template Result<Answers> ask(Connection&, std::span<const RayQuestion>, const AskOptions&, Answers&&);
+template Result<Answers> ask(Connection&, std::span<const SphereQuestion>, const AskOptions&, Answers&&);
+template Result<Answers> ask(Connection&, std::span<const BoxQuestion>, const AskOptions&, Answers&&);
+template Result<Answers> ask(Connection&, std::span<const NearQuestion>, const AskOptions&, Answers&&);
+
+Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> motions,
+                      const AskOptions& options) {
+  using Wire = QuestionWire<SweepQuestion>;
+  if (auto error = fault_of(motions)) {
+    return *error;
+  }
+  const Result<std::vector<std::uint8_t>> bytes = encode_shape(shape, Vec3::Ones(), Wire::noun);
+  if (!bytes) {
+    return bytes.error();
+  }
+  const Request request{Wire::kind, Wire::noun,  Wire::number_count,          motions.size(),
+                        motions.data(), &encode_some<SweepQuestion>, *bytes};
+  Result<Answers> answers = run(connection, request, options, {});
+  if (!answers) {
+    return answers;
+  }
+  for (Answer& answer : answers->answers) {
+    for (Hit& hit : answer.hits) {
+      hit.time_low = hit.exit_m;
+      hit.time_high = hit.distance_m;
+      hit.distance_m = hit.exit_m = hit.error_m = 0;
+    }
+  }
+  return answers;
+}
+
+}  // namespace collided::client

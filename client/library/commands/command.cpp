@@ -1,0 +1,146 @@
+#include "client/library/commands/command.hpp"
+
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "client/library/asking/answer_decoding.hpp"
+#include "client/library/connection/errors.hpp"
+#include "client/library/publishing/shape_encoding.hpp"
+
+namespace collided::client {
+namespace {
+
+using wire_contract::ReplyStatus;
+
+// The text's chunks by number: they may come in any order.
+class TextCollector {
+ public:
+  void add(const wire::Reply& reply) {
+    chunk_count_ = reply.chunk_count;
+    chunks_[reply.chunk_index] = text_of(reply);
+  }
+  bool complete() const { return chunk_count_ > 0 && chunks_.size() == chunk_count_; }
+  std::string text() const {
+    std::string all;
+    for (const auto& [index, text] : chunks_) {
+      all += text;
+    }
+    return all;
+  }
+
+ private:
+  std::size_t chunk_count_ = 0;
+  std::map<std::uint32_t, std::string> chunks_;
+};
+
+Result<std::string> command_text(std::string_view name, std::string_view json_arguments) {
+  const std::string where = "command '" + std::string(name) + "': ";
+  nlohmann::json arguments =
+      json_arguments.empty() ? nlohmann::json::object() : nlohmann::json::parse(json_arguments, nullptr, false);
+  if (!arguments.is_object()) {
+    return bad_input(where + "its arguments are not a JSON object");
+  }
+  arguments["command"] = name;
+  std::string text = arguments.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (text.size() >= sizeof(wire::Query::text)) {
+    return bad_input(where + "its arguments have " + std::to_string(text.size()) + " bytes; allowed " +
+                     std::to_string(sizeof(wire::Query::text) - 1));
+  }
+  return text;
+}
+
+double fraction(const std::string& text) {
+  const nlohmann::json parsed = nlohmann::json::parse(text, nullptr, false);
+  return parsed.is_object() && parsed.contains("fraction") && parsed["fraction"].is_number()
+             ? parsed["fraction"].get<double>()
+             : 0;
+}
+
+std::optional<Error> send_command(Connection& connection, Requests::Running& running, const std::string& text,
+                                  std::span<const std::uint8_t> blob) {
+  wire::Query& query = running.query();
+  query = {};
+  query.request = running.number();
+  query.chunk_count = 1;
+  query.kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
+  static_cast<void>(dds::set_text(query.text, text));  // its length was checked
+  dds::borrow(query.blob, blob);
+  return connection.send(query);
+}
+
+}  // namespace
+
+Result<std::string> command(Connection& connection, std::string_view name, std::string_view json_arguments,
+                            const Shape& shape, std::chrono::nanoseconds timeout,
+                            const std::function<void(double)>& progress) {
+  std::vector<std::uint8_t> blob;
+  if (!shape.empty()) {
+    Result<std::vector<std::uint8_t>> encoded = encode_shape(shape, Vec3::Ones(), std::string(name));
+    if (!encoded) {
+      return encoded.error();
+    }
+    blob = std::move(*encoded);
+  }
+  return command_with_blob(connection, name, json_arguments, blob, timeout, progress);
+}
+
+Result<std::string> command(Connection& connection, std::string_view name, const nlohmann::json& arguments,
+                            std::chrono::nanoseconds timeout) {
+  std::string text;
+  try {
+    text = arguments.dump();
+  } catch (const nlohmann::json::type_error&) {
+    return bad_input(std::string(name) + ": a name is not UTF-8 text. Nothing was sent");
+  }
+  return command_with_blob(connection, name, text, {}, timeout, {});
+}
+
+Result<std::string> command_with_blob(Connection& connection, std::string_view name, std::string_view json_arguments,
+                                      std::span<const std::uint8_t> blob, std::chrono::nanoseconds timeout,
+                                      const std::function<void(double)>& progress) {
+  const Result<std::string> text = command_text(name, json_arguments);
+  if (!text) {
+    return text.error();
+  }
+  Clock::time_point deadline = Clock::now() + timeout;
+  if (auto error = connection.ready(deadline)) {
+    return *error;
+  }
+  const std::uint64_t server = connection.pulse().server();
+  const std::unique_ptr<Requests::Running> running = connection.requests().begin();
+  if (!running) {
+    return Error{ErrorCode::refused, std::to_string(Requests::kMost) + " requests of this client wait for answers",
+                 kNothingSent};
+  }
+  if (auto error = send_command(connection, *running, *text, blob)) {
+    return *error;
+  }
+  TextCollector collector;
+  while (!collector.complete()) {
+    const Connection::Waited waited = connection.wait(*running, deadline, server, std::string(name));
+    if (waited.error) {
+      return *waited.error;
+    }
+    for (const auto& reply : *waited.replies) {
+      if ((*reply)->server != server) {
+        continue;  // a second server on this namespace
+      }
+      const auto status = static_cast<ReplyStatus>((*reply)->status);
+      if (status == ReplyStatus::refused) {
+        return refusal(text_of(**reply));
+      }
+      if (status == ReplyStatus::progress) {
+        deadline = Clock::now() + timeout;
+        if (progress) {
+          progress(fraction(text_of(**reply)));
+        }
+      } else {
+        collector.add(**reply);
+      }
+    }
+  }
+  return collector.text();
+}
+
+}  // namespace collided::client

@@ -1,0 +1,178 @@
+#include "client/library/connection/connection.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include "client/library/connection/errors.hpp"
+
+namespace collided::client {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
+
+// A reply written before the reader was matched is lost, so hello is said again until one comes through: when
+// somebody new was matched, which is when it may succeed, and every 20 ms.
+constexpr milliseconds kHelloPeriod{20};
+constexpr milliseconds kMatchPeriod{1};
+
+std::string server_words(const ConnectOptions& options) {
+  return "domain " + std::to_string(options.domain) + ", namespace '" + options.name_space + '\'';
+}
+
+}  // namespace
+
+std::uint64_t random_number() {
+  std::random_device device;
+  std::uint64_t number = 0;
+  while (number == 0) {
+    number = (std::uint64_t{device()} << 32) | device();
+  }
+  return number;
+}
+
+Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant)
+    : options_(options),
+      participant_(std::move(participant)),
+      client_(random_number()),
+      requests_(client_),
+      query_topic_(*participant_, options.name_space),
+      reply_topic_(*participant_, options.name_space),
+      status_topic_(*participant_, options.name_space),
+      reply_reader_(reply_topic_, {.data = [this](dds::Taker<wire::Reply> taker) { requests_.take_replies(taker); },
+                                   .partition = wire_contract::reply_partition(client_)}),
+      status_reader_(status_topic_, {.data = [this](dds::Taker<wire::Status> taker) {
+        while (taker.take(incoming_status_)) {
+          if (incoming_status_.info().valid_data) {
+            pulse_.hear(incoming_status_);
+          }
+        }
+      }}),
+      query_writer_(query_topic_, {.max_blocking_ns = 1'000'000'000}) {}
+
+Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {
+  const Clock::time_point deadline = Clock::now() + std::max(options.wait, nanoseconds(0));
+  try {
+    const std::shared_ptr<Connection> connection(new Connection(options, join_domain(options, role)));
+    if (!connection->greet(deadline)) {
+      return connection->no_server();
+    }
+    return connection;
+  } catch (const std::invalid_argument& wrong) {
+    return bad_input(wrong.what());
+  } catch (const dds::DdsError& failed) {
+    return Error{ErrorCode::internal, failed.what(), "is '" + options.interface + "' an interface of this machine?"};
+  }
+}
+
+bool Connection::greet(Clock::time_point deadline) {
+  const std::unique_ptr<Requests::Running> hello = requests_.begin();
+  if (!hello) {
+    return false;
+  }
+  wire::Query& query = hello->query();
+  query = {};
+  query.request = hello->number();
+  query.chunk_count = 1;
+  query.kind = static_cast<std::uint8_t>(wire_contract::QueryKind::hello);
+  std::uint32_t matched = 0;
+  Clock::time_point next_hello = Clock::now();
+  do {
+    const std::uint32_t matched_now = query_writer_.matched_readers() + reply_reader_.matched_writers();
+    if (matched_now != std::exchange(matched, matched_now) || Clock::now() >= next_hello) {
+      if (send(query)) {
+        return false;
+      }
+      next_hello = Clock::now() + kHelloPeriod;
+    }
+    const auto& replies = hello->wait(std::min(deadline, Clock::now() + kMatchPeriod));
+    if (!replies.empty()) {
+      const std::uint64_t server = (**replies.front()).server;
+      pulse_.greeted(server);
+      greeted_server_.store(server, std::memory_order_release);
+      return true;
+    }
+  } while (Clock::now() < deadline);
+  return false;
+}
+
+Error Connection::no_server() const {
+  const std::size_t seen = participant_->others_seen();
+  std::string hint = "seen on this domain: " + std::to_string(seen) + (seen == 1 ? " participant" : " participants") +
+                     (seen > 0 ? ", none of ours" : "") + "; start a server with 'collided'";
+  if (participant_->configured_by_environment()) {
+    hint += "; CYCLONEDDS_URI is set and was used as it is";
+  }
+  return {ErrorCode::no_server, "no collided answered in " + words(options_.wait) + " on " + server_words(options_),
+          hint};
+}
+
+Error Connection::disconnected() const {
+  return {ErrorCode::disconnected,
+          "the server on " + server_words(options_) + " has been silent for " +
+              words(Clock::now() - pulse_.last_heard()),
+          "it has stopped, hangs or is cut off; the connection resumes by itself when it is back"};
+}
+
+std::optional<Error> Connection::ready(Clock::time_point deadline) {
+  const std::uint64_t server = pulse_.server();
+  if (pulse_.silent()) {
+    return disconnected();
+  }
+  if (server == greeted_server_.load(std::memory_order_acquire)) {
+    return std::nullopt;
+  }
+  const std::lock_guard lock(greeting_mutex_);
+  if (pulse_.server() == greeted_server_.load(std::memory_order_acquire) || greet(deadline)) {
+    return std::nullopt;
+  }
+  return disconnected();
+}
+
+std::optional<Error> Connection::send(wire::Query& query) {
+  query.client = client_;
+  try {
+    if (query_writer_.write(query)) {
+      return std::nullopt;
+    }
+  } catch (const dds::DdsError& failed) {
+    return Error{ErrorCode::internal, failed.what(), ""};
+  }
+  return Error{ErrorCode::timeout, "the server took no question for 1 s: its queue is full",
+               "ask less at a time, or give it more threads"};
+}
+
+Connection::Waited Connection::wait(Requests::Running& request, Clock::time_point deadline, std::uint64_t server,
+                                    const std::string& what) {
+  const nanoseconds lost(wire_contract::kStatusLostNs);
+  while (true) {
+    const auto& replies = request.wait(std::min(deadline, pulse_.last_heard() + lost));
+    if (!replies.empty()) {
+      pulse_.hear_reply();
+      return {&replies};
+    }
+    if (pulse_.server() != server) {
+      return {.error = Error{ErrorCode::disconnected, what + ": the server was replaced by another one meanwhile",
+                             "ask again; the new server is connected already"}};
+    }
+    if (Clock::now() >= deadline) {
+      return {.error = Error{ErrorCode::timeout, what + ": no answer in time; the server lives",
+                             "a longer timeout, fewer questions or a deadline may help"}};
+    }
+    if (pulse_.silent()) {
+      return {.error = disconnected()};
+    }
+  }
+}
+
+WriteBarrier Connection::last_write() const {
+  const std::lock_guard lock(fence_mutex_);
+  return last_write_;
+}
+
+void Connection::note_write(const WriteBarrier& fence) {
+  const std::lock_guard lock(fence_mutex_);
+  last_write_ = fence;
+}
+
+}  // namespace collided::client

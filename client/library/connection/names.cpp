@@ -1,0 +1,30 @@
+#include "client/library/connection/names.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "idl/topics.hpp"
+
+namespace collided::client {
+
+void Names::learn(std::span<const std::uint64_t> ids, std::span<const std::uint8_t> packed) {
+  if (ids.empty()) {
+    return;
+  }
+  const std::vector<std::string_view> names = wire_contract::unpack_names(packed);
+  const std::lock_guard lock(mutex_);
+  for (std::size_t i = 0; i < std::min(ids.size(), names.size()); ++i) {
+    Entry& entry = by_slot_[static_cast<std::uint32_t>(ids[i])];
+    if (entry.id != ids[i] || entry.name != names[i]) {
+      entry = {ids[i], std::string(names[i])};
+    }
+  }
+}
+
+std::string Names::name(std::uint64_t id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = by_slot_.find(static_cast<std::uint32_t>(id));
+  return found != by_slot_.end() && found->second.id == id ? found->second.name : '#' + std::to_string(id);
+}
+
+}  // namespace collided::client

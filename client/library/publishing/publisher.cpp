@@ -1,0 +1,273 @@
+#include "client/library/publishing/publisher.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "client/library/asking/question_encoding.hpp"
+#include "client/library/connection/errors.hpp"
+#include "client/library/publishing/shape_encoding.hpp"
+
+namespace collided {
+
+using client::bad_input;
+using client::Clock;
+using client::PublishedObject;
+using client::PublishedObjects;
+using std::chrono::nanoseconds;
+
+namespace {
+
+constexpr nanoseconds kLease(wire_contract::kPublisherLeaseNs);
+// A call that comes this soon after the last word needs not say again that the publisher lives.
+constexpr nanoseconds kWordPeriod = kLease / 5;
+// Longer than from one pose to the next of what moves.
+constexpr nanoseconds kAtRest = kLease;
+constexpr std::int64_t kGoodbyeSliceNs = 10'000'000;
+
+std::int64_t since_1970_ns() {
+  return std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+std::optional<std::string> pose_fault(const Pose& pose) {
+  auto found = client::finite_fault(pose.position, "position");
+  return found ? found : client::rotation_fault(pose.rotation);
+}
+
+std::optional<std::string> name_fault(const std::string& name) {
+  if (name.empty() || name.size() > wire_contract::kMaxNameBytes) {
+    return "its name has " + std::to_string(name.size()) + " bytes; allowed 1 to " +
+           std::to_string(wire_contract::kMaxNameBytes);
+  }
+  if (name.find('\0') != std::string::npos) {
+    return "its name holds a zero byte";
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Publisher::Publisher(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Publisher::~Publisher() = default;
+Publisher::Publisher(Publisher&&) noexcept = default;
+Publisher& Publisher::operator=(Publisher&&) noexcept = default;
+
+Result<Publisher::Object> Publisher::add(const ObjectOptions& options) { return state_->add(options); }
+Result<void> Publisher::remove(Object object) { return state_->remove(object); }
+Result<void> Publisher::move(Object object, const Pose& pose, bool teleport) {
+  return state_->move(object, pose, teleport);
+}
+Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) { return state_->flush(source_time); }
+void Publisher::stream() { state_->stream(); }
+Result<void> Publisher::keep_alive() { return state_->keep_alive(); }
+Result<void> Publisher::wait_applied(std::chrono::nanoseconds timeout) { return state_->wait_applied(timeout); }
+
+Publisher::State::State(std::shared_ptr<client::Connection> connection, const std::string& name)
+    : connection_(std::move(connection)),
+      publisher_(client::random_number()),
+      incarnation_(static_cast<std::uint64_t>(since_1970_ns())),
+      server_(connection_->pulse().server()),
+      outages_(connection_->pulse().outages()),
+      last_word_(Clock::now()),
+      object_topic_(connection_->participant(), connection_->options().name_space),
+      pose_topic_(connection_->participant(), connection_->options().name_space),
+      object_writer_(object_topic_, {.lease_ns = wire_contract::kPublisherLeaseNs}),
+      pose_writer_(pose_topic_, {.lease_ns = wire_contract::kPublisherLeaseNs}) {
+  definition_->publisher = batch_->publisher = publisher_;
+  definition_->incarnation = batch_->incarnation = incarnation_;
+  static_cast<void>(dds::set_text(definition_->publisher_name, name));  // its length was checked
+}
+
+Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_ptr<client::Connection> connection,
+                                                                  const std::string& name) {
+  if (auto reason = name_fault(name)) {
+    return bad_input("publisher: " + *reason);
+  }
+  try {
+    std::unique_ptr<State> state(new State(std::move(connection), name));
+    // Batches are volatile: one written before the server's reader was met would be lost.
+    const Clock::time_point deadline = Clock::now() + state->connection_->options().wait;
+    while (state->pose_writer_.matched_readers() == 0 || state->object_writer_.matched_readers() == 0) {
+      if (Clock::now() > deadline) {
+        return Error{ErrorCode::no_server, "publisher '" + name + "': the server does not read poses", ""};
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return state;
+  } catch (const dds::DdsError& failed) {
+    return Error{ErrorCode::internal, failed.what(), ""};
+  }
+}
+
+// Leaving orderly is removal, not loss: the objects go at once and whatever the policy for lost ones says.
+Publisher::State::~State() {
+  try {
+    for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
+      if (objects_.at(number).used && write_definition(number, objects_.at(number), true)) {
+        break;
+      }
+    }
+    // A dead server's reader acknowledges nothing for as long as DDS keeps it; the living server's status will do.
+    const Clock::time_point until = Clock::now() + std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs);
+    while (!object_writer_.wait_for_acknowledgements(kGoodbyeSliceNs) && !is_applied() && Clock::now() < until) {
+    }
+  } catch (const dds::DdsError&) {
+    // The lease runs out instead.
+  }
+}
+
+bool Publisher::State::is_applied() const {
+  const auto view = connection_->pulse().publisher(publisher_);
+  return view && view->applied_sequence >= sequence_;
+}
+
+std::optional<Error> Publisher::State::object_fault(const ObjectOptions& options) const {
+  const std::string where = "object '" + options.name + "': ";
+  if (auto reason = name_fault(options.name)) {
+    return bad_input(where + *reason);
+  }
+  if (objects_.has_name(options.name)) {
+    return bad_input(where + "this publisher has an object of that name already");
+  }
+  if (auto reason = pose_fault(options.pose)) {
+    return bad_input(where + *reason);
+  }
+  const bool is_endless = std::any_of(options.shape.begin(), options.shape.end(), [](const ShapePart& part) {
+    return std::holds_alternative<HalfSpaceShape>(part);
+  });
+  if (is_endless && options.moving) {
+    return bad_input(where + "a half-space has no end, so it cannot move", "set moving to false");
+  }
+  return std::nullopt;
+}
+
+Error Publisher::State::unknown(Object object) const {
+  return bad_input("object " + std::to_string(object) + " was not added to this publisher, or is removed");
+}
+
+Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options) {
+  Result<std::vector<std::uint8_t>> shape = client::encode_shape(options.shape, options.scale, "object '" + options.name + '\'');
+  const std::lock_guard lock(mutex_);
+  if (auto error = object_fault(options)) {
+    return *error;
+  }
+  if (!shape) {
+    return shape.error();
+  }
+  if (auto error = say_alive()) {
+    return *error;
+  }
+  const std::optional<Object> object = objects_.add(options, std::move(*shape));
+  if (!object) {
+    return bad_input("object '" + options.name + "': a publisher holds at most " +
+                     std::to_string(PublishedObjects::kMost) + " objects");
+  }
+  const std::uint32_t number = PublishedObjects::number(*object);
+  if (auto error = write_definition(number, objects_.at(number), false)) {
+    objects_.remove(*object);
+    return *error;
+  }
+  return *object;
+}
+
+Result<void> Publisher::State::remove(Object object) {
+  const std::lock_guard lock(mutex_);
+  if (objects_.find(object) == nullptr) {
+    return unknown(object);
+  }
+  if (auto error = say_alive()) {
+    return *error;
+  }
+  const std::uint32_t number = PublishedObjects::number(object);
+  if (auto error = write_definition(number, objects_.at(number), true)) {
+    return *error;
+  }
+  objects_.remove(object);
+  return {};
+}
+
+Result<void> Publisher::State::move(Object object, const Pose& pose, bool teleport) {
+  const std::lock_guard lock(mutex_);
+  const PublishedObject* const moved = objects_.find(object);
+  if (moved == nullptr) {
+    return unknown(object);
+  }
+  if (auto reason = pose_fault(pose)) {
+    return bad_input("object '" + moved->options.name + "': " + *reason, "its pose is as before");
+  }
+  if (!moved->options.moving) {
+    return bad_input("object '" + moved->options.name + "' was added as static", "its pose is as before");
+  }
+  objects_.set_pose(object, pose, teleport);
+  if (Clock::now() - last_word_ > kWordPeriod) {
+    if (auto error = say_alive()) {
+      return *error;
+    }
+  }
+  return {};
+}
+
+Result<std::uint64_t> Publisher::State::flush(nanoseconds source_time) {
+  const std::lock_guard lock(mutex_);
+  if (auto error = say_alive()) {
+    return *error;
+  }
+  has_own_clock_ = source_time.count() == 0;
+  if (auto error = send_waiting(has_own_clock_ ? since_1970_ns() : source_time.count())) {
+    return *error;
+  }
+  return sequence_;
+}
+
+void Publisher::State::stream() {
+  const std::lock_guard lock(mutex_);
+  is_streamed_ = true;
+}
+
+/// Who has moved nothing for long rests: others' objects need not wait for its next flush. Only while the times are this
+/// library's own, since a user's next one may lie before now.
+std::optional<Error> Publisher::State::say_at_rest() {
+  const bool is_due = has_own_clock_ && objects_.waiting().empty() && Clock::now() - last_instant_ > kAtRest;
+  return is_due ? write_instant(since_1970_ns()) : std::nullopt;
+}
+
+Result<void> Publisher::State::keep_alive() {
+  const std::lock_guard lock(mutex_);
+  if (auto error = say_alive()) {
+    return *error;
+  }
+  if (auto error = say_at_rest()) {
+    return *error;
+  }
+  return {};
+}
+
+Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
+  const Clock::time_point deadline = Clock::now() + timeout;
+  while (true) {
+    std::uint64_t wanted = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      if (auto error = say_alive()) {  // the user's thread is here, so it does not hang
+        return *error;
+      }
+      wanted = sequence_;
+    }
+    const auto view = connection_->pulse().publisher(publisher_);
+    const std::uint64_t applied = view ? view->applied_sequence : 0;
+    if (applied >= wanted) {
+      return {};
+    }
+    if (Clock::now() >= deadline) {
+      return Error{ErrorCode::timeout,
+                   "publish: the server has applied " + std::to_string(applied) + " of " + std::to_string(wanted) +
+                       " messages in " + client::words(timeout),
+                   ""};
+    }
+    if (connection_->pulse().silent()) {
+      return connection_->disconnected();
+    }
+    connection_->pulse().wait_for_status(std::min(deadline, Clock::now() + kWordPeriod));
+  }
+}
+
+}  // namespace collided

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "client/library/connection/connection.hpp"
+#include "client/library/publishing/published_objects.hpp"
+#include "client/library/publishing/unacknowledged_poses.hpp"
+
+namespace collided {
+
+/// The stream of one publisher: definitions and pose batches under one count, kept alive by its user's calls only, so
+/// that a user thread that hangs is seen as lost. Having been away longer than the lease, or meeting a new server, it
+/// defines everything anew before it goes on.
+struct [[gnu::visibility("hidden")]] Publisher::State {
+  static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& name);
+  ~State();
+
+  Result<Object> add(const ObjectOptions& options);
+  Result<void> remove(Object object);
+  Result<void> move(Object object, const Pose& pose, bool teleport);
+  Result<std::uint64_t> flush(std::chrono::nanoseconds source_time);
+  void stream();
+  Result<void> keep_alive();
+  Result<void> wait_applied(std::chrono::nanoseconds timeout);
+
+ private:
+  State(std::shared_ptr<client::Connection> connection, const std::string& name);
+  std::optional<Error> object_fault(const ObjectOptions& options) const;
+  Error unknown(Object object) const;
+
+  std::optional<Error> say_alive();
+  bool is_forgotten() const;
+  bool is_behind() const;
+  bool is_applied() const;
+  bool has_room();
+  std::optional<Error> define_all();
+  std::optional<Error> write_definition(std::uint32_t number, const client::PublishedObject& object, bool removed);
+  std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags, std::int64_t time_ns);
+  void fill_batch(std::uint8_t flags, std::int64_t time_ns);
+  std::optional<Error> write_instant(std::int64_t time_ns);
+  std::optional<Error> say_at_rest();
+  std::optional<Error> send_waiting(std::int64_t time_ns);
+  void note_written();
+
+  std::shared_ptr<client::Connection> connection_;
+  std::uint64_t publisher_;
+  std::uint64_t incarnation_;
+  std::mutex mutex_;
+  client::PublishedObjects objects_;
+  std::uint64_t sequence_ = 0;
+  std::uint64_t definitions_through_ = 0;
+  std::uint64_t defined_all_at_ = 0;  // sequence at which everything was last defined anew
+  std::uint64_t server_ = 0;
+  std::uint64_t outages_ = 0;  // before everything was defined anew
+  bool is_streamed_ = false;
+  bool has_own_clock_ = false;  // the last flush left its time to this library
+  client::Clock::time_point last_instant_;
+  client::UnacknowledgedPoses unacknowledged_;
+  client::Clock::time_point last_word_;
+  client::Clock::time_point last_sample_;
+  client::Clock::time_point defined_all_;
+  dds::Sample<wire::Definition> definition_;
+  dds::Sample<wire::PoseBatch> batch_;
+  std::vector<double> poses_, pose_columns_;
+  dds::Topic<wire::Definition> object_topic_;
+  dds::Topic<wire::PoseBatch> pose_topic_;
+  dds::Writer<wire::Definition> object_writer_;
+  dds::Writer<wire::PoseBatch> pose_writer_;
+};
+
+}  // namespace collided

@@ -1,0 +1,206 @@
+#include <algorithm>
+
+#include "client/library/connection/errors.hpp"
+#include "client/library/publishing/publisher.hpp"
+#include "idl/columns.hpp"
+
+namespace collided {
+
+using client::Clock;
+using client::PublishedObject;
+using client::PublishedObjects;
+using wire_contract::kMaxPosesPerBatch;
+using wire_contract::kPoseNumbers;
+
+namespace {
+
+constexpr std::int64_t kAcknowledgementNs = 1'000'000'000;
+// So long after everything was sent anew each batch says so: the first ones may come before the new server's reader is there.
+constexpr std::chrono::milliseconds kSaysSo{2'000};
+// Several statuses after the last sample; one of them must have counted it.
+constexpr std::chrono::milliseconds kBehind{500};
+
+double* put_pose(const Pose& pose, double* numbers) {
+  numbers = std::copy_n(pose.position.data(), 3, numbers);
+  *numbers++ = pose.rotation.w();
+  return std::copy_n(pose.rotation.vec().data(), 3, numbers);
+}
+
+Error not_taken() {
+  return {ErrorCode::timeout, "publish: the server takes nothing more",
+          "what was not sent waits for the next flush"};
+}
+
+// DDS throws; the public interface does not.
+template <class Write>
+std::optional<Error> guarded(const Write& write) {
+  try {
+    return write();
+  } catch (const dds::DdsError& failed) {
+    return Error{ErrorCode::internal, failed.what(), ""};
+  }
+}
+
+}  // namespace
+
+std::optional<Error> Publisher::State::say_alive() {
+  if (is_forgotten() || is_behind()) {
+    return define_all();
+  }
+  return guarded([&]() -> std::optional<Error> {
+    object_writer_.assert_liveliness();
+    pose_writer_.assert_liveliness();
+    last_word_ = Clock::now();
+    return std::nullopt;
+  });
+}
+
+bool Publisher::State::is_forgotten() const {
+  if (Clock::now() - last_word_ > std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs) ||
+      connection_->pulse().server() != server_) {
+    return true;
+  }
+  // What was written into the outage may be lost; what is written before the readers are found again would be too.
+  if (connection_->pulse().outages() != outages_ && pose_writer_.matched_readers() > 0 && object_writer_.matched_readers() > 0) return true;
+  // A status from before everything was defined anew says nothing about now.
+  const auto view = connection_->pulse().publisher(publisher_);
+  return view && view->lost && view->applied_sequence >= defined_all_at_;
+}
+
+// A batch may have been written before a new server's reader was there to take it: its poses would be missing until the
+// objects move again.
+bool Publisher::State::is_behind() const {
+  const auto view = connection_->pulse().publisher(publisher_);
+  return view && !view->lost && view->applied_sequence < sequence_ && !connection_->pulse().silent() &&
+         Clock::now() - last_sample_ > kBehind;
+}
+
+// What the server's status says goes before what DDS knows: acknowledgements come up to 20 ms late, and those of a dead
+// server's reader, which DDS keeps for its participant's lease of ten seconds, never.
+bool Publisher::State::has_room() {
+  if (!unacknowledged_.is_full()) return true;
+  const auto view = connection_->pulse().publisher(publisher_);
+  if (view && !connection_->pulse().silent()) unacknowledged_.note_known(view->applied_sequence);
+  if (!unacknowledged_.is_full()) return true;
+  if (!pose_writer_.wait_for_acknowledgements(kAcknowledgementNs)) return false;
+  unacknowledged_.note_all_known();
+  return true;
+}
+
+std::optional<Error> Publisher::State::define_all() {
+  // A new server's reader has everything of this life still before it.
+  if (server_ != connection_->pulse().server()) unacknowledged_.note_all_known();
+  server_ = connection_->pulse().server();
+  outages_ = connection_->pulse().outages();
+  defined_all_at_ = sequence_ + 1;
+  for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
+    if (!objects_.at(number).used) {
+      continue;
+    }
+    if (auto error = write_definition(number, objects_.at(number), false)) {
+      return error;
+    }
+  }
+  objects_.mark_sent(objects_.waiting().size());  // definitions carry the newest poses
+  defined_all_ = Clock::now();
+  return write_batch({}, 0, 0);  // revives the pose writer, whose lease ran out as well
+}
+
+std::optional<Error> Publisher::State::write_definition(std::uint32_t number, const PublishedObject& object,
+                                                        bool removed) {
+  wire::Definition& definition = *definition_;
+  definition.object_number = number;
+  definition.sequence_number = sequence_ + 1;
+  definition.removed = removed;
+  definition.moving = object.options.moving;
+  definition.lost_policy = static_cast<std::uint8_t>(object.options.lost_policy);
+  static_cast<void>(dds::set_text(definition.name, object.options.name));  // its length was checked
+  definition.layers = object.options.layers;
+  definition.mask = object.options.mask;
+  definition.group = object.options.group;
+  double pose[kPoseNumbers];
+  put_pose(object.options.pose, pose);
+  std::copy_n(pose, 3, definition.position);
+  std::copy_n(pose + 3, 4, definition.orientation);
+  dds::borrow(definition.shape, removed ? std::span<const std::uint8_t>() : std::span(object.shape));
+  return guarded([&]() -> std::optional<Error> {
+    if (!object_writer_.write(definition)) {
+      return not_taken();
+    }
+    definitions_through_ = sequence_ + 1;
+    note_written();
+    return std::nullopt;
+  });
+}
+
+void Publisher::State::fill_batch(std::uint8_t flags, std::int64_t time_ns) {
+  batch_->definitions_through = definitions_through_;
+  batch_->source_time_ns = time_ns;
+  batch_->flags = flags;
+  if (is_streamed_) batch_->flags |= wire_contract::kStreamed;
+  if (time_ns != 0) last_instant_ = Clock::now();
+  if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kAllSaid;
+}
+
+/// That what it does not name has rested up to then. Without a number: who misses it has missed no pose, and what was missed
+/// before must not look as if it had come.
+std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns) {
+  batch_->sequence_number = 0;
+  fill_batch(0, time_ns);
+  dds::borrow(batch_->object_numbers, std::span<const std::uint32_t>());
+  wire::lend_columns<wire::PoseBatch>({}, wire::kPoseColumns, pose_columns_, *batch_);
+  return guarded([&]() -> std::optional<Error> {
+    if (!has_room() || !pose_writer_.write(*batch_)) return not_taken();
+    last_word_ = Clock::now();
+    // The writer keeps it as it keeps poses, so it could push out some that the server has not got.
+    unacknowledged_.note_written(sequence_, 0);
+    return std::nullopt;
+  });
+}
+
+std::optional<Error> Publisher::State::write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags,
+                                                   std::int64_t time_ns) {
+  poses_.resize(numbers.size() * kPoseNumbers);
+  double* pose = poses_.data();
+  for (const std::uint32_t number : numbers) {
+    pose = put_pose(objects_.at(number).options.pose, pose);
+  }
+  batch_->sequence_number = sequence_ + 1;
+  fill_batch(flags, time_ns);
+  dds::borrow(batch_->object_numbers, numbers);
+  wire::lend_columns<wire::PoseBatch>(poses_, wire::kPoseColumns, pose_columns_, *batch_);
+  return guarded([&]() -> std::optional<Error> {
+    if (!has_room() || !pose_writer_.write(*batch_)) {
+      return not_taken();
+    }
+    note_written();
+    unacknowledged_.note_written(sequence_, numbers.size_bytes() + poses_.size() * sizeof(double));
+    return std::nullopt;
+  });
+}
+
+void Publisher::State::note_written() {
+  ++sequence_;
+  last_word_ = last_sample_ = Clock::now();
+  connection_->note_write({publisher_, sequence_});
+}
+
+std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
+  std::size_t plain_left = objects_.sort_waiting();
+  if (objects_.waiting().empty() && objects_.size() > 0) return write_instant(time_ns);
+  while (!objects_.waiting().empty()) {
+    const bool teleported = plain_left == 0;
+    const std::size_t of_a_kind = teleported ? objects_.waiting().size() : plain_left;
+    const std::size_t count = std::min<std::size_t>(of_a_kind, kMaxPosesPerBatch);
+    std::uint8_t flags = teleported ? wire_contract::kTeleported : 0;
+    if (count < objects_.waiting().size()) flags |= wire_contract::kMoreFollows;
+    if (auto error = write_batch(objects_.waiting().first(count), flags, time_ns)) {
+      return error;
+    }
+    objects_.mark_sent(count);
+    plain_left -= teleported ? 0 : count;
+  }
+  return std::nullopt;
+}
+
+}  // namespace collided

@@ -1,0 +1,274 @@
+#include "client/library/recordings/recorded_events.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <variant>
+
+#include "client/library/connection/errors.hpp"
+#include "client/library/watching/pair_filter.hpp"
+#include "client/library/watching/watch_decoding.hpp"
+#include "collided/recording.hpp"
+#include "idl/cdr.hpp"
+
+namespace collided {
+namespace client {
+namespace {
+
+using recording::Recorded;
+using std::chrono::nanoseconds;
+using Pair = std::pair<std::uint64_t, std::uint64_t>;
+using Heard = std::variant<HeardFrame, HeardShard, HeardBookmark>;
+
+struct TimedMessage {
+  std::uint64_t log_time = 0;
+  Heard heard;
+};
+
+/// Those that cannot be read count as lost, as for a live watch.
+std::vector<TimedMessage> messages_of(const RecordedItems& recorded, Names& names) {
+  std::vector<TimedMessage> messages;
+  dds::Sample<wire::EventFrame> frame;
+  dds::Sample<wire::ContactShard> shard;
+  dds::Sample<wire::Status> status;
+  for (const RecordedItem& item : recorded.items) {
+    if (item.topic == Recorded::event && wire::read_cdr(item.data, frame)) {
+      if (auto heard = decode(*frame, names)) messages.push_back({item.log_time, std::move(*heard)});
+    } else if (item.topic == Recorded::contact && wire::read_cdr(item.data, shard)) {
+      if (auto heard = decode(*shard, names)) messages.push_back({item.log_time, std::move(*heard)});
+    } else if (item.topic == Recorded::status && wire::read_cdr(item.data, status)) {
+      messages.push_back({item.log_time, decode(*status)});
+    }
+  }
+  return messages;
+}
+
+/// What a recording has of one life of a server, by the sequence of its events.
+struct LifeSpan {
+  std::uint64_t before = 0;  // the newest event from before the recording
+  std::uint64_t last = 0;    // the newest that is known of
+  std::uint64_t heard = 0;
+
+  std::uint64_t lost() const { return last - before > heard ? last - before - heard : 0; }
+};
+
+LifeSpan span_of_life(const ServerLife& life, const std::vector<TimedMessage>& messages) {
+  std::optional<std::uint64_t> first_event, first_bookmark, live_bookmark;
+  LifeSpan span;
+  for (const TimedMessage& message : messages) {
+    if (const auto* const frame = std::get_if<HeardFrame>(&message.heard); frame != nullptr && frame->from == life && !frame->entries.empty()) {
+      if (!first_event) first_event = std::max<std::uint64_t>(frame->first_sequence, 1);
+      span.heard += frame->entries.size();
+      span.last = std::max<std::uint64_t>(span.last, frame->first_sequence + frame->entries.size() - 1);
+    }
+    const auto* const bookmark = std::get_if<HeardBookmark>(&message.heard);
+    if (bookmark == nullptr || bookmark->from != life) continue;
+    // The first may be one that was kept for late joiners, from before the recorder listened to events.
+    if (first_bookmark && !live_bookmark) live_bookmark = bookmark->last_event_sequence;
+    if (!first_bookmark) first_bookmark = bookmark->last_event_sequence;
+    span.last = std::max(span.last, bookmark->last_event_sequence);
+  }
+  span.before = live_bookmark ? *live_bookmark : first_event ? *first_event - 1 : first_bookmark.value_or(0);
+  if (first_event) span.before = std::min(span.before, *first_event - 1);
+  return span;
+}
+
+/// The contacts that held after event `at`, as far as later or earlier messages tell.
+class OpeningContacts {
+ public:
+  OpeningContacts(const ServerLife& life, std::uint64_t at, nanoseconds begin) : life_(life), at_(at), begin_(begin) {}
+
+  void gather(const std::vector<TimedMessage>& messages) {
+    for (const TimedMessage& message : messages) {
+      const auto* const shard = std::get_if<HeardShard>(&message.heard);
+      if (shard != nullptr && shard->from == life_ && shard->shard < shards_.size()) take_shard(*shard);
+    }
+    for (const HeardShard* const shard : shards_) {
+      if (shard == nullptr) continue;
+      for (const Event& contact : shard->contacts) hold(contact);
+    }
+    for (const HeardShard* const shard : later_) {
+      for (const Event& contact : shard->contacts) hold(contact);
+    }
+    for (const TimedMessage& message : messages) {
+      const auto* const frame = std::get_if<HeardFrame>(&message.heard);
+      if (frame == nullptr || frame->from != life_) continue;
+      for (const HeardFrame::Entry& entry : frame->entries) {
+        if (entry.event.kind == EventKind::ended) take_end(entry.event);
+      }
+    }
+  }
+
+  void tell(WatchState& watch, Clock::time_point now) const {
+    std::array<HeardShard, wire_contract::kContactShards> shards;
+    HeardBookmark bookmark{.from = life_, .last_event_sequence = at_, .contact_count = 0, .contact_hash = 0, .world_time = begin_, .settled = true};
+    for (const auto& [pair, contact] : held_) {
+      shards[wire_contract::contact_shard(pair.first, pair.second)].contacts.push_back(contact);
+      bookmark.contact_hash += wire_contract::contact_hash(pair.first, pair.second, contact.episode);
+      ++bookmark.contact_count;
+    }
+    for (std::size_t i = 0; i < shards.size(); ++i) {
+      shards[i].from = life_;
+      shards[i].shard = static_cast<std::uint8_t>(i);
+      shards[i].as_of_sequence = at_;
+      watch.hear(shards[i], now);
+    }
+    watch.hear(bookmark, now);
+  }
+
+  std::uint64_t undated() const { return undated_; }
+
+ private:
+  void take_shard(const HeardShard& shard) {
+    if (shard.as_of_sequence > at_) {
+      later_.push_back(&shard);
+    } else if (const HeardShard*& newest = shards_[shard.shard]; newest == nullptr || newest->as_of_sequence <= shard.as_of_sequence) {
+      newest = &shard;
+    }
+  }
+
+  /// Of what a later shard has, some began only after the begin.
+  Event* hold(const Event& contact) {
+    if (contact.episode > at_) return nullptr;
+    const auto [held, is_new] = held_.try_emplace({contact.a_id, contact.b_id}, contact);
+    if (!is_new && held->second.episode < contact.episode) held->second = contact;
+    return &held->second;
+  }
+
+  void take_end(const Event& ended) {
+    if (ended.episode > at_) return;
+    const auto known = held_.find({ended.a_id, ended.b_id});
+    if (known == held_.end() || known->second.episode < ended.episode) {
+      Event* const contact = hold(ended);
+      contact->kind = EventKind::open;
+      contact->reason = EndReason::none;
+      contact->began = contact->world_time = begin_;
+      contact->bracket_low_s = contact->bracket_high_s = 0;
+      ++undated_;
+      return;
+    }
+    // A shard that is too large to carry names leaves them out.
+    known->second.a = ended.a;
+    known->second.b = ended.b;
+  }
+
+  ServerLife life_;
+  std::uint64_t at_;
+  nanoseconds begin_;
+  std::array<const HeardShard*, wire_contract::kContactShards> shards_{};  // the newest up to the begin
+  std::vector<const HeardShard*> later_;
+  std::map<Pair, Event> held_;
+  std::uint64_t undated_ = 0;
+};
+
+const ServerLife& life_of(const TimedMessage& message) {
+  return std::visit([](const auto& heard) -> const ServerLife& { return heard.from; }, message.heard);
+}
+
+}  // namespace
+
+MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchState& watch) {
+  const std::vector<TimedMessage> messages = messages_of(recorded, names);
+  MissingEvents missing;
+  if (messages.empty()) return missing;
+  std::vector<ServerLife> lives;
+  for (const TimedMessage& message : messages) {
+    if (std::find(lives.begin(), lives.end(), life_of(message)) == lives.end()) lives.push_back(life_of(message));
+  }
+  for (const ServerLife& life : lives) missing.lost += span_of_life(life, messages).lost();
+  OpeningContacts opening(lives.front(), span_of_life(lives.front(), messages).before, span_of(recorded).begin);
+  opening.gather(messages);
+  missing.undated = opening.undated();
+  opening.tell(watch, Clock::time_point(nanoseconds(messages.front().log_time)));
+  for (const TimedMessage& message : messages) {
+    const Clock::time_point now{nanoseconds(message.log_time)};
+    std::visit([&](const auto& heard) { watch.hear(heard, now); }, message.heard);
+  }
+  missing.is_begin_doubtful = missing.lost == 0 && lives.size() == 1 && (watch.resyncs() > 0 || !watch.in_step());
+  return missing;
+}
+
+RecordedSpan span_of(const RecordedItems& recorded) {
+  const auto first = std::find_if(recorded.items.begin(), recorded.items.end(), [](const RecordedItem& item) { return !item.opening; });
+  const RecordedItem& begin = first == recorded.items.end() ? recorded.items.front() : *first;
+  return {nanoseconds(begin.log_time), nanoseconds(recorded.items.back().log_time)};
+}
+
+std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanoseconds to) {
+  using NamePair = std::pair<std::string, std::string>;
+  struct Timed {
+    nanoseconds at;
+    const Event* event;
+  };
+  std::vector<Timed> timed;
+  std::map<NamePair, nanoseconds> last_of_pair;  // a pair's events stay in their order, whatever their brackets say
+  for (const Event& event : events) {
+    const auto [last, is_first] = last_of_pair.try_emplace(std::minmax(event.a, event.b), nanoseconds::min());
+    if (event.kind != EventKind::open) last->second = std::max(last->second, happened(event));
+    timed.push_back({last->second, &event});
+  }
+  std::stable_sort(timed.begin(), timed.end(), [](const Timed& a, const Timed& b) { return a.at < b.at; });
+
+  std::vector<Event> told;
+  std::map<NamePair, const Event*> held;
+  std::uint64_t sequence = 0;  // up to which the state at `from` goes
+  auto next = timed.begin();
+  for (; next != timed.end() && (next->event->kind == EventKind::open || next->at < from); ++next) {
+    const NamePair names = std::minmax(next->event->a, next->event->b);
+    sequence = std::max(sequence, next->event->sequence);
+    if (next->event->kind == EventKind::ended) {
+      held.erase(names);
+    } else {
+      held.insert_or_assign(names, next->event);
+    }
+  }
+  for (const auto& [names, contact] : held) {
+    if (contact->kind == EventKind::open && contact->began > to) continue;
+    Event& open = told.emplace_back(*contact);
+    open.kind = EventKind::open;
+    open.reason = EndReason::none;
+    open.resync = true;
+    open.sequence = sequence;
+  }
+  std::stable_sort(told.begin(), told.end(), [](const Event& a, const Event& b) { return a.began < b.began; });
+  for (; next != timed.end() && next->at <= to; ++next) told.push_back(*next->event);
+  return told;
+}
+
+}  // namespace client
+
+namespace {
+
+std::chrono::nanoseconds resolved(const RunTime& time, const client::RecordedSpan& span) {
+  switch (time.since) {
+    case RunTime::Since::begin: return span.begin + time.offset;
+    case RunTime::Since::end: return span.end + time.offset;
+    case RunTime::Since::year_1970: break;
+  }
+  return time.offset;
+}
+
+}  // namespace
+
+Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEventsOptions& options) try {
+  const client::RecordedItems recorded = client::read_items(client::read_recording(path), path, "Nothing was read");
+  const client::RecordedSpan span = client::span_of(recorded);
+  const auto from = options.from ? resolved(*options.from, span) : std::chrono::nanoseconds::min();
+  const auto to = options.to ? resolved(*options.to, span) : std::chrono::nanoseconds::max();
+  if (from > to) return client::bad_input("the end of what is asked for lies before its begin", "nothing was read");
+  std::vector<Event> events;
+  client::Names names;
+  client::WatchState watch([&](const Event& event) {
+    if (client::is_wanted(event, options.only, options.skip)) events.push_back(event);
+  });
+  const client::MissingEvents missing = client::hear_recording(recorded, names, watch);
+  RecordedEvents told{.events = client::in_window(std::move(events), from, to), .begin = span.begin, .end = span.end, .lost = missing.lost, .warnings = recorded.warnings};
+  const auto warn = [&](const std::string& what) { told.warnings.push_back(path + ": " + what); };
+  if (missing.lost > 0) warn(std::to_string(missing.lost) + " events are not in it; what they changed is marked resync as far as it shows");
+  if (missing.undated > 0) warn("of " + std::to_string(missing.undated) + " contacts it tells the end but not since when they held: at least from its begin");
+  if (missing.is_begin_doubtful) warn("it does not tell of every contact that held at its begin");
+  return told;
+} catch (const std::runtime_error& failed) {
+  return client::bad_input(failed.what(), "");
+}
+
+}  // namespace collided

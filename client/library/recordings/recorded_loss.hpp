@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "client/library/connection/server_pulse.hpp"
+
+namespace collided::client {
+
+/// What a listener of everything has missed, by the counts that the samples carry: publishers number what they send, the
+/// server its events; every reply has a question and every question a reply.
+///
+/// limits   publishers, servers and requests beyond kMost are not looked at
+/// threads  one
+class RecordedLoss {
+ public:
+  static constexpr std::size_t kMost = 100'000;
+
+  void hear_definition(std::uint64_t publisher, std::uint64_t incarnation, std::uint64_t sequence);
+  void hear_poses(std::uint64_t publisher, std::uint64_t incarnation, std::uint64_t sequence);
+  void hear_events(std::uint64_t server, std::uint64_t epoch, std::uint64_t first, std::uint64_t count);
+  void hear_question(std::uint64_t client, std::uint64_t request, Clock::time_point now);
+  void hear_reply(std::uint64_t client, std::uint64_t request, Clock::time_point now);
+  /// Now and then, and with `all` at the end: requests whose other half can no longer come.
+  void settle(Clock::time_point now, bool all = false);
+
+  /// Of definitions and batches of poses together.
+  std::uint64_t poses() const;
+  std::uint64_t events() const { return events_; }
+  std::uint64_t questions() const { return questions_; }
+  /// Requests whose reply did not come: lost, or nobody was there to answer.
+  std::uint64_t unanswered() const { return unanswered_; }
+
+ private:
+  using Pair = std::pair<std::uint64_t, std::uint64_t>;
+  struct Series {
+    bool began = false;  // with its first batch of poses: what is from before comes late, twice and with gaps
+    std::uint64_t first = 0, last = 0, heard = 0;
+  };
+  struct Request {
+    bool question = false, reply = false;
+    Clock::time_point since;
+  };
+  Request* request(std::uint64_t client, std::uint64_t number, Clock::time_point now);
+  Series* series(std::uint64_t publisher, std::uint64_t incarnation);
+
+  std::map<Pair, Series> publishers_;
+  std::map<Pair, std::uint64_t> next_event_;
+  std::map<Pair, Request> requests_;
+  std::uint64_t events_ = 0, questions_ = 0, unanswered_ = 0;
+};
+
+}  // namespace collided::client

@@ -1,0 +1,195 @@
+#include "client/library/recordings/recorded_run.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "idl/commands.hpp"
+
+namespace collided::client {
+namespace {
+
+using recording::Recorded;
+using wire_contract::QueryKind;
+using wire_contract::ReplyStatus;
+namespace names = wire_contract::command;
+
+/// A text of JSON from outside, or null.
+nlohmann::json parsed(std::string_view text) { return nlohmann::json::parse(text, nullptr, false); }
+
+std::string word_of(const nlohmann::json& object, const char* key) {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  return object.is_object() && found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+class Sorting {
+ public:
+  explicit Sorting(RecordedRun& run) : run_(run) {}
+
+  void sort() {
+    // A reply may have come before its question did: they are on topics of their own.
+    for (const bool replies : {false, true}) {
+      for (std::size_t i = 0; i < run_.items.size(); ++i) {
+        if ((run_.items[i].topic == Recorded::reply) == replies) look_at(i);
+      }
+    }
+    settle_requests();
+    if (broken_ > 0) run_.warnings.push_back(std::to_string(broken_) + " messages hold no sample of their topic; left out");
+  }
+
+ private:
+  struct Request {
+    std::map<std::uint32_t, std::size_t> questions;  // by chunk
+    std::vector<std::size_t> replies;
+    std::uint32_t chunk_count = 0;
+    std::uint8_t kind = 0;
+    std::set<std::uint32_t> answered;  // chunks
+    std::optional<StateNumber> state;
+    std::uint32_t reply_chunks = 0;
+    std::map<std::uint32_t, std::string> text;  // of a command's reply, by chunk
+    bool changes = false;  // the world; else it asks
+    bool refused = false;
+    bool opening = false;
+  };
+
+  void look_at(std::size_t index) {
+    const RecordedItem& item = run_.items[index];
+    switch (item.topic) {
+      case Recorded::object: return read(item, definition_, [&] {
+        if (item.opening) note_opening(definition_->publisher, definition_->sequence_number);
+      });
+      case Recorded::pose: return read(item, batch_, [&] {
+        if (item.opening) note_opening(batch_->publisher, batch_->sequence_number);
+      });
+      case Recorded::query: return read(item, query_, [&] { take_query(index); });
+      case Recorded::reply: return read(item, reply_, [&] { take_reply(index); });
+      case Recorded::status: return read(item, status_, [&] {
+        run_.scenes = status_->scenes;
+        take_state();
+      });
+      case Recorded::step: return read(item, status_, [&] { take_state(); });
+      default: return;
+    }
+  }
+
+  template <class T, class Then>
+  void read(const RecordedItem& item, dds::Sample<T>& sample, const Then& then) {
+    if (wire::read_cdr(item.data, sample)) {
+      then();
+    } else {
+      ++broken_;
+    }
+  }
+
+  void note_opening(std::uint64_t publisher, std::uint64_t sequence) {
+    std::uint64_t& through = run_.opening_through[publisher];
+    through = std::max(through, sequence);
+  }
+
+  void take_state() {
+    RecordedState state;
+    const auto publishers = dds::view(status_->publishers);
+    const auto applied = dds::view(status_->applied_sequences);
+    const auto states = dds::view(status_->publisher_states);
+    for (std::size_t i = 0; i < std::min({publishers.size(), applied.size(), states.size()}); ++i) {
+      state.applied[publishers[i]] = applied[i];
+      if (states[i] == static_cast<std::uint8_t>(wire_contract::PublisherState::lost)) state.lost.insert(publishers[i]);
+    }
+    // Of one version the newest word: samples that changed nothing and losses without an object come after it was made.
+    run_.states[{status_->epoch, status_->version}] = std::move(state);
+  }
+
+  void take_query(std::size_t index) {
+    if (query_->kind == static_cast<std::uint8_t>(QueryKind::hello)) return;
+    // A past instant is none of the replay's.
+    if (query_->instant != 0) return;
+    const bool command = query_->kind == static_cast<std::uint8_t>(QueryKind::command);
+    const std::string what = command ? word_of(parsed(query_->text), "command") : std::string();
+    if (what == names::kLoad || what == names::kClear) ++run_.changing_files;
+    const bool is_asked_again = what == names::kPair && !run_.items[index].opening && word_of(parsed(query_->text), "as_of").empty();
+    if (command && !is_asked_again && !is_change(what)) return;
+    Request& request = requests_[{query_->client, query_->request}];
+    request.questions.emplace(query_->chunk_index, index);
+    request.chunk_count = query_->chunk_count;
+    request.kind = query_->kind;
+    request.changes = is_change(what);
+    request.opening = run_.items[index].opening;
+    if (request.opening) settle_opening(request);
+  }
+
+  /// What was added before the recording has no reply in it, and more than one may have the number of the other.
+  void settle_opening(Request& request) {
+    run_.commands[{0, 0}].push_back(request.questions.begin()->second);
+    requests_.erase({query_->client, query_->request});
+  }
+
+  static bool is_change(const std::string& what) {
+    return what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe;
+  }
+
+  void take_reply(std::size_t index) {
+    const auto found = requests_.find({reply_->client, reply_->request});
+    if (found == requests_.end() || reply_->status == static_cast<std::uint8_t>(ReplyStatus::progress)) return;
+    Request& request = found->second;
+    request.refused = request.refused || reply_->status == static_cast<std::uint8_t>(ReplyStatus::refused);
+    request.replies.push_back(index);
+    request.answered.insert(reply_->chunk_index);
+    request.state = {reply_->epoch, reply_->version};
+    const auto text = dds::view(reply_->text);
+    request.reply_chunks = reply_->chunk_count;
+    request.text[reply_->chunk_index].assign(text.begin(), text.end());
+  }
+
+  static std::uint64_t reported_version(const Request& request) {
+    std::string text;
+    for (const auto& [chunk, part] : request.text) text += part;
+    const nlohmann::json answer = parsed(text);
+    const auto version = answer.is_object() ? answer.find("version") : answer.end();
+    const bool told = answer.is_object() && version != answer.end() && version->is_number_unsigned();
+    return told ? version->get<std::uint64_t>() : request.state->second;
+  }
+
+  void settle_requests() {
+    for (auto& [who, request] : requests_) {
+      const bool command = request.kind == static_cast<std::uint8_t>(QueryKind::command);
+      const bool whole = request.state && request.questions.size() == request.chunk_count &&
+                         request.answered.size() == (command ? request.reply_chunks : request.chunk_count);
+      if (request.refused) continue;
+      if (!whole) {
+        ++run_.unanswered;
+        continue;
+      }
+      // The state that a command made or was about is in its answer; the reply's own may be a later one.
+      const StateNumber state{request.state->first, command ? reported_version(request) : request.state->second};
+      if (request.changes) {
+        run_.commands[state].push_back(request.questions.begin()->second);
+      } else {
+        RecordedRequest about{.questions = {}, .replies = request.replies};
+        for (const auto& [chunk, index] : request.questions) about.questions.push_back(index);
+        run_.requests[state].push_back(std::move(about));
+      }
+    }
+  }
+
+  RecordedRun& run_;
+  dds::Sample<wire::Definition> definition_;
+  dds::Sample<wire::PoseBatch> batch_;
+  dds::Sample<wire::Query> query_;
+  dds::Sample<wire::Reply> reply_;
+  dds::Sample<wire::Status> status_;
+  std::map<std::pair<std::uint64_t, std::uint64_t>, Request> requests_;  // client, number
+  std::uint64_t broken_ = 0;
+};
+
+}  // namespace
+
+RecordedRun read_run(const std::string& path) { return read_run(read_recording(path), path); }
+
+RecordedRun read_run(std::vector<std::byte> bytes, const std::string& name) {
+  RecordedRun run;
+  static_cast<RecordedItems&>(run) = read_items(std::move(bytes), name, "Nothing was replayed");
+  Sorting(run).sort();
+  return run;
+}
+
+}  // namespace collided::client

@@ -1,0 +1,248 @@
+#include "client/library/recordings/recording.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "client/library/commands/fetching.hpp"
+#include "client/library/connection/errors.hpp"
+#include "idl/mcap/reader.hpp"
+
+namespace collided {
+
+using client::Clock;
+using client::RecordingQueue;
+using recording::Recorded;
+
+namespace {
+
+/// A killed recording lacks at most what came in this time.
+constexpr std::chrono::seconds kChunkPeriod{1};
+
+/// As the topic, but nobody waits for this reader.
+constexpr wire_contract::TopicQos kOverheardQuestions{wire_contract::kQueryTopic.suffix,
+                                                      wire_contract::Reliability::best_effort,
+                                                      wire_contract::Durability::volatile_data, 0, 0, false};
+/// Every client's partition.
+constexpr const char* kAllClients = "client_*";
+
+std::uint64_t since_1970_ns() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+}
+
+}  // namespace
+
+struct Recording::State::Readers {
+  dds::Reader<wire::Definition> object;
+  dds::Reader<wire::PoseBatch> pose;
+  dds::Reader<wire::Query> query;
+  dds::Reader<wire::Reply> reply;
+  dds::Reader<wire::EventFrame> event;
+  dds::Reader<wire::ContactShard> contact;
+  dds::Reader<wire::ProbeFrame> probe;
+  dds::Reader<wire::Status> status, step;
+};
+
+template <class T>
+dds::ReaderOptions<T> Recording::State::into(Recorded topic, std::string partition) {
+  return {.data =
+              [this, topic](dds::Taker<T> taker) {
+                while (true) {
+                  const auto loans = taker.take_loans();
+                  if (loans.size() == 0) return;
+                  const std::uint64_t now = since_1970_ns();
+                  const std::lock_guard lock(mutex_);
+                  for (std::size_t i = 0; i < loans.size(); ++i) {
+                    if (!loans.info(i).valid_data) continue;
+                    if constexpr (requires { { hear(loans[i]) } -> std::same_as<bool>; }) {
+                      if (!hear(loans[i])) continue;
+                    } else if constexpr (requires { hear(loans[i]); }) {
+                      hear(loans[i]);
+                    }
+                    ++given_[static_cast<std::size_t>(topic) - 1];
+                    queue_.put(topic, loans[i], now, static_cast<std::uint64_t>(loans.info(i).source_timestamp));
+                  }
+                }
+              },
+          .partition = std::move(partition)};
+}
+
+void Recording::State::hear(const wire::Definition& sample) {
+  loss_.hear_definition(sample.publisher, sample.incarnation, sample.sequence_number);
+}
+void Recording::State::hear(const wire::PoseBatch& sample) {
+  if (sample.sequence_number > 0) loss_.hear_poses(sample.publisher, sample.incarnation, sample.sequence_number);
+}
+void Recording::State::hear(const wire::EventFrame& sample) {
+  loss_.hear_events(sample.server, sample.epoch, sample.first_sequence, sample.kinds._length);
+}
+/// What this connection asks for the recording itself is no part of it.
+bool Recording::State::hear(const wire::Query& sample) {
+  if (sample.client == connection_->client()) return false;
+  loss_.hear_question(sample.client, sample.request, Clock::now());
+  return true;
+}
+bool Recording::State::hear(const wire::Reply& sample) {
+  if (sample.client == connection_->client()) return false;
+  loss_.hear_reply(sample.client, sample.request, Clock::now());
+  return true;
+}
+
+Recording::State::State(std::shared_ptr<client::Connection> connection, const std::string& path)
+    : connection_(std::move(connection)),
+      output_(path),
+      writer_(output_, recording::library_name(), recording::channels_of(connection_->options().name_space)),
+      object_topic_(connection_->participant(), connection_->options().name_space),
+      pose_topic_(connection_->participant(), connection_->options().name_space),
+      query_topic_(connection_->participant(), connection_->options().name_space, kOverheardQuestions),
+      reply_topic_(connection_->participant(), connection_->options().name_space),
+      event_topic_(connection_->participant(), connection_->options().name_space),
+      contact_topic_(connection_->participant(), connection_->options().name_space),
+      probe_topic_(connection_->participant(), connection_->options().name_space),
+      status_topic_(connection_->participant(), connection_->options().name_space),
+      step_topic_(connection_->participant(), connection_->options().name_space, wire_contract::kStepTopic) {
+  for (const recording::RecordedTopic& topic : recording::kRecordedTopics) {
+    written_.channels.push_back({.topic = topic.row.suffix, .samples = 0, .lost = 0});
+  }
+  // Listening comes before the opening, so that nothing falls between the two.
+  readers_.reset(new Readers{
+      .object = dds::Reader<wire::Definition>(object_topic_, into<wire::Definition>(Recorded::object)),
+      .pose = dds::Reader<wire::PoseBatch>(pose_topic_, into<wire::PoseBatch>(Recorded::pose)),
+      .query = dds::Reader<wire::Query>(query_topic_, into<wire::Query>(Recorded::query)),
+      .reply = dds::Reader<wire::Reply>(reply_topic_, into<wire::Reply>(Recorded::reply, kAllClients)),
+      .event = dds::Reader<wire::EventFrame>(event_topic_, into<wire::EventFrame>(Recorded::event)),
+      .contact = dds::Reader<wire::ContactShard>(contact_topic_, into<wire::ContactShard>(Recorded::contact)),
+      .probe = dds::Reader<wire::ProbeFrame>(probe_topic_, into<wire::ProbeFrame>(Recorded::probe)),
+      .status = dds::Reader<wire::Status>(status_topic_, into<wire::Status>(Recorded::status)),
+      .step = dds::Reader<wire::Status>(step_topic_, into<wire::Status>(Recorded::step))});
+}
+
+Result<std::unique_ptr<Recording::State>> Recording::State::start(std::shared_ptr<client::Connection> connection,
+                                                                  const std::string& path) {
+  try {
+    std::unique_ptr<State> state(new State(std::move(connection), path));
+    state->wait_until_heard();
+    state->written_.no_opening = state->begin_with_opening();
+    state->thread_ = std::thread([raw = state.get()] { raw->run(); });
+    return state;
+  } catch (const dds::DdsError& failed) {
+    return Error{ErrorCode::internal, failed.what(), ""};
+  } catch (const std::runtime_error& failed) {
+    return client::bad_input(failed.what());
+  }
+}
+
+Recording::State::~State() { static_cast<void>(finish()); }
+
+/// Who writes before this one's readers are known to him is not heard: the server, every publisher that it knows, and
+/// those that ask say every second that they are there.
+void Recording::State::wait_until_heard() const {
+  constexpr std::chrono::milliseconds kEverybody{1'100};
+  const Clock::time_point start = Clock::now();
+  const auto heard = [&] { return readers_->step.matched_writers() > 0 && readers_->event.matched_writers() > 0; };
+  while (Clock::now() < start + kEverybody || (!heard() && Clock::now() < start + 2 * kEverybody)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+/// What the server's publishers and commands had brought into the world before. The reason where there is no such thing.
+std::string Recording::State::begin_with_opening() {
+  const Result<std::vector<std::byte>> file = client::fetch_recorded(*connection_, std::chrono::nanoseconds(0));
+  if (!file) return file.error().message;
+  const mcap::Contents contents = mcap::read(*file);
+  writer_.metadata("recording", {{"opening_messages", std::to_string(contents.messages.size())}});
+  for (const mcap::Message& message : contents.messages) {
+    const auto topic = recording::recorded_topic(contents.channels.at(message.head.channel), contents);
+    if (!topic) continue;
+    writer_.write(static_cast<std::uint16_t>(*topic), message.head.log_time, message.head.publish_time, message.data);
+    const std::lock_guard lock(mutex_);
+    ++given_[static_cast<std::size_t>(*topic) - 1];
+    dds::Sample<wire::PoseBatch> batch;
+    if (*topic == Recorded::pose && wire::read_cdr(message.data, batch)) hear(*batch);
+  }
+  writer_.flush();
+  return {};
+}
+
+void Recording::State::run() {
+  RecordingQueue::Batch batch;
+  Clock::time_point next_chunk = Clock::now() + kChunkPeriod;
+  bool last = false;
+  while (!last) {
+    last = stopping_.load();  // what came before it is still taken
+    queue_.take(batch, std::chrono::milliseconds(100));
+    for (const RecordingQueue::Entry& entry : batch.entries) {
+      writer_.write(static_cast<std::uint16_t>(entry.topic), entry.log_time, entry.publish_time,
+                    std::span(batch.bytes).subspan(entry.begin, entry.size));
+    }
+    if (Clock::now() >= next_chunk) {
+      writer_.flush();
+      next_chunk = Clock::now() + kChunkPeriod;
+    }
+    note_written();
+  }
+}
+
+void Recording::State::note_written() {
+  const auto dropped = queue_.dropped();
+  const std::lock_guard lock(mutex_);
+  loss_.settle(Clock::now());
+  written_.samples = writer_.messages_written();
+  written_.bytes = output_.size();
+  written_.problem = output_.problem();
+  written_.unanswered = loss_.unanswered();
+  written_.lost = 0;
+  for (std::size_t i = 0; i < written_.channels.size(); ++i) {
+    RecordedChannel& channel = written_.channels[i];
+    const auto topic = static_cast<Recorded>(i + 1);
+    channel.samples = given_[i] - dropped[i];
+    channel.lost = dropped[i];
+    if (topic == Recorded::pose) channel.lost += loss_.poses();
+    if (topic == Recorded::event) channel.lost += loss_.events();
+    if (topic == Recorded::query) channel.lost += loss_.questions();
+    written_.lost += channel.lost;
+  }
+}
+
+RecordingCounts Recording::State::counts() const {
+  const std::lock_guard lock(mutex_);
+  return written_;
+}
+
+Result<RecordingCounts> Recording::State::finish() {
+  if (finished_) return counts();
+  finished_ = true;
+  readers_.reset();
+  stopping_.store(true);
+  queue_.wake();
+  if (thread_.joinable()) thread_.join();
+  {
+    const std::lock_guard lock(mutex_);
+    loss_.settle(Clock::now(), true);
+  }
+  const bool whole = writer_.close();
+  note_written();
+  if (whole) return counts();
+  return Error{ErrorCode::refused, "recording stopped: " + output_.problem(),
+               "what was written before can be read: " + std::to_string(writer_.messages_written()) + " samples"};
+}
+
+// ---- the public side
+
+Recording::Recording(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Recording::~Recording() = default;
+Recording::Recording(Recording&&) noexcept = default;
+Recording& Recording::operator=(Recording&&) noexcept = default;
+RecordingCounts Recording::counts() const { return state_->counts(); }
+Result<RecordingCounts> Recording::finish() { return state_->finish(); }
+
+Result<Recording> record(const ConnectOptions& options, const std::string& path) {
+  Result<std::shared_ptr<client::Connection>> connection = client::Connection::open(options, dds::Role::server);
+  if (!connection) return connection.error();
+  Result<std::unique_ptr<Recording::State>> state = Recording::State::start(std::move(*connection), path);
+  if (!state) return state.error();
+  return Recording(std::move(*state));
+}
+
+}  // namespace collided

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "client/library/connection/connection.hpp"
+#include "client/library/recordings/recorded_loss.hpp"
+#include "client/library/recordings/recording_queue.hpp"
+#include "collided/recording.hpp"
+#include "idl/mcap/output.hpp"
+#include "idl/mcap/writer.hpp"
+
+namespace collided {
+
+/// Readers of every topic of a namespace, whose samples a thread writes to a file. Nobody waits for them: questions are
+/// read best-effort, since a reliable reader that stands still would hold up the askers; all other writers keep only
+/// their newest samples.
+struct [[gnu::visibility("hidden")]] Recording::State {
+  static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& path);
+  ~State();
+
+  RecordingCounts counts() const;
+  Result<RecordingCounts> finish();
+
+ private:
+  State(std::shared_ptr<client::Connection> connection, const std::string& path);
+  void wait_until_heard() const;
+  std::string begin_with_opening();
+  void run();
+  void note_written();
+  template <class T>
+  dds::ReaderOptions<T> into(recording::Recorded topic, std::string partition = {});
+  void hear(const wire::Definition& sample);
+  void hear(const wire::PoseBatch& sample);
+  bool hear(const wire::Query& sample);
+  bool hear(const wire::Reply& sample);
+  void hear(const wire::EventFrame& sample);
+
+  std::shared_ptr<client::Connection> connection_;
+  mcap::FileOutput output_;
+  mcap::Writer writer_;
+  client::RecordingQueue queue_;
+  std::atomic<bool> stopping_{false};
+
+  mutable std::mutex mutex_;  // for what stands below, up to the topics
+  client::RecordedLoss loss_;
+  std::array<std::uint64_t, client::RecordingQueue::kTopics> given_{};
+  RecordingCounts written_;
+  bool finished_ = false;
+
+  dds::Topic<wire::Definition> object_topic_;
+  dds::Topic<wire::PoseBatch> pose_topic_;
+  dds::Topic<wire::Query> query_topic_;
+  dds::Topic<wire::Reply> reply_topic_;
+  dds::Topic<wire::EventFrame> event_topic_;
+  dds::Topic<wire::ContactShard> contact_topic_;
+  dds::Topic<wire::ProbeFrame> probe_topic_;
+  dds::Topic<wire::Status> status_topic_, step_topic_;
+  struct Readers;
+  std::unique_ptr<Readers> readers_;
+  std::thread thread_;
+};
+
+}  // namespace collided

@@ -1,0 +1,179 @@
+#include "client/library/recordings/replayed_publishers.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+
+namespace collided::client {
+namespace {
+
+constexpr std::int64_t kPatienceNs = 2'000'000'000;
+
+std::uint64_t now_since_1970_ns() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+}
+
+}  // namespace
+
+ReplayedPublishers::Publisher::Publisher(const ReplayedPublishers& owner, std::uint64_t recorded)
+    : number(random_number()),
+      incarnation(now_since_1970_ns()),
+      recorded_incarnation(recorded),
+      object_writer(owner.object_topic_, {.lease_ns = wire_contract::kPublisherLeaseNs}),
+      pose_writer(owner.pose_topic_, {.lease_ns = wire_contract::kPublisherLeaseNs}) {}
+
+ReplayedPublishers::ReplayedPublishers(Connection& connection)
+    : connection_(connection),
+      object_topic_(connection.participant(), connection.options().name_space),
+      pose_topic_(connection.participant(), connection.options().name_space),
+      step_topic_(connection.participant(), connection.options().name_space, wire_contract::kStepTopic) {
+  observer_ = connection.pulse().observe([this](const wire::Status& status) { hear(status); });
+  step_reader_ = std::make_unique<dds::Reader<wire::Status>>(
+      step_topic_, dds::ReaderOptions<wire::Status>{.data = [this](dds::Taker<wire::Status> taker) {
+        while (true) {
+          const auto loans = taker.take_loans();
+          if (loans.size() == 0) return;
+          for (std::size_t i = 0; i < loans.size(); ++i) {
+            if (loans.info(i).valid_data) hear(loans[i]);
+          }
+        }
+      }});
+}
+
+ReplayedPublishers::~ReplayedPublishers() {
+  step_reader_.reset();
+  connection_.pulse().stop_observing(observer_);
+  for (auto& [recorded, publisher] : publishers_) leave(*publisher);
+}
+
+void ReplayedPublishers::leave(Publisher& publisher) {
+  try {
+    dds::Sample<wire::Definition> definition;
+    definition->publisher = publisher.number;
+    definition->incarnation = publisher.incarnation;
+    definition->removed = true;
+    for (const std::uint32_t object : publisher.objects) {
+      definition->object_number = object;
+      definition->sequence_number = ++publisher.sequence;
+      if (!publisher.object_writer.write(*definition)) break;
+    }
+    publisher.object_writer.wait_for_acknowledgements(wire_contract::kPublisherLeaseNs);
+  } catch (const dds::DdsError&) {
+    // The lease runs out instead.
+  }
+}
+
+ReplayedPublishers::Publisher* ReplayedPublishers::meet(std::uint64_t recorded, std::uint64_t incarnation) {
+  std::unique_ptr<Publisher>& publisher = publishers_[recorded];
+  if (publisher && incarnation < publisher->recorded_incarnation) return nullptr;
+  if (publisher && incarnation > publisher->recorded_incarnation) {
+    leave(*publisher);
+    publisher.reset();
+  }
+  if (!publisher) {
+    publisher = std::make_unique<Publisher>(*this, incarnation);
+    // Batches are volatile: one written before the server's reader was met would be lost.
+    const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(kPatienceNs);
+    while (publisher->pose_writer.matched_readers() == 0 || publisher->object_writer.matched_readers() == 0) {
+      if (Clock::now() > deadline) throw dds::DdsError("replay: the server reads no poses");
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+  return publisher.get();
+}
+
+bool ReplayedPublishers::publish(wire::Definition& definition) {
+  Publisher* publisher = meet(definition.publisher, definition.incarnation);
+  if (publisher == nullptr) return false;
+  const auto [known, is_new] = publisher->defined.try_emplace(definition.object_number, definition.sequence_number);
+  if (!is_new && definition.sequence_number <= known->second) return false;
+  known->second = definition.sequence_number;
+  if (definition.removed) {
+    publisher->objects.erase(definition.object_number);
+  } else {
+    publisher->objects.insert(definition.object_number);
+  }
+  definition.publisher = publisher->number;
+  definition.incarnation = publisher->incarnation;
+  definition.sequence_number = publisher->definitions_through = ++publisher->sequence;
+  if (!publisher->object_writer.write(definition)) throw dds::DdsError("replay: the server takes no more definitions");
+  return true;
+}
+
+bool ReplayedPublishers::publish(wire::PoseBatch& batch, std::uint64_t log_time, std::int64_t source_time_ns) {
+  Publisher* publisher = meet(batch.publisher, batch.incarnation);
+  if (publisher == nullptr) return false;
+  // One that only says how late it is has no number.
+  const bool has_number = batch.sequence_number > 0;
+  if (has_number && batch.sequence_number < publisher->posed) return false;
+  if (has_number && batch.sequence_number == publisher->posed && log_time != publisher->posed_at) return false;
+  if (has_number) publisher->posed = batch.sequence_number;
+  if (has_number) publisher->posed_at = log_time;
+  batch.publisher = publisher->number;
+  batch.incarnation = publisher->incarnation;
+  batch.sequence_number = has_number ? ++publisher->sequence : 0;
+  batch.definitions_through = publisher->definitions_through;
+  batch.source_time_ns = source_time_ns;
+  if (publisher->unacknowledged.is_full()) {
+    if (!publisher->pose_writer.wait_for_acknowledgements(kPatienceNs)) throw dds::DdsError("replay: the server takes no more poses");
+    publisher->unacknowledged.note_all_known();
+  }
+  if (!publisher->pose_writer.write(batch)) throw dds::DdsError("replay: the server takes no more poses");
+  publisher->unacknowledged.note_written(publisher->sequence, dds::view(batch.positions).size_bytes() + dds::view(batch.orientations).size_bytes());
+  return true;
+}
+
+void ReplayedPublishers::lose(std::uint64_t recorded) {
+  const auto found = publishers_.find(recorded);
+  if (found == publishers_.end()) return;
+  leaving_.insert(found->second->number);
+  publishers_.erase(found);
+}
+
+void ReplayedPublishers::keep_alive() {
+  for (auto& [recorded, publisher] : publishers_) {
+    publisher->object_writer.assert_liveliness();
+    publisher->pose_writer.assert_liveliness();
+  }
+}
+
+void ReplayedPublishers::hear(const wire::Status& status) {
+  const auto publishers = dds::view(status.publishers);
+  const auto applied = dds::view(status.applied_sequences);
+  const auto states = dds::view(status.publisher_states);
+  const std::lock_guard lock(mutex_);
+  listed_.clear();
+  for (std::size_t i = 0; i < std::min({publishers.size(), applied.size(), states.size()}); ++i) {
+    std::uint64_t& newest = applied_[publishers[i]];
+    newest = std::max(newest, applied[i]);
+    listed_.insert(publishers[i]);
+    if (states[i] == static_cast<std::uint8_t>(wire_contract::PublisherState::lost)) lost_.insert(publishers[i]);
+  }
+  came_.notify_all();
+}
+
+bool ReplayedPublishers::all_applied() const {
+  for (const auto& [recorded, publisher] : publishers_) {
+    const auto found = applied_.find(publisher->number);
+    if (publisher->sequence > 0 && (found == applied_.end() || found->second < publisher->sequence)) return false;
+  }
+  return std::all_of(leaving_.begin(), leaving_.end(),
+                     [&](std::uint64_t number) { return lost_.count(number) > 0 || listed_.count(number) == 0; });
+}
+
+bool ReplayedPublishers::wait_applied(std::chrono::nanoseconds wait) {
+  const Clock::time_point deadline = Clock::now() + wait;
+  std::unique_lock lock(mutex_);
+  while (!all_applied()) {
+    if (Clock::now() >= deadline) return false;
+    came_.wait_until(lock, std::min(deadline, Clock::now() + std::chrono::milliseconds(100)));
+    lock.unlock();
+    keep_alive();
+    lock.lock();
+  }
+  return true;
+}
+
+}  // namespace collided::client

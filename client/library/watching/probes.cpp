@@ -1,0 +1,186 @@
+#include "client/library/watching/probes.hpp"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <array>
+#include <thread>
+
+#include "client/library/asking/vector_column.hpp"
+#include "client/library/commands/command.hpp"
+#include "client/library/commands/json_reading.hpp"
+#include "idl/columns.hpp"
+#include "idl/commands.hpp"
+
+namespace collided {
+namespace client {
+namespace {
+
+constexpr std::chrono::seconds kTimeout{10};
+
+constexpr std::array<const char*, 7> kStates{"absent", "nothing", "gap", "touching", "collision", "deeper", "undecided"};
+
+Clearance clearance_of(const std::string& word) {
+  const auto found = std::find(kStates.begin(), kStates.end(), word);
+  return found == kStates.end() ? Clearance::undecided : static_cast<Clearance>(found - kStates.begin());
+}
+
+nlohmann::json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+ProbeReading reading_of(const nlohmann::json& row) {
+  ProbeReading reading;
+  reading.probe = row.at("probe");
+  reading.state = clearance_of(row.at("state"));
+  if (reading.state != Clearance::absent) reading.object = row.at("object");
+  reading.clearance_m = row.at("clearance");
+  reading.error_m = row.at("error");
+  reading.met = row.at("met");
+  reading.triangle = row.at("triangle");
+  reading.point = vector_of(row.at("point"));
+  reading.normal = vector_of(row.at("normal"));
+  return reading;
+}
+
+bool fits(const wire::ProbeFrame& frame, std::size_t name_count) {
+  const std::size_t count = frame.states._length;
+  return frame.objects._length == count && frame.met._length == count && frame.triangles._length == count &&
+         wire::row_count<wire::ProbeFrame>(frame, wire::kProbeColumns) == count && name_count == count;
+}
+
+}  // namespace
+
+Result<void> add_probe(Connection& connection, const Probe& probe) {
+  nlohmann::json arguments{{"name", probe.name},
+                           {"object", probe.object},
+                           {"origin", numbers(probe.origin)},
+                           {"direction", numbers(probe.direction)},
+                           {"back_m", probe.back_m}};
+  // Infinity is no JSON number: without a reach there is no end.
+  if (!std::isinf(probe.reach_m) || probe.reach_m < 0) arguments["reach_m"] = probe.reach_m;
+  return read_answer(command(connection, wire_contract::command::kProbe, arguments, kTimeout), "probe",
+                     [](const nlohmann::json&) {});
+}
+
+Result<std::size_t> remove_probes(Connection& connection, const std::string& name) {
+  const nlohmann::json arguments{{"name", name}, {"remove", true}};
+  return read_answer(command(connection, wire_contract::command::kProbe, arguments, kTimeout), "probe",
+                     [](const nlohmann::json& answer) { return answer.at("probes").size(); });
+}
+
+Result<std::vector<ProbeReading>> read_probes(Connection& connection, const std::string& name_glob) {
+  const nlohmann::json arguments{{"name", name_glob}};
+  const auto read = [&](const nlohmann::json& answer) {
+    std::vector<ProbeReading> readings;
+    for (const nlohmann::json& row : answer.at("probes")) {
+      readings.push_back(reading_of(row));
+      readings.back().version = answer.at("version");
+      readings.back().world_time = std::chrono::nanoseconds(answer.at("world_time_ns").get<std::int64_t>());
+    }
+    return readings;
+  };
+  return read_answer(command(connection, wire_contract::command::kProbes, arguments, kTimeout), "probes", read);
+}
+
+bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReading>& readings) {
+  const std::vector<std::string_view> probes = wire_contract::unpack_names(dds::view(frame.probe_names));
+  if (!fits(frame, probes.size())) {
+    return false;
+  }
+  names.learn(dds::view(frame.named_ids), dds::view(frame.names));
+  const auto name = [&](std::uint64_t id) { return id == 0 ? std::string() : names.name(id); };
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    const std::uint8_t state = dds::view(frame.states)[i];
+    readings.push_back({.probe = std::string(probes[i]),
+                        .object = name(dds::view(frame.objects)[i]),
+                        .state = state < kStates.size() ? static_cast<Clearance>(state) : Clearance::undecided,
+                        .clearance_m = dds::view(frame.clearances)[i],
+                        .error_m = dds::view(frame.clearance_errors)[i],
+                        .met = name(dds::view(frame.met)[i]),
+                        .triangle = dds::view(frame.triangles)[i],
+                        .point = vector_in(frame.points, i),
+                        .normal = vector_in(frame.normals, i),
+                        .epoch = frame.epoch,
+                        .version = frame.version,
+                        .world_time = std::chrono::nanoseconds(frame.world_time_ns)});
+  }
+  return true;
+}
+
+}  // namespace client
+
+ProbeWatch::ProbeWatch(std::unique_ptr<State> state) : state_(std::move(state)) {}
+ProbeWatch::~ProbeWatch() = default;
+ProbeWatch::ProbeWatch(ProbeWatch&&) noexcept = default;
+ProbeWatch& ProbeWatch::operator=(ProbeWatch&&) noexcept = default;
+
+std::optional<ProbeReading> ProbeWatch::next(std::chrono::nanoseconds wait) { return state_->next(wait); }
+std::uint64_t ProbeWatch::lost() const { return state_->lost(); }
+
+ProbeWatch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options)
+    : connection_(std::move(connection)),
+      options_(options),
+      topic_(connection_->participant(), connection_->options().name_space) {
+  using Frames = dds::Taker<wire::ProbeFrame>;
+  reader_.emplace(topic_, dds::ReaderOptions<wire::ProbeFrame>{.data = [this](Frames taker) { take(taker); }});
+}
+
+Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_ptr<client::Connection> connection,
+                                                                    const WatchOptions& options) {
+  try {
+    std::unique_ptr<State> state(new State(std::move(connection), options));
+    const client::Clock::time_point deadline = client::Clock::now() + state->connection_->options().wait;
+    while (state->reader_->matched_writers() == 0) {
+      if (state->connection_->pulse().silent()) {
+        return state->connection_->disconnected();
+      }
+      if (client::Clock::now() > deadline) {
+        return Error{ErrorCode::no_server, "probes: the server offers no readings", ""};
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return state;
+  } catch (const dds::DdsError& failed) {
+    return Error{ErrorCode::internal, failed.what(), ""};
+  }
+}
+
+/// One callback at a time, so that the buffers are its own.
+void ProbeWatch::State::take(const dds::Taker<wire::ProbeFrame>& taker) {
+  const auto matches = [](const std::string& glob, const ProbeReading& reading) {
+    return fnmatch(glob.c_str(), reading.probe.c_str(), FNM_NOESCAPE) == 0;
+  };
+  while (taker.take(incoming_)) {
+    decoded_.clear();
+    if (!incoming_.info().valid_data || !client::decode(*incoming_, connection_->names(), decoded_)) {
+      continue;
+    }
+    const std::lock_guard lock(mutex_);
+    for (ProbeReading& reading : decoded_) {
+      const bool asked = options_.only.empty() || matches(options_.only, reading);
+      const bool skipped = !options_.skip.empty() && matches(options_.skip, reading);
+      if (!asked || skipped) {
+        continue;
+      }
+      if (readings_.size() >= std::max<std::size_t>(options_.capacity, 1)) {
+        readings_.pop_front();
+        ++lost_;
+      }
+      readings_.push_back(std::move(reading));
+    }
+    came_.notify_all();
+  }
+}
+
+std::optional<ProbeReading> ProbeWatch::State::next(std::chrono::nanoseconds wait) {
+  std::unique_lock lock(mutex_);
+  // Not wait_for: an endless wait would overflow the clock.
+  const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
+  if (!came_.wait_until(lock, client::Clock::now() + most, [this] { return !readings_.empty(); })) {
+    return std::nullopt;
+  }
+  ProbeReading reading = std::move(readings_.front());
+  readings_.pop_front();
+  return reading;
+}
+
+}  // namespace collided

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+
+#include "client/library/connection/connection.hpp"
+
+namespace collided {
+
+namespace client {
+
+Result<void> add_probe(Connection& connection, const Probe& probe);
+Result<std::size_t> remove_probes(Connection& connection, const std::string& name);
+Result<std::vector<ProbeReading>> read_probes(Connection& connection, const std::string& name_glob);
+
+/// Appends the frame's readings; false where its columns do not fit each other.
+bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReading>& readings);
+
+}  // namespace client
+
+/// The reader of the probe topic, and what it heard that nobody has asked for yet.
+struct [[gnu::visibility("hidden")]] ProbeWatch::State {
+  static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const WatchOptions& options);
+
+  std::optional<ProbeReading> next(std::chrono::nanoseconds wait);
+  std::uint64_t lost() const { return lost_; }
+
+ private:
+  State(std::shared_ptr<client::Connection> connection, const WatchOptions& options);
+  void take(const dds::Taker<wire::ProbeFrame>& taker);
+
+  std::shared_ptr<client::Connection> connection_;
+  WatchOptions options_;
+  std::mutex mutex_;
+  std::condition_variable came_;
+  std::deque<ProbeReading> readings_;
+  std::atomic<std::uint64_t> lost_{0};
+  dds::Sample<wire::ProbeFrame> incoming_;
+  std::vector<ProbeReading> decoded_;
+  // Last, so that they go first: their callbacks use what stands above.
+  dds::Topic<wire::ProbeFrame> topic_;
+  std::optional<dds::Reader<wire::ProbeFrame>> reader_;
+};
+
+}  // namespace collided

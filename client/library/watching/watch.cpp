@@ -1,0 +1,241 @@
+#include "client/library/watching/watch.hpp"
+
+#include <algorithm>
+
+#include "client/library/commands/fetching.hpp"
+#include "client/library/connection/errors.hpp"
+#include "client/library/recordings/recorded_events.hpp"
+#include "client/library/watching/pair_filter.hpp"
+#include "client/library/watching/watch_decoding.hpp"
+
+namespace collided {
+
+using client::Clock;
+
+namespace {
+
+// What may wait for the watch's thread; beyond it messages are dropped, which the sequence shows as a gap.
+constexpr std::size_t kMostMessages = 8'192;
+
+/// Of a fetched recording, beside the time that it was asked to go back: the server's clock may be behind.
+constexpr std::chrono::seconds kClockMargin{1};
+/// No server keeps more.
+constexpr std::chrono::nanoseconds kLongestRecording = std::chrono::hours(24);
+
+}  // namespace
+
+Watch::Watch(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Watch::~Watch() = default;
+Watch::Watch(Watch&&) noexcept = default;
+Watch& Watch::operator=(Watch&&) noexcept = default;
+
+std::optional<Event> Watch::next(std::chrono::nanoseconds wait) { return state_->next(wait); }
+std::uint64_t Watch::lost() const { return state_->lost(); }
+std::uint64_t Watch::resyncs() const { return state_->resyncs(); }
+bool Watch::connected() const { return state_->connected(); }
+bool Watch::in_step() const { return state_->in_step(); }
+std::size_t Watch::open_contacts() const { return state_->open_contacts(); }
+std::chrono::nanoseconds Watch::tells_since() const { return state_->tells_since(); }
+
+Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback)
+    : connection_(std::move(connection)),
+      options_(options),
+      callback_(std::move(callback)),
+      watch_([this](const Event& event) { emit(event); }),
+      event_topic_(connection_->participant(), connection_->options().name_space),
+      contact_topic_(connection_->participant(), connection_->options().name_space) {
+  using Frames = dds::Taker<wire::EventFrame>;
+  using FrameReader = dds::ReaderOptions<wire::EventFrame>;
+  using Shards = dds::Taker<wire::ContactShard>;
+  if (options_.persisted) {
+    persisted_topic_.emplace(connection_->participant(), connection_->options().name_space,
+                             wire_contract::kPersistedTopic);
+    persisted_reader_.emplace(*persisted_topic_,
+                              FrameReader{.data = [this](Frames taker) { take<PersistedFrame>(taker, frames_); }});
+  }
+  event_reader_.emplace(event_topic_,
+                        FrameReader{.data = [this](Frames taker) { take<FramePool::Pointer>(taker, frames_); }});
+  contact_reader_.emplace(contact_topic_, dds::ReaderOptions<wire::ContactShard>{
+                                              .data = [this](Shards taker) { take<ShardPool::Pointer>(taker, shards_); }});
+}
+
+Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client::Connection> connection,
+                                                          const WatchOptions& options, Callback callback) {
+  try {
+    std::unique_ptr<State> state(new State(std::move(connection), options, std::move(callback)));
+    if (auto error = state->wait_for_server()) {
+      return *error;
+    }
+    // Bookmarks count only from here on: before the event reader was met, events after a bookmark could be missed.
+    state->status_observer_ = state->connection_->pulse().observe(
+        [watch = state.get()](const wire::Status& status) { watch->queue(client::decode(status)); });
+    // The topics are heard already: what comes meanwhile waits, and what is in both counts once by its sequence.
+    if (options.since) {
+      if (auto error = state->hear_recorded(*options.since)) {
+        return *error;
+      }
+    }
+    state->thread_ = std::thread([watch = state.get()] { watch->work(); });
+    return state;
+  } catch (const dds::DdsError& failed) {
+    return Error{ErrorCode::internal, failed.what(), ""};
+  }
+}
+
+std::optional<Error> Watch::State::wait_for_server() const {
+  const Clock::time_point deadline = Clock::now() + connection_->options().wait;
+  while (event_reader_->matched_writers() == 0 || contact_reader_->matched_writers() == 0) {
+    if (connection_->pulse().silent()) {
+      return connection_->disconnected();
+    }
+    if (Clock::now() > deadline) {
+      return Error{ErrorCode::no_server, "watch: the server offers no events", ""};
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> Watch::State::hear_recorded(std::chrono::nanoseconds since) {
+  const std::chrono::nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
+  const auto last = now - std::clamp<std::chrono::nanoseconds>(since, now - kLongestRecording + kClockMargin, now) + kClockMargin;
+  Result<std::vector<std::byte>> bytes = client::fetch_recorded(*connection_, last);
+  if (!bytes) {
+    return bytes.error();
+  }
+  try {
+    const client::RecordedItems recorded = client::read_items(std::move(*bytes), "the server's flight recorder", "Nothing is told");
+    is_hearing_recorded_ = true;
+    client::hear_recording(recorded, connection_->names(), watch_);
+    is_hearing_recorded_ = false;
+    tells_since_ = std::max(since, client::span_of(recorded).begin);
+  } catch (const std::runtime_error& failed) {
+    return Error{ErrorCode::internal, failed.what(), ""};
+  }
+  recorded_ = client::in_window(std::move(recorded_), since, std::chrono::nanoseconds::max());
+  options_.capacity += recorded_.size();  // nobody could have polled them yet
+  return std::nullopt;
+}
+
+Watch::State::~State() {
+  if (status_observer_) {
+    connection_->pulse().stop_observing(*status_observer_);
+  }
+  if (!thread_.joinable()) {
+    return;
+  }
+  persisted_reader_.reset();
+  event_reader_.reset();
+  contact_reader_.reset();
+  {
+    const std::lock_guard lock(messages_mutex_);
+    ending_ = true;
+  }
+  message_came_.notify_one();
+  thread_.join();
+}
+
+template <class As, class T>
+void Watch::State::take(const dds::Taker<T>& taker, client::SamplePool<T>& pool) {
+  auto sample = pool.get();
+  while (taker.take(*sample)) {
+    if (sample->info().valid_data) {
+      queue(As{std::exchange(sample, pool.get())});
+    }
+  }
+  pool.put(std::move(sample));
+}
+
+void Watch::State::queue(Message message) {
+  {
+    const std::lock_guard lock(messages_mutex_);
+    if (messages_.size() >= kMostMessages) {
+      return;
+    }
+    messages_.push_back(std::move(message));
+  }
+  message_came_.notify_one();
+}
+
+void Watch::State::work() {
+  for (const Event& event : std::exchange(recorded_, {})) {
+    emit(event);
+  }
+  while (true) {
+    std::unique_lock lock(messages_mutex_);
+    message_came_.wait(lock, [this] { return ending_ || !messages_.empty(); });
+    if (ending_) {
+      return;
+    }
+    Message message = std::move(messages_.front());
+    messages_.pop_front();
+    lock.unlock();
+    hear(message);
+    resyncs_ = watch_.resyncs();
+    in_step_ = watch_.in_step();
+  }
+}
+
+void Watch::State::hear(Message& message) {
+  const Clock::time_point now = Clock::now();
+  if (auto* const frame = std::get_if<FramePool::Pointer>(&message)) {
+    if (const auto heard = client::decode(***frame, connection_->names())) {
+      watch_.hear(*heard, now);
+    }
+    frames_.put(std::move(*frame));
+  } else if (auto* const persisted = std::get_if<PersistedFrame>(&message)) {
+    if (const auto heard = client::decode(**persisted->sample, connection_->names())) {
+      watch_.hear_persisted(*heard);
+    }
+    frames_.put(std::move(persisted->sample));
+  } else if (auto* const shard = std::get_if<ShardPool::Pointer>(&message)) {
+    if (const auto heard = client::decode(***shard, connection_->names())) {
+      watch_.hear(*heard, now);
+    }
+    shards_.put(std::move(*shard));
+  } else {
+    watch_.hear(std::get<client::HeardBookmark>(message), now);
+  }
+}
+
+void Watch::State::emit(const Event& event) {
+  if (!client::is_wanted(event, options_.only, options_.skip)) {
+    return;
+  }
+  if (is_hearing_recorded_) {
+    recorded_.push_back(event);
+    return;
+  }
+  if (event.kind == EventKind::ended) {
+    --open_contacts_;
+  } else if (event.kind != EventKind::persisted) {
+    ++open_contacts_;
+  }
+  if (callback_) {
+    callback_(event);
+    return;
+  }
+  {
+    const std::lock_guard lock(events_mutex_);
+    if (events_.size() >= std::max<std::size_t>(options_.capacity, 1)) {
+      events_.pop_front();
+      ++lost_;
+    }
+    events_.push_back(event);
+  }
+  event_came_.notify_one();
+}
+
+std::optional<Event> Watch::State::next(std::chrono::nanoseconds wait) {
+  std::unique_lock lock(events_mutex_);
+  // Not wait_for: an endless wait would overflow the clock.
+  const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
+  if (!event_came_.wait_until(lock, Clock::now() + most, [this] { return !events_.empty(); })) {
+    return std::nullopt;
+  }
+  Event event = std::move(events_.front());
+  events_.pop_front();
+  return event;
+}
+
+}  // namespace collided

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <variant>
+
+#include "client/library/connection/connection.hpp"
+#include "client/library/watching/watch_state.hpp"
+
+namespace collided {
+
+/// A watch's readers and its thread. The readers' callbacks only queue what came; the thread decodes it, lets
+/// client::WatchState make events of it, and calls back or queues them for next().
+struct [[gnu::visibility("hidden")]] Watch::State {
+  using Callback = std::function<void(const Event&)>;
+  static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection,
+                                              const WatchOptions& options, Callback callback);
+  ~State();
+
+  std::optional<Event> next(std::chrono::nanoseconds wait);
+  std::uint64_t lost() const { return lost_; }
+  std::uint64_t resyncs() const { return resyncs_; }
+  std::size_t open_contacts() const { return open_contacts_; }
+  bool connected() const { return !connection_->pulse().silent(); }
+  bool in_step() const { return in_step_; }
+  std::chrono::nanoseconds tells_since() const { return tells_since_; }
+
+ private:
+  using FramePool = client::SamplePool<wire::EventFrame>;
+  using ShardPool = client::SamplePool<wire::ContactShard>;
+  struct PersistedFrame {
+    FramePool::Pointer sample;
+  };
+  using Message = std::variant<FramePool::Pointer, PersistedFrame, ShardPool::Pointer, client::HeardBookmark>;
+
+  State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback);
+  std::optional<Error> wait_for_server() const;
+  std::optional<Error> hear_recorded(std::chrono::nanoseconds since);
+  template <class As, class T>
+  void take(const dds::Taker<T>& taker, client::SamplePool<T>& pool);
+  void queue(Message message);
+  void work();
+  void hear(Message& message);
+  void emit(const Event& event);
+
+  std::shared_ptr<client::Connection> connection_;
+  WatchOptions options_;
+  Callback callback_;
+  client::WatchState watch_;
+  std::vector<Event> recorded_;  // since WatchOptions::since, for the thread to tell first
+  std::chrono::nanoseconds tells_since_{0};
+  bool is_hearing_recorded_ = false;
+  std::atomic<std::uint64_t> resyncs_{0};
+  std::atomic<bool> in_step_{false};
+  std::atomic<std::uint64_t> lost_{0};
+  std::atomic<std::size_t> open_contacts_{0};
+
+  FramePool frames_;
+  ShardPool shards_;
+  std::mutex messages_mutex_;
+  std::condition_variable message_came_;
+  std::deque<Message> messages_;
+  bool ending_ = false;
+
+  std::mutex events_mutex_;
+  std::condition_variable event_came_;
+  std::deque<Event> events_;
+
+  dds::Topic<wire::EventFrame> event_topic_;
+  dds::Topic<wire::ContactShard> contact_topic_;
+  std::optional<dds::Topic<wire::EventFrame>> persisted_topic_;  // only where they are asked for: they cost the server
+  std::optional<dds::Reader<wire::EventFrame>> event_reader_;
+  std::optional<dds::Reader<wire::EventFrame>> persisted_reader_;
+  std::optional<dds::Reader<wire::ContactShard>> contact_reader_;
+  std::optional<int> status_observer_;
+  std::thread thread_;
+};
+
+}  // namespace collided

@@ -1,0 +1,108 @@
+#include "client/library/watching/watch_decoding.hpp"
+
+#include <algorithm>
+
+#include "client/library/asking/vector_column.hpp"
+#include "idl/columns.hpp"
+
+namespace collided::client {
+namespace {
+
+using std::chrono::nanoseconds;
+using wire_contract::ServerState;
+
+// The code n on the wire is n + 1 here: `open` exists only on this side.
+constexpr int kFirstKind = static_cast<int>(EventKind::began);
+
+/// A code that came later than this library is a doubt of some kind.
+Doubt doubt_of(std::uint8_t code) { return code <= static_cast<int>(Doubt::publisher_lost) ? static_cast<Doubt>(code) : Doubt::numeric; }
+
+bool fits(const wire::EventFrame& frame) {
+  const std::size_t count = frame.kinds._length;
+  const auto kinds = dds::view(frame.kinds);
+  const auto reasons = dds::view(frame.reasons);
+  return frame.reasons._length == count && frame.shards._length == count && frame.a._length == count &&
+         frame.b._length == count && frame.a_triangles._length == count && frame.b_triangles._length == count &&
+         frame.episodes._length == count && frame.doubts._length == count &&
+         wire::row_count<wire::EventFrame>(frame, wire::kEventColumns) == count &&
+         std::all_of(kinds.begin(), kinds.end(), [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::ended); }) &&
+         std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(EndReason::decided); });
+}
+
+bool fits(const wire::ContactShard& shard) {
+  const std::size_t count = shard.a._length;
+  return shard.b._length == count && shard.a_triangles._length == count && shard.b_triangles._length == count &&
+         shard.episodes._length == count && shard.began_ns._length == count &&
+         shard.doubts._length == count && wire::row_count<wire::ContactShard>(shard, wire::kContactColumns) == count;
+}
+
+// What frames and shards have in common.
+template <class Message>
+Event decode_pair(const Message& message, std::size_t index, const Names& names) {
+  Event event;
+  event.a_id = dds::view(message.a)[index];
+  event.b_id = dds::view(message.b)[index];
+  event.a = names.name(event.a_id);
+  event.b = names.name(event.b_id);
+  event.a_triangle = dds::view(message.a_triangles)[index];
+  event.b_triangle = dds::view(message.b_triangles)[index];
+  event.epoch = message.epoch;
+  event.episode = dds::view(message.episodes)[index];
+  event.point = vector_in(message.points, index);
+  event.normal = vector_in(message.normals, index);
+  event.depth_m = dds::view(message.depths)[index];
+  event.depth_error_m = dds::view(message.depth_errors)[index];
+  event.doubt = doubt_of(dds::view(message.doubts)[index]);
+  return event;
+}
+
+}  // namespace
+
+std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
+  if (!fits(frame)) {
+    return std::nullopt;
+  }
+  names.learn(dds::view(frame.named_ids), dds::view(frame.names));
+  HeardFrame heard{{frame.server, frame.epoch}, frame.first_sequence, {}};
+  heard.entries.reserve(frame.kinds._length);
+  for (std::size_t i = 0; i < frame.kinds._length; ++i) {
+    Event event = decode_pair(frame, i, names);
+    event.kind = static_cast<EventKind>(dds::view(frame.kinds)[i] + kFirstKind);
+    event.reason = static_cast<EndReason>(dds::view(frame.reasons)[i]);
+    event.world_time = nanoseconds(frame.world_time_ns);
+    event.bracket_low_s = dds::view(frame.bracket_lows)[i];
+    event.bracket_high_s = dds::view(frame.bracket_highs)[i];
+    event.relative_velocity = vector_in(frame.velocities, i);
+    event.velocity_error = dds::view(frame.velocity_errors)[i];
+    heard.entries.push_back({std::move(event), dds::view(frame.shards)[i]});
+  }
+  return heard;
+}
+
+std::optional<HeardShard> decode(const wire::ContactShard& shard, Names& names) {
+  if (!fits(shard)) {
+    return std::nullopt;
+  }
+  names.learn(dds::view(shard.named_ids), dds::view(shard.names));
+  HeardShard heard{{shard.server, shard.epoch}, shard.shard, shard.as_of_sequence, {}};
+  heard.contacts.reserve(shard.a._length);
+  for (std::size_t i = 0; i < shard.a._length; ++i) {
+    Event contact = decode_pair(shard, i, names);
+    contact.kind = EventKind::open;
+    contact.began = contact.world_time = nanoseconds(dds::view(shard.began_ns)[i]);
+    heard.contacts.push_back(std::move(contact));
+  }
+  return heard;
+}
+
+HeardBookmark decode(const wire::Status& status) {
+  const auto state = static_cast<ServerState>(status.state);
+  return {.from = {status.server, status.epoch},
+          .last_event_sequence = status.last_event_sequence,
+          .contact_count = status.contact_count,
+          .contact_hash = status.contact_hash,
+          .world_time = nanoseconds(status.world_time_ns),
+          .settled = state == ServerState::ready || state == ServerState::stopping};
+}
+
+}  // namespace collided::client

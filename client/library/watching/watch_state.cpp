@@ -1,0 +1,404 @@
+#include "client/library/watching/watch_state.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace collided::client {
+namespace {
+
+// As many as the server's event writer keeps: older ones could not have been missed and then fetched anyway.
+constexpr std::size_t kMostRecent = wire_contract::kEventTopic.keep_last;
+
+std::pair<std::uint64_t, std::uint64_t> pair_of(const Event& event) { return {event.a_id, event.b_id}; }
+
+std::uint64_t hash_of(const Event& event) {
+  return wire_contract::contact_hash(event.a_id, event.b_id, event.episode);
+}
+
+/// In one order, whichever id is the lower: ids change when an object is defined anew.
+std::pair<std::string, std::string> names_of(const Event& event) { return std::minmax(event.a, event.b); }
+
+Event as_open(const Event& event) {
+  Event open = event;
+  open.kind = EventKind::open;
+  open.reason = EndReason::none;
+  return open;
+}
+
+/// By the bracket of its `began`; a doubt holds from the first instant on that is not decided.
+std::chrono::nanoseconds start_of(const Event& began) {
+  if (began.doubt == Doubt::none) return happened(began);
+  return began.world_time - std::chrono::nanoseconds(std::llround(began.bracket_low_s * 1e9));
+}
+
+/// News of a contact under the names that it was told with: a shard too large to carry names left them out.
+Event named_as(const Event& told, Event news) {
+  news.a = told.a;
+  news.b = told.b;
+  news.began = told.began;
+  return news;
+}
+
+}  // namespace
+
+// ---- which server -----------------------------------------------------------------------------------------------------
+
+bool WatchState::is_current(const ServerLife& from, Clock::time_point now) {
+  const bool lost = now - last_heard_ > std::chrono::nanoseconds(wire_contract::kStatusLostNs);
+  if (!life_ || (from != *life_ && (from.epoch > life_->epoch || lost))) {
+    start_life(from);
+  }
+  if (from != *life_) {
+    return false;
+  }
+  last_heard_ = now;
+  return true;
+}
+
+void WatchState::start_life(const ServerLife& life) {
+  for (auto& [pair, contact] : held_) {
+    carried_.insert_or_assign(names_of(contact), std::move(contact));
+  }
+  held_.clear();
+  held_by_names_.clear();
+  life_ = life;
+  applied_ = run_start_ = 0;
+  shards_ = {};
+  recent_.clear();
+  bookmark_.reset();
+  behind_at_.reset();
+  stuck_ = false;
+  if (mode_ != Mode::starting) {
+    mode_ = Mode::in_step;
+    doubt();
+  }
+}
+
+void WatchState::doubt() {
+  if (mode_ == Mode::in_step) {
+    mode_ = Mode::doubtful;
+    ++resyncs_;
+  }
+}
+
+// ---- events -----------------------------------------------------------------------------------------------------------
+
+void WatchState::hear(const HeardFrame& frame, Clock::time_point now) {
+  if (!is_current(frame.from, now)) {
+    return;
+  }
+  for (std::size_t i = 0; i < frame.entries.size(); ++i) {
+    HeardFrame::Entry entry = frame.entries[i];
+    entry.event.sequence = frame.first_sequence + i;
+    entry.event.epoch = frame.from.epoch;
+    if (run_start_ != 0 && entry.event.sequence <= applied_) {
+      continue;
+    }
+    if (mode_ != Mode::starting && entry.event.sequence != applied_ + 1) {
+      doubt();
+    }
+    if (run_start_ == 0 || entry.event.sequence != applied_ + 1) {
+      run_start_ = entry.event.sequence;
+    }
+    applied_ = entry.event.sequence;
+    note(entry);
+    if (mode_ != Mode::starting) {
+      apply(entry.event);
+    }
+  }
+}
+
+void WatchState::note(const HeardFrame::Entry& entry) {
+  if (recent_.size() == kMostRecent) {
+    recent_.pop_front();
+  }
+  recent_.push_back(entry);
+}
+
+void WatchState::apply(const Event& event) {
+  if (event.kind == EventKind::began) {
+    apply_began(event);
+  } else if (event.kind == EventKind::ended) {
+    apply_ended(event);
+  }
+}
+
+void WatchState::apply_began(const Event& event) {
+  const auto held = held_.find(pair_of(event));
+  if (held != held_.end()) {
+    if (held->second.episode == event.episode) {
+      return;
+    }
+    doubt();
+    emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
+    release(held);
+  }
+  if (carry_over(event)) {
+    return;
+  }
+  end_namesake(event);
+  Event began = event;
+  began.began = start_of(event);
+  hold(as_open(began));
+  emit_(began);
+}
+
+void WatchState::hold(const Event& contact) {
+  held_.insert_or_assign(pair_of(contact), contact);
+  held_by_names_.insert_or_assign(names_of(contact), pair_of(contact));
+}
+
+WatchState::Contacts::iterator WatchState::release(Contacts::iterator held) {
+  const auto named = held_by_names_.find(names_of(held->second));
+  if (named != held_by_names_.end() && named->second == held->first) held_by_names_.erase(named);
+  return held_.erase(held);
+}
+
+/// A name is one object at a time: news of a pair with other ids say that the objects were defined anew, and that the
+/// end of what is held under these names was missed.
+void WatchState::end_namesake(const Event& event) {
+  const auto named = held_by_names_.find(names_of(event));
+  if (named == held_by_names_.end() || named->second == pair_of(event)) {
+    return;
+  }
+  doubt();
+  const auto held = held_.find(named->second);
+  emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
+  release(held);
+}
+
+void WatchState::apply_ended(const Event& event) {
+  if (!held_.contains(pair_of(event))) {
+    carry_over(event);
+  }
+  auto held = held_.find(pair_of(event));
+  if (held == held_.end() || held->second.episode != event.episode) {
+    doubt();
+    if (held != held_.end()) {
+      emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
+      release(held);
+    }
+    end_namesake(event);
+    emit_missed(event, EventKind::began, EndReason::none, event.sequence);
+    Event contact = as_open(event);
+    contact.began = happened(event);  // since when it held was missed
+    hold(contact);
+    held = held_.find(pair_of(event));
+  }
+  Event ended = named_as(held->second, event);
+  release(held);
+  emit_(ended);
+}
+
+void WatchState::hear_persisted(const HeardFrame& frame) {
+  if (life_ != frame.from || mode_ == Mode::starting) {
+    return;
+  }
+  for (const HeardFrame::Entry& entry : frame.entries) {
+    const auto held = held_.find(pair_of(entry.event));
+    if (entry.event.kind != EventKind::persisted || held == held_.end() || held->second.episode != entry.event.episode) {
+      continue;
+    }
+    Event persisted = named_as(held->second, entry.event);
+    persisted.epoch = frame.from.epoch;
+    persisted.sequence = applied_;
+    emit_(persisted);
+  }
+}
+
+// The ids of another life mean nothing in this one: names tell which pair it is.
+bool WatchState::carry_over(const Event& event) {
+  const auto carried = carried_.find(names_of(event));
+  if (carried == carried_.end()) {
+    return false;
+  }
+  Event contact = as_open(event);
+  contact.began = carried->second.began;
+  carried_.erase(carried);
+  hold(contact);
+  return true;
+}
+
+void WatchState::emit_missed(const Event& contact, EventKind what, EndReason why, std::uint64_t sequence) {
+  Event missed = contact;
+  missed.kind = what;
+  missed.reason = why;
+  missed.resync = true;
+  missed.sequence = sequence;
+  missed.epoch = life_->epoch;
+  emit_(missed);
+}
+
+// ---- state ------------------------------------------------------------------------------------------------------------
+
+void WatchState::hear(const HeardShard& shard, Clock::time_point now) {
+  if (!is_current(shard.from, now) || shard.shard >= shards_.size() ||
+      shard.as_of_sequence < shards_[shard.shard].as_of_sequence) {
+    return;
+  }
+  shards_[shard.shard] = {shard.as_of_sequence, shard.contacts};
+  try_adopt();
+}
+
+void WatchState::hear(const HeardBookmark& bookmark, Clock::time_point now) {
+  if (!is_current(bookmark.from, now)) {
+    return;
+  }
+  bookmark_ = bookmark;
+  stuck_ = false;
+  if (bookmark.last_event_sequence <= applied_) {
+    behind_at_.reset();
+  } else if (behind_at_ == applied_) {
+    stuck_ = true;  // the tail of the stream was lost, and nothing comes after it that would show the gap
+    doubt();
+  } else {
+    behind_at_ = applied_;
+  }
+  if (mode_ == Mode::in_step && bookmark.last_event_sequence == applied_) {
+    std::uint64_t hash = 0;
+    for (const auto& [pair, contact] : held_) {
+      hash += hash_of(contact);
+    }
+    if (hash != bookmark.contact_hash || held_.size() != bookmark.contact_count) {
+      doubt();
+    }
+  }
+  try_adopt();
+}
+
+void WatchState::try_adopt() {
+  if (mode_ == Mode::in_step || !bookmark_ || !may_adopt() || !bookmark_vouches()) {
+    return;
+  }
+  if (mode_ == Mode::starting) {
+    adopt_first();
+  } else {
+    adopt_differences();
+  }
+}
+
+bool WatchState::may_adopt() const {
+  const std::uint64_t at = bookmark_->last_event_sequence;
+  // What came after the bookmark must be known without a gap, for it is applied on top.
+  const bool tail_known = applied_ <= at || (run_start_ <= at + 1 && !recent_.empty() &&
+                                             recent_.front().event.sequence <= at + 1);
+  // Events that are only late will come, and say more than differences do.
+  const bool nothing_late = mode_ == Mode::starting || applied_ >= at || stuck_;
+  const bool shards_in_time =
+      std::all_of(shards_.begin(), shards_.end(), [&](const Shard& shard) { return shard.as_of_sequence <= at; });
+  return tail_known && nothing_late && shards_in_time;
+}
+
+// As state_at() would find, without building it.
+bool WatchState::bookmark_vouches() const {
+  std::uint64_t hash = 0;
+  std::uint64_t count = 0;
+  for (const Shard& shard : shards_) {
+    for (const Event& contact : shard.contacts) {
+      hash += hash_of(contact);
+      ++count;
+    }
+  }
+  for (const HeardFrame::Entry& entry : recent_) {
+    const std::uint64_t sequence = entry.event.sequence;
+    if (sequence > bookmark_->last_event_sequence || entry.shard >= shards_.size() ||
+        sequence <= shards_[entry.shard].as_of_sequence) {
+      continue;
+    }
+    if (entry.event.kind == EventKind::began) {
+      hash += hash_of(entry.event);
+      ++count;
+    } else if (entry.event.kind == EventKind::ended) {
+      hash -= hash_of(entry.event);
+      --count;
+    }
+  }
+  return hash == bookmark_->contact_hash && count == bookmark_->contact_count;
+}
+
+WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
+  Contacts state;
+  for (const Shard& shard : shards_) {
+    for (const Event& contact : shard.contacts) {
+      state.insert_or_assign(pair_of(contact), contact);
+    }
+  }
+  for (const HeardFrame::Entry& entry : recent_) {
+    if (entry.event.sequence > sequence || entry.shard >= shards_.size() ||
+        entry.event.sequence <= shards_[entry.shard].as_of_sequence) {
+      continue;
+    }
+    if (entry.event.kind == EventKind::ended) {
+      state.erase(pair_of(entry.event));
+    } else if (entry.event.kind == EventKind::began) {
+      Event contact = as_open(entry.event);
+      contact.began = start_of(entry.event);
+      state.insert_or_assign(pair_of(entry.event), contact);
+    }
+  }
+  return state;
+}
+
+void WatchState::adopt_first() {
+  const std::uint64_t at = bookmark_->last_event_sequence;
+  mode_ = Mode::in_step;
+  for (const auto& [pair, contact] : state_at(at)) {
+    end_namesake(contact);
+    hold(contact);
+    emit_missed(contact, EventKind::open, EndReason::none, at);
+  }
+  const std::deque<HeardFrame::Entry> recent = recent_;
+  for (const HeardFrame::Entry& entry : recent) {
+    if (entry.event.sequence > at) {
+      apply(entry.event);
+    }
+  }
+  if (applied_ < at) {
+    applied_ = at;
+    run_start_ = at + 1;
+  }
+}
+
+void WatchState::adopt_differences() {
+  const std::uint64_t at = std::max(applied_, bookmark_->last_event_sequence);
+  const Contacts state = state_at(at);
+  for (auto held = held_.begin(); held != held_.end();) {
+    const auto found = state.find(held->first);
+    if (found != state.end() && found->second.episode == held->second.episode) {
+      ++held;
+      continue;
+    }
+    Event ended = held->second;
+    ended.world_time = bookmark_->world_time;
+    emit_missed(ended, EventKind::ended, EndReason::none, at);
+    held = release(held);
+  }
+  for (const auto& [pair, contact] : state) {
+    if (!held_.contains(pair) && !carry_over(contact)) {
+      end_namesake(contact);
+      emit_missed(contact, EventKind::began, EndReason::none, at);
+      hold(contact);
+    }
+  }
+  if (applied_ < at) {
+    applied_ = at;
+    run_start_ = at + 1;
+  }
+  if (bookmark_->settled) {
+    end_carried();
+  }
+  if (carried_.empty()) {
+    mode_ = Mode::in_step;
+  }
+}
+
+void WatchState::end_carried() {
+  const std::map<Names, Event> gone = std::exchange(carried_, {});
+  for (const auto& [names, contact] : gone) {
+    Event ended = contact;
+    ended.world_time = bookmark_->world_time;
+    emit_missed(ended, EventKind::ended, EndReason::server_restarted, applied_);
+  }
+}
+
+}  // namespace collided::client

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/library/connection/server_pulse.hpp"
+#include "collided/client.hpp"
+#include "idl/topics.hpp"
+
+namespace collided::client {
+
+/// One life of one server.
+struct ServerLife {
+  std::uint64_t server = 0;
+  std::uint64_t epoch = 0;
+  bool operator==(const ServerLife&) const = default;
+};
+
+/// `event.what` is began or ended; the sequence of event i is first_sequence + i.
+struct HeardFrame {
+  ServerLife from;
+  std::uint64_t first_sequence = 0;
+  struct Entry {
+    Event event;
+    std::uint8_t shard = 0;
+  };
+  std::vector<Entry> entries;
+};
+
+/// The contacts of one shard that held after event `as_of_sequence`; what is `open`.
+struct HeardShard {
+  ServerLife from;
+  std::uint8_t shard = 0;
+  std::uint64_t as_of_sequence = 0;
+  std::vector<Event> contacts;
+};
+
+/// The bookmark in a status: what must hold after event `last_event_sequence`.
+struct HeardBookmark {
+  ServerLife from;
+  std::uint64_t last_event_sequence = 0;
+  std::uint32_t contact_count = 0;
+  std::uint64_t contact_hash = 0;
+  std::chrono::nanoseconds world_time{0};
+  bool settled = true;  // false while a new server still waits for its publishers
+};
+
+/// Turns what a server sends (frames of events, shards of the contact state, bookmarks) into each event once and in
+/// order, whatever gets lost on the way. Knows neither DDS nor threads nor clocks.
+///
+/// In step, every event is one more than the last. A gap, a bookmark that disagrees or a new life of the server makes it
+/// doubtful: events still come through, with what they imply about missed ones, until shards and events together give a
+/// state that a bookmark vouches for by count and hash; then the differences follow, marked `resync`.
+/// Always: for every pair of ids, and for every pair of names, began (or open) and ended alternate in what it emits.
+class WatchState {
+ public:
+  using Emit = std::function<void(const Event&)>;
+  explicit WatchState(Emit emit) : emit_(std::move(emit)) {}
+
+  void hear(const HeardFrame& frame, Clock::time_point now);
+  void hear(const HeardShard& shard, Clock::time_point now);
+  void hear(const HeardBookmark& bookmark, Clock::time_point now);
+  /// News of contacts that go on, from the topic without a count: passed on for those that were told, else dropped.
+  void hear_persisted(const HeardFrame& frame);
+
+  bool in_step() const { return mode_ == Mode::in_step; }
+  std::uint64_t resyncs() const { return resyncs_; }
+
+ private:
+  using Pair = std::pair<std::uint64_t, std::uint64_t>;
+  using Contacts = std::map<Pair, Event>;
+  using Names = std::pair<std::string, std::string>;
+  enum class Mode { starting, in_step, doubtful };
+  struct Shard {
+    std::uint64_t as_of_sequence = 0;
+    std::vector<Event> contacts;
+  };
+
+  bool is_current(const ServerLife& from, Clock::time_point now);
+  void start_life(const ServerLife& life);
+  void doubt();
+
+  void apply(const Event& event);
+  void apply_began(const Event& event);
+  void apply_ended(const Event& event);
+  void hold(const Event& contact);
+  Contacts::iterator release(Contacts::iterator held);
+  void end_namesake(const Event& event);
+  /// Takes a pair held over from an earlier life into this one; false when there is none of these names.
+  bool carry_over(const Event& event);
+  void emit_missed(const Event& contact, EventKind what, EndReason why, std::uint64_t sequence);
+  void note(const HeardFrame::Entry& entry);
+
+  void try_adopt();
+  bool may_adopt() const;
+  bool bookmark_vouches() const;
+  Contacts state_at(std::uint64_t sequence) const;
+  void adopt_first();
+  void adopt_differences();
+  void end_carried();
+
+  Emit emit_;
+  Mode mode_ = Mode::starting;
+  std::uint64_t resyncs_ = 0;
+  std::optional<ServerLife> life_;
+  Clock::time_point last_heard_;
+
+  std::uint64_t applied_ = 0;    // the newest event heard
+  std::uint64_t run_start_ = 0;  // events from here to applied_ came without a gap; 0: none came yet
+  Contacts held_;                // what the caller was told
+  std::map<Names, Pair> held_by_names_;
+  std::map<Names, Event> carried_;  // told in an earlier life of the server, not yet met in this one
+
+  std::array<Shard, wire_contract::kContactShards> shards_;
+  std::deque<HeardFrame::Entry> recent_;
+  std::optional<HeardBookmark> bookmark_;
+  std::optional<std::uint64_t> behind_at_;  // applied_ when a bookmark first was ahead of it
+  bool stuck_ = false;                      // the next bookmark found it still there
+};
+
+}  // namespace collided::client
