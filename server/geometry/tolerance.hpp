@@ -120,6 +120,13 @@ inline constexpr double kOrientationError = 52 * kRoundoff;
 /// At zero, ExactBodyWay.WhatIsFreeMeetsNothingAtAnyFrameOfTheWay fails.
 inline constexpr double kWayError = 96 * kRoundoff;
 
+/// How far a point lies from where the quaternion given turns it, relative to its distance from the frame's origin, before
+/// the position is added: dividing the quaternion by its norm turns by 2 u, and leaves |q|^2 within 8 u of 1, which the
+/// matrix of a unit quaternion carries twice (16 u); an entry of it is off by 5 u on the diagonal and 2 u beside it (10 u
+/// as a whole), a row's product with the point by 3 u each (6 u). No unit.
+/// At zero, GeometryPlacingError.NoPlacedPointIsFartherOff fails.
+inline constexpr double kTurnedPoint = 40 * kRoundoff;
+
 /// Bound on the rounding of the plain 2-D orientation determinant, relative to the sum of its two products: Shewchuk's
 /// ccwerrboundA, (3 + 16 u) u. No unit. At zero, IntakePlanar.NearlyStraightTurnsAreExact fails.
 inline constexpr double kTurnError = (3 + 16 * kRoundoff) * kRoundoff;

@@ -9,6 +9,8 @@
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/placing_error.hpp"
+#include "server/world/objects/object_placing.hpp"
 
 namespace collided::oracle {
 using namespace engine;
@@ -26,6 +28,14 @@ bool may_answer(const Snapshot& snapshot, const Questions& questions, ObjectId i
 struct RayFound {
   AnswerHit hit;
   const Part* part;
+  double placing_m;  // along the ray
+
+  /// What was first is decided among placed parts; what is told holds for where they truly are.
+  AnswerHit told() const {
+    AnswerHit wide = hit;
+    wide.error_m += placing_m;
+    return wide;
+  }
 };
 
 bool earlier(const Ray& ray, const RayFound& a, const RayFound& b) {
@@ -59,20 +69,28 @@ std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snaps
     answer.point = hit.point;
     answer.normal = hit.normal;
     answer.weights = hit.weights;
-    found.push_back({answer, &part});
+    const double placing_m = hit.distance_m > 0 ? part.placing_m(asked.origin, hit.distance_m) : 0;
+    found.push_back({answer, &part, placing_error_along(asked, hit, placing_m, std::get_if<Triangle>(&part.shape))});
   }
   std::vector<AnswerHit> hits;
   if (questions.mode == RayMode::closest) {
     const auto first = std::min_element(found.begin(), found.end(),
                                         [&](const auto& a, const auto& b) { return earlier(asked, a, b); });
-    if (first != found.end()) hits.push_back(first->hit);
+    if (first != found.end()) hits.push_back(first->told());
     return hits;
   }
-  for (const RayFound& f : found) hits.push_back(f.hit);
+  for (const RayFound& f : found) hits.push_back(f.told());
   std::sort(hits.begin(), hits.end(), [](const AnswerHit& a, const AnswerHit& b) {
     return std::tuple(a.distance_m, a.object, a.triangle) < std::tuple(b.distance_m, b.object, b.triangle);
   });
   return hits;
+}
+
+/// Of the triangle, or of all primitives that the part is one of.
+double placing_of_object(const Snapshot& snapshot, const Part& part, const Aabb& asked) {
+  if (part.frame == nullptr) return 0;
+  const Placed object{.info = (*snapshot.objects)[slot_of(part.object)].get(), .frame = part.frame, .bounds = {}};
+  return placing_error_m(object, part.triangle, asked);
 }
 
 template <class Asked>
@@ -95,7 +113,7 @@ std::vector<AnswerHit> overlap(const std::vector<Part>& parts, const Snapshot& s
           }
           AnswerHit hit{.object = part.object, .triangle = part.triangle};
           hit.distance_m = touched.depth_m;
-          hit.error_m = touched.depth_error_m;
+          hit.error_m = touched.depth_error_m + placing_of_object(snapshot, part, bounds(asked));
           hit.point = touched.point;
           hit.normal = touched.normal;
           const auto [place, is_new] = deepest.emplace(part.object, hit);
@@ -127,7 +145,7 @@ std::vector<AnswerHit> near(const std::vector<Part>& parts, const Snapshot& snap
     if (!within) continue;
     AnswerHit hit{.object = part.object, .triangle = part.triangle};
     hit.distance_m = found.distance_m;
-    hit.error_m = found.distance_error_m;
+    hit.error_m = found.distance_error_m + (found.distance_m > 0 ? part.placing_m(point) : 0);
     hit.point = found.point;
     hit.normal = found.normal;
     const auto [place, is_new] = nearest.emplace(part.object, hit);
@@ -145,13 +163,19 @@ std::vector<AnswerHit> near(const std::vector<Part>& parts, const Snapshot& snap
 
 }  // namespace
 
+double Part::placing_m(const Vec3& point, double beyond_m) const {
+  if (frame == nullptr) return 0;
+  if (const auto* face = std::get_if<Triangle>(&own)) return placing_error_m(*frame, *face);
+  return placing_error_m(*frame, std::get<Primitive>(own), (point - frame->position).lpNorm<1>() + beyond_m);
+}
+
 std::vector<Part> all_parts(const Snapshot& snapshot) {
   std::vector<Part> parts;
   for (const auto& scene : snapshot.scenes) {
     for (std::uint32_t t = 0; t < scene->mesh.triangles.size(); ++t) {
       std::uint32_t number = 0;
       while (t >= scene->parts[number].first_triangle + scene->parts[number].triangle_count) ++number;
-      parts.push_back({scene->part_objects[number], t - scene->parts[number].first_triangle, scene->mesh.triangle(t)});
+      parts.push_back({scene->part_objects[number], t - scene->parts[number].first_triangle, scene->mesh.triangle(t), {}});
     }
   }
   for (const auto& info : *snapshot.objects) {
@@ -159,11 +183,13 @@ std::vector<Part> all_parts(const Snapshot& snapshot) {
     const Frame& frame = snapshot.frames[slot_of(info->id)];
     for (const Primitive& primitive : info->primitives) {
       std::visit(
-          [&](const auto& own) { parts.push_back({info->id, wire_contract::kNoTriangle, place(frame, own)}); }, primitive);
+          [&](const auto& own) { parts.push_back({info->id, wire_contract::kNoTriangle, place(frame, own), primitive, &frame}); },
+          primitive);
     }
     if (!info->mesh) continue;
     for (std::uint32_t t = 0; t < info->mesh->mesh->triangles.size(); ++t) {
-      parts.push_back({info->id, t, place(frame, info->mesh->mesh->triangle(t))});
+      const Triangle own = info->mesh->mesh->triangle(t);
+      parts.push_back({info->id, t, place(frame, own), own, &frame});
     }
   }
   return parts;

@@ -16,6 +16,11 @@ struct Part {
   ObjectId object = 0;
   std::uint32_t triangle = wire_contract::kNoTriangle;
   std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, HalfSpace, Triangle> shape;
+  std::variant<Triangle, Primitive> own;  // in its object's frame
+  const Frame* frame = nullptr;           // null: of a scene
+
+  /// How far it may be from where its pose has it, looked at from the point and so far beyond it.
+  double placing_m(const Vec3& point, double beyond_m = 0) const;
 };
 
 std::vector<Part> all_parts(const Snapshot& snapshot);

@@ -65,10 +65,8 @@ struct ReachAlong {
   int count = 0;
 };
 
-/// sign +1: along n; -1: along -n, so that both sets of a pair are asked with one vector.
 template <class N>
-ReachAlong<N> reach_along(const Convex& set, const Vec3& n_double, int side, const Vec3& origin) {
-  const Vector<N> n = side > 0 ? Vector<N>(n_double) : -Vector<N>(n_double);
+ReachAlong<N> reach_along(const Convex& set, const Vector<N>& n, const Vec3& origin) {
   const auto along = [&](int i) { return dot(n, Vector<N>(set.point(i)) - Vector<N>(origin)); };
   const auto farthest = [&](int first, int end) {
     N most = along(first);
@@ -98,6 +96,12 @@ ReachAlong<N> reach_along(const Convex& set, const Vec3& n_double, int side, con
   return reach;
 }
 
+/// sign +1: along n; -1: along -n, so that both sets of a pair are asked with one vector.
+template <class N>
+ReachAlong<N> reach_along(const Convex& set, const Vec3& n, int side, const Vec3& origin) {
+  return reach_along<N>(set, side > 0 ? Vector<N>(n) : -Vector<N>(n), origin);
+}
+
 /// p + sqrt(q) + sqrt(r) < 0, the roots' arguments as quotients of positive denominators.
 template <class N>
 Decision root_sum_negative(const N& p, const ReachPart<N>& q, const ReachPart<N>& r) {
@@ -113,10 +117,10 @@ Decision root_sum_negative(const N& p, const ReachPart<N>& q, const ReachPart<N>
 
 /// Whether some plane across n has the two sets strictly on its two sides, b ahead.
 template <class N>
-Decision parted_along(const Vec3& n, const Convex& a, const Convex& b) {
+Decision parted_along(const Vector<N>& n, const Convex& a, const Convex& b) {
   const Vec3& origin = b.carrier[0];
-  const ReachAlong<N> reach_a = reach_along<N>(a, n, +1, origin);
-  const ReachAlong<N> reach_b = reach_along<N>(b, n, -1, origin);
+  const ReachAlong<N> reach_a = reach_along<N>(a, n, origin);
+  const ReachAlong<N> reach_b = reach_along<N>(b, -n, origin);
   AllOf all;
   for (int i = 0; i < reach_a.count; ++i) {
     for (int j = 0; j < reach_b.count; ++j) {
@@ -125,6 +129,10 @@ Decision parted_along(const Vec3& n, const Convex& a, const Convex& b) {
     }
   }
   return all.result();
+}
+template <class N>
+Decision parted_along(const Vec3& n, const Convex& a, const Convex& b) {
+  return parted_along<N>(Vector<N>(n), a, b);
 }
 
 /// How far the set reaches along n (side +1) or against it (-1) from the origin, times |n|.

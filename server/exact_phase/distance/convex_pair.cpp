@@ -9,6 +9,7 @@
 #include "server/exact_phase/distance/nearest_value.hpp"
 #include "server/exact_phase/distance/polytope_kernel.hpp"
 #include "server/exact_phase/distance/simplex_search.hpp"
+#include "server/exact_phase/round_solids/round_pair.hpp"
 
 namespace collided::engine::kernel {
 namespace {
@@ -62,7 +63,21 @@ struct Witnesses {
   }
 };
 
-/// Near touching: each plane and point is asked exactly.
+/// The point with its last digits off: where everyday scenes touch, coordinates have few.
+Vec3 rounded_off(const Vec3& point, double step) { return ((point / step).array().round() * step).matrix(); }
+
+/// What no algebra here decides.
+Decision holds_rounded_point(const ConvexPair& pair, const Witnesses& witnesses) {
+  for (const Vec3& point : witnesses.point) {
+    for (const double step : {0x1p-24, 1e-9, 1e-6, 0x1p-16, 1e-4, 0x1p-10, 1e-3}) {
+      const Vec3 near = rounded_off(point, step);
+      if (near.allFinite() && pair.both_hold(near).yes()) return Decision::yes;
+    }
+  }
+  return Decision::undecided;
+}
+
+/// Near touching: each plane and point is asked exactly, then algebra.
 ExactResult careful_decision(const ConvexPair& pair, const Proposal& proposal) {
   const DepthProposal depth = depth_proposal(pair.a, pair.b, proposal, 0);
   if (depth.least_m > support_error_m(pair)) return {Decision::yes, Level::filter};
@@ -79,7 +94,10 @@ ExactResult careful_decision(const ConvexPair& pair, const Proposal& proposal) {
     level = std::max(level, held.level);
     if (held.yes()) return {Decision::yes, level};
   }
-  return {Decision::undecided, level};
+  if (precision.highest != Level::rational) return {Decision::undecided, level};
+  ++rungs.rational;
+  const Decision decision = round_sets_meet(pair.a, pair.b).decision;
+  return {decision != Decision::undecided ? decision : holds_rounded_point(pair, witnesses), Level::rational};
 }
 
 Contact bracketed(const Vec3& point, const Vec3& normal, double low, double high) {
@@ -116,7 +134,8 @@ Decision sets_overlap_by_rationals(const ConvexPair& pair) {
   for (const Vec3& point : witnesses.point) {
     if (pair.both_hold(point).yes()) return Decision::yes;
   }
-  return Decision::undecided;
+  const Decision decision = round_sets_meet(pair.a, pair.b).decision;
+  return decision != Decision::undecided ? decision : holds_rounded_point(pair, witnesses);
 }
 
 Contact contact_of(const ConvexPair& pair) {

@@ -22,14 +22,14 @@ struct ConvexPair {
 
 /// Whether two convex sets share a point. A search in plain double proposes, a certificate decides: a plane between the
 /// sets, by the sign of a sum of two roots over the ladder; a ball inside the difference set; a point that both hold;
-/// for sets of flat facets and balls, the search itself over rationals.
+/// for sets of flat facets and balls, the search itself over rationals; else the algebra of round_pair.hpp.
 ///
-/// returns  undecided only for sets with round parts that nearly touch, at no point that the search came by: of random
-///          pairs none with a gap or depth of 1e-6 of their size, 1 % at 1e-8, and up to a third below 1e-11
+/// returns  undecided only for two sets with round parts that nearly touch, as round_pair.hpp says, at no point that the
+///          search came by; a hull of more than a thousand corners that a turn has bent, against a cylinder or cone
 /// threads  pure; allocates only beyond Level::filter
 ExactResult sets_overlap(const ConvexPair& pair);
 
-/// The same by rationals alone, for the audit: no ball, no bound, only planes and points.
+/// The same by rationals alone, for the audit: no ball, no bound, only planes, points and algebra.
 Decision sets_overlap_by_rationals(const ConvexPair& pair);
 
 /// As in contact.hpp, for a pair that overlaps. The depth's bracket: a ball inside the difference set and a push that

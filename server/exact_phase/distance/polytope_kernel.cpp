@@ -8,22 +8,6 @@ namespace {
 
 using Point = Vector<Dyadic>;
 
-std::vector<Point> corners_of(const Convex& set) {
-  std::vector<Point> corners;
-  for (int i = 0; i < set.count(); ++i) corners.emplace_back(set.point(i));
-  if (set.plus != Convex::Plus::box) return corners;
-  Point reach[3];
-  for (int i = 0; i < 3; ++i) reach[i] = Dyadic(set.half_m[i]) * Point(Vec3(set.axes.col(i)));
-  const Point center = corners[0];
-  corners.clear();
-  for (int which = 0; which < 8; ++which) {
-    Point corner = center;
-    for (int i = 0; i < 3; ++i) corner = which >> i & 1 ? corner + reach[i] : corner - reach[i];
-    corners.push_back(std::move(corner));
-  }
-  return corners;
-}
-
 /// The number of the corner farthest along n.
 std::size_t farthest(const std::vector<Point>& corners, const Point& n) {
   std::size_t best = 0;
@@ -120,9 +104,42 @@ Decision search(const std::vector<Point>& of_a, const std::vector<Point>& of_b, 
 
 }  // namespace
 
+std::vector<Point> corners_of(const Convex& set) {
+  std::vector<Point> corners;
+  for (int i = 0; i < set.count(); ++i) corners.emplace_back(set.point(i));
+  if (set.plus != Convex::Plus::box) return corners;
+  Point reach[3];
+  for (int i = 0; i < 3; ++i) reach[i] = Dyadic(set.half_m[i]) * Point(Vec3(set.axes.col(i)));
+  const Point center = corners[0];
+  corners.clear();
+  for (int which = 0; which < 8; ++which) {
+    Point corner = center;
+    for (int i = 0; i < 3; ++i) corner = which >> i & 1 ? corner + reach[i] : corner - reach[i];
+    corners.push_back(std::move(corner));
+  }
+  return corners;
+}
+
+std::vector<Point> corners_swept(const Convex& set, const Point& displacement) {
+  std::vector<Point> corners = corners_of(set);
+  const std::size_t count = corners.size();
+  for (std::size_t i = 0; i < count; ++i) corners.push_back(corners[i] + displacement);
+  return corners;
+}
+
+Decision polytopes_meet_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion) {
+  Foot foot;
+  return search(corners_swept(a, motion.displacement<Dyadic>()), corners_of(b), Dyadic(a.ball_m) + Dyadic(b.ball_m), foot);
+}
+
 Decision polytopes_meet(const Convex& a, const Convex& b) {
   Foot foot;
   return search(corners_of(a), corners_of(b), Dyadic(a.ball_m) + Dyadic(b.ball_m), foot);
+}
+
+Decision hull_meets_ball(const std::vector<Vector<Dyadic>>& points, const Dyadic& radius_m) {
+  Foot foot;
+  return search(points, {Point(Vec3(Vec3::Zero()))}, radius_m, foot);
 }
 
 std::optional<CommonPoint> common_point(const Convex& a, const Convex& b) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/exact_phase/distance/convex.hpp"
+#include "server/exact_phase/motion/straight_motion.hpp"
 
 namespace collided::engine::kernel {
 
@@ -16,6 +17,17 @@ namespace collided::engine::kernel {
 /// source   Gilbert, Johnson, Keerthi 1988 as in simplex_search.hpp; in exact arithmetic every step comes nearer, so
 ///          the search over finitely many simplices ends
 Decision polytopes_meet(const Convex& a, const Convex& b);
+
+/// The same at any time of a's motion against b.
+Decision polytopes_meet_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion);
+
+/// The points whose hull the set is, without its ball: of a box the eight corners, else the carriers.
+std::vector<Vector<Dyadic>> corners_of(const Convex& set);
+/// Those of what it covers on a way.
+std::vector<Vector<Dyadic>> corners_swept(const Convex& set, const Vector<Dyadic>& displacement);
+
+/// Whether the hull of the points comes within radius_m of the origin; as polytopes_meet.
+Decision hull_meets_ball(const std::vector<Vector<Dyadic>>& points, const Dyadic& radius_m);
 
 /// A point of both sets as point / divisor, exactly, and near which point of each hull it is: the weights of corners (of a
 /// box the eight, else the carriers), above 0 and not scaled; without balls it is that point.

@@ -40,7 +40,8 @@ struct TimeSpan {
 /// decision  yes and no are proved: a plane that parts the two is followed along the way with a bound on how far the
 ///           turns may bend; undecided where they come nearer than rounding tells (or than kMostSteps steps resolve) and
 ///           no overlap is met. Two triangles, and a box or capsule that goes straight past a resting triangle, are
-///           then decided by the exact tests of moving_features.hpp and moving_solids.hpp
+///           then decided by the exact tests of moving_features.hpp and moving_solids.hpp, others that go straight by
+///           swept_convex.hpp
 /// error     the parts' way is that of BodyMotion to within its error_m
 /// threads   pure
 /// source    conservative advancement: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996; along

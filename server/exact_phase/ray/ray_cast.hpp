@@ -46,6 +46,13 @@ ExactResult cast_ray(const Ray& ray, const HalfSpace& half_space, RayHit& hit);
 /// Of its placed faces: convex to the rounding of placing them.
 ExactResult cast_ray(const Ray& ray, const Hull& hull, RayHit& hit);
 
+/// By how much a hit may be nearer or farther on a shape of which no point is farther than placing_m from that which was
+/// met, but for a hit that lies as near to an edge. Infinite where the ray runs along the surface so flatly that it may
+/// pass the other one by.
+///
+/// corners  of the triangle met; null: a solid
+double placing_error_along(const Ray& ray, const RayHit& hit, double placing_m, const Triangle* corners);
+
 /// Which of two triangles, both met by the ray, is met first: -1 a, 0 both at once, +1 b. Exact.
 int compare_hits(const Ray& ray, const Triangle& a, const Triangle& b);
 

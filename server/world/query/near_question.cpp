@@ -5,6 +5,7 @@
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/distance/nearest_filter.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
+#include "server/geometry/placing_error.hpp"
 #include "server/world/objects/part_index.hpp"
 #include "server/world/objects/scene_levels.hpp"
 #include "server/world/query/question.hpp"
@@ -24,8 +25,9 @@ struct NearWalk {
   double off_by_m = 0;        // how far what is walked may lie from what it stands for
 
   void set_limit() { limit_m2 = square_up(wanted_m + off_by_m); }
-  template <class Part>
-  void test(const Part& part, ObjectId object, std::uint32_t triangle);
+  /// placing_m(): how far the part may be from where its pose has it, asked of what is kept.
+  template <class Part, class PlacingError>
+  void test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m);
   bool is_within(const Closest& found, ObjectId object, const auto& part);
   void keep(const AnswerHit& hit);
   void walk_scene(const StaticScene& scene);
@@ -38,8 +40,17 @@ struct NearWalk {
   void walk_movers(const Grid& grid);
 };
 
-template <class Part>
-void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
+/// How far apart the nearest points of two convex sets may be that are off_m from each other everywhere, as in
+/// closest_in_general: of the true set all that is as near as this lies within it.
+double within_of(double distance_m, double off_m) {
+  return off_m > 0 ? (2 * std::sqrt((distance_m + off_m) * off_m) + off_m) * (1 + 0x1p-40) : 0;
+}
+
+/// Scenes are where they are.
+constexpr auto kNotPlaced = [] { return 0.0; };
+
+template <class Part, class PlacingError>
+void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m) {
   if constexpr (std::is_same_v<Part, Triangle>) {
     // Most triangles of a leaf are surely farther than the nearest known, which costs less than how far.
     if (kernel::quick_square_distance(point, part).low2_m2 > limit_m2) {
@@ -50,14 +61,16 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
   const Closest found = closest(point, part);
   ++question.exact_tests;
   if (!is_within(found, object, part)) return;
+  // What holds the point is at no distance, wherever its border is.
+  const double placed_m = found.distance_m > 0 ? placing_m() : 0;
   keep({.object = object,
         .triangle = triangle,
         .flags = question.flags_of(object),
         .distance_m = found.distance_m,
-        .error_m = found.distance_error_m + off_by_m,
+        .error_m = found.distance_error_m + placed_m + off_by_m,
         .point = found.point,
         // What is nearest to the simpler form may be near another place of the surface.
-        .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity() : found.point_error_m,
+        .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity() : found.point_error_m + within_of(found.distance_m, placed_m),
         .normal = found.normal});
 }
 
@@ -97,7 +110,7 @@ void NearWalk::walk_scene(const StaticScene& scene) {
   const auto candidate = [&](std::uint32_t triangle, double) {
     const std::uint32_t part = scene.part_of(triangle);
     const ObjectId object = scene.part_objects[part];
-    if (question.allows(object)) test(scene.mesh.triangle(triangle), object, triangle - scene.parts[part].first_triangle);
+    if (question.allows(object)) test(scene.mesh.triangle(triangle), object, triangle - scene.parts[part].first_triangle, kNotPlaced);
     return limit_m2;
   };
   scene.tree.walk_near(point, limit_m2, 0, candidate, question.walk);
@@ -108,7 +121,8 @@ void NearWalk::walk_level(const SceneLevel& level, const StaticScene& scene) {
     const std::uint32_t part = level.part_of[triangle];
     const ObjectId object = scene.part_objects[part];
     if (question.allows(object)) {
-      test(level.mesh.triangle(triangle), object, level.originals[triangle] - scene.parts[part].first_triangle);
+      test(level.mesh.triangle(triangle), object, level.originals[triangle] - scene.parts[part].first_triangle,
+           kNotPlaced);
     }
     return limit_m2;
   };
@@ -158,8 +172,9 @@ void NearWalk::walk_object(std::uint32_t slot) {
   if (!question.allows(info.id)) return;
   const Frame& frame = question.snapshot.frames[slot];
   const auto test_primitive = [&](std::size_t number) {
-    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); },
-               info.primitives[number]);
+    const Primitive& any = info.primitives[number];
+    const auto placing_m = [&] { return placing_error_m(frame, any, (point - frame.position).lpNorm<1>()); };
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle, placing_m); }, any);
   };
   if (info.parts) {
     walk_parts(*info.parts, frame, test_primitive);
@@ -168,7 +183,8 @@ void NearWalk::walk_object(std::uint32_t slot) {
   }
   if (!info.mesh) return;
   walk_local(info.mesh->tree, info.mesh->radius_m, frame, [&](std::uint32_t triangle) {
-    test(place(frame, info.mesh->mesh->triangle(triangle)), info.id, triangle);
+    const Triangle own = info.mesh->mesh->triangle(triangle);
+    test(place(frame, own), info.id, triangle, [&] { return placing_error_m(frame, own); });
   });
 }
 

@@ -1,4 +1,5 @@
 #include "server/exact_phase/distance/nearest_filter.hpp"
+#include "server/world/objects/object_placing.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/question_shapes.hpp"
 
@@ -75,7 +76,9 @@ void ask_overlap(Question& question, const Asked& asked) {
     if (!question.allows(question.object(slot).id)) return true;
     ContactSearch touch;
     touch.wanted = !any;
-    search_object(primitive, question.placed(slot), touch, question.walk);
+    const Placed object = question.placed(slot);
+    search_object(primitive, object, touch, question.walk);
+    if (touch.yes && touch.wanted) touch.contact.depth_error_m += placing_error_m(object, touch.b_triangle, bounds(asked));
     take(question.object(slot).id, touch);
     return !ended();
   };

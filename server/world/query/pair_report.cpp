@@ -5,6 +5,7 @@
 
 #include "server/geometry/float_environment.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
+#include "server/world/objects/object_placing.hpp"
 #include "server/world/query/stale_reach.hpp"
 
 namespace collided::engine {
@@ -92,12 +93,16 @@ PairReport report_in_order(const PlacedObject& first, const PlacedObject& second
   if (report.is_stale && report.touches == Decision::no && overlaps(first.reach, second.reach)) report.touches = Decision::undecided;
   if (touch.yes) {
     report.contact = touch.contact;
+    report.contact.depth_error_m += placing_error_m(a, touch.a_triangle, b, touch.b_triangle);
     report.a_triangle = touch.a_triangle;
     report.b_triangle = touch.b_triangle;
     report.manifold = manifold_of(a, b, touch.contact, cost);
     if (ask.triangles && a.info->mesh && b.info->mesh) find_crossings(a, b, ask.most_crossings, report, cost);
   } else if (report.touches == Decision::no) {
     report.separation = distance_between(a, b, cost);
+    const double placing_m = placing_error_m(a, wire_contract::kNoTriangle, b, wire_contract::kNoTriangle);
+    report.separation.error_m += placing_m;
+    report.separation.point_error_m += placing_m;
     report.contained = containment(a, b);
   }
   if (!ask.certificate) return report;

@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/placing_error.hpp"
 #include "server/geometry/stable_length.hpp"
 #include "server/world/objects/part_index.hpp"
 #include "server/world/query/question.hpp"
@@ -21,6 +22,7 @@ struct RayWalk {
   double direction_m = 0;  // |direction|, stable_length's
   double limit = 0;        // in s, never below the best hit less the error asked for; below 0: nothing is sought
   Triangle best_triangle = {};
+  double best_error_m = 0;  // of the placed part alone: what is nearer is decided among placed ones
   bool best_is_triangle = false;
   bool is_length_known = true;  // else the limit says nothing of the ray's length
 
@@ -28,9 +30,12 @@ struct RayWalk {
   bool closest() const { return question.asked.mode == RayMode::closest; }
   bool over() const { return limit < 0; }
 
-  template <class Part>
-  void test(const Part& part, ObjectId object, std::uint32_t triangle);
-  void keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners);
+  /// placing_m(): how far the part may be from where its pose has it, asked of what is kept.
+  template <class Part, class PlacingError>
+  void test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m);
+  /// False: a nearer one is known.
+  bool keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners);
+  void widen(const RayHit& hit, double placing_m, const Triangle* corners);
   bool is_nearer(const AnswerHit& hit, const Triangle* corners) const;
   Bvh::RayGoal goal(std::size_t scene) const;
   void walk_scene(std::size_t scene);
@@ -42,24 +47,35 @@ struct RayWalk {
   void walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one);
 };
 
-template <class Part>
-void RayWalk::test(const Part& part, ObjectId object, std::uint32_t triangle) {
+/// Scenes are where they are.
+constexpr auto kNotPlaced = [] { return 0.0; };
+
+template <class Part, class PlacingError>
+void RayWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m) {
   RayHit hit;
   const ExactResult verdict = cast_ray(ray, part, hit);
   question.count(verdict);
   if (!verdict.yes()) return;
-  if constexpr (std::is_same_v<Part, Triangle>) {
-    keep(hit, object, triangle, &part);
-  } else {
-    keep(hit, object, triangle, nullptr);
+  const Triangle* corners = nullptr;
+  if constexpr (std::is_same_v<Part, Triangle>) corners = &part;
+  if (!keep(hit, object, triangle, corners)) return;
+  if constexpr (!std::is_same_v<PlacingError, std::remove_const_t<decltype(kNotPlaced)>>) {
+    if (hit.distance_m > 0) widen(hit, placing_m(), corners);
   }
+}
+
+void RayWalk::widen(const RayHit& hit, double placing_m, const Triangle* corners) {
+  AnswerHit& kept = question.found.back();
+  const double along_m = placing_error_along(ray, hit, placing_m, corners);
+  kept.error_m += along_m;
+  kept.point_error_m += along_m;
 }
 
 /// Intervals that do not meet decide; else two triangles are compared exactly; ties go to the lower object, triangle.
 bool RayWalk::is_nearer(const AnswerHit& hit, const Triangle* corners) const {
   const AnswerHit& best = question.found.front();
-  if (hit.distance_m + hit.error_m < best.distance_m - best.error_m) return true;
-  if (best.distance_m + best.error_m < hit.distance_m - hit.error_m) return false;
+  if (hit.distance_m + hit.error_m < best.distance_m - best_error_m) return true;
+  if (best.distance_m + best_error_m < hit.distance_m - hit.error_m) return false;
   if (corners != nullptr && best_is_triangle) {
     const int order = compare_hits(ray, *corners, best_triangle);
     if (order != 0) return order < 0;
@@ -69,7 +85,7 @@ bool RayWalk::is_nearer(const AnswerHit& hit, const Triangle* corners) const {
   return hit.object != best.object ? hit.object < best.object : hit.triangle < best.triangle;
 }
 
-void RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) {
+bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) {
   const AnswerHit kept{.object = object,
                        .triangle = triangle,
                        .flags = static_cast<std::uint8_t>(question.flags_of(object) |
@@ -84,14 +100,16 @@ void RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, c
   if (!closest()) {
     question.found.push_back(kept);
     if (question.asked.mode == RayMode::any) limit = -1;
-    return;
+    return true;
   }
-  if (!question.found.empty() && !is_nearer(kept, corners)) return;
+  if (!question.found.empty() && !is_nearer(kept, corners)) return false;
   question.found.assign(1, kept);
+  best_error_m = kept.error_m;
   best_is_triangle = corners != nullptr;
   if (best_is_triangle) best_triangle = *corners;
   const double reach = rounded_up(kept.distance_m + kept.error_m - question.slack_m());
   if (reach < limit) limit = reach;
+  return true;
 }
 
 /// Who hears of the candidates of one static scene.
@@ -102,7 +120,7 @@ struct SceneWalk {
   double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
     const std::uint32_t part = scene->part_of(triangle);
     const ObjectId object = scene->part_objects[part];
-    if (walk->question.allows(object)) walk->test(corners, object, triangle - scene->parts[part].first_triangle);
+    if (walk->question.allows(object)) walk->test(corners, object, triangle - scene->parts[part].first_triangle, kNotPlaced);
     return walk->limit;
   }
   /// The triangle that meet_ray found: it has been told, or is sure and has not been.
@@ -202,8 +220,9 @@ void RayWalk::walk_object(std::uint32_t slot) {
   if (!question.allows(info.id)) return;
   const Frame& frame = question.snapshot.frames[slot];
   const auto test_primitive = [&](std::size_t number) {
-    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle); },
-               info.primitives[number]);
+    const Primitive& any = info.primitives[number];
+    const auto placing_m = [&] { return placing_error_m(frame, any, (ray.origin - frame.position).lpNorm<1>() + question.found.back().distance_m); };
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle, placing_m); }, any);
   };
   if (info.parts) {
     walk_parts(*info.parts, info.primitives.size(), frame, test_primitive);
@@ -213,7 +232,8 @@ void RayWalk::walk_object(std::uint32_t slot) {
   if (!info.mesh || over()) return;
   const TriangleMesh& mesh = *info.mesh->mesh;
   walk_local(info.mesh->tree, info.mesh->radius_m, mesh.triangles.size(), frame, [&](std::uint32_t triangle) {
-    test(place(frame, mesh.triangle(triangle)), info.id, triangle);
+    const Triangle own = mesh.triangle(triangle);
+    test(place(frame, own), info.id, triangle, [&] { return placing_error_m(frame, own); });
   });
 }
 

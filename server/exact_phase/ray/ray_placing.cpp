@@ -1,0 +1,26 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/tolerance.hpp"
+
+namespace collided::engine {
+
+double placing_error_along(const Ray& ray, const RayHit& hit, double placing_m, const Triangle* corners) {
+  if (placing_m == 0) return 0;
+  // The normal and the direction are of unit length to some roundings.
+  const double steepness = std::abs(hit.normal.dot(ray.direction.stableNormalized())) - 8 * kRoundoff;
+  if (!(steepness > 0)) return std::numeric_limits<double>::infinity();
+  const double along_m = placing_m / steepness;
+  // On the way into the solid, or over the triangle's height, the surface bends or is turned by far less than it is steep.
+  double room_m = hit.exit_m - hit.distance_m;
+  if (corners != nullptr) {
+    const Vec3 edge[3] = {corners->b - corners->a, corners->c - corners->b, corners->a - corners->c};
+    const double longest_m = std::max({edge[0].norm(), edge[1].norm(), edge[2].norm()});
+    room_m = steepness * edge[0].cross(edge[1]).norm() / longest_m;
+  }
+  return along_m * 0x1p12 <= room_m ? along_m * (1 + 0x1p-10) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,85 @@
+#include "server/geometry/placing_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/geometry/mesh.hpp"
+#include "server/geometry/tolerance.hpp"
+
+namespace collided::engine {
+namespace {
+
+bool turns(const Frame& frame) { return frame.rotation != Mat3::Identity(); }
+
+/// What a sum of two doubles loses (Knuth).
+double lost(double a, double b) {
+  const double sum = a + b;
+  const double b_part = sum - a;
+  return (a - (sum - b_part)) + (b - b_part);
+}
+
+class Placing {
+ public:
+  explicit Placing(const Frame& frame) : frame_(frame), turns_(turns(frame)) {}
+
+  double of_point(const Vec3& own) const {
+    if (turns_) return rounded_up(kTurnedPoint * own.norm() + kRoundoff * (frame_.position.norm() + own.norm()));
+    const Vec3& to = frame_.position;
+    return rounded_up(Vec3(lost(own[0], to[0]), lost(own[1], to[1]), lost(own[2], to[2])).norm());
+  }
+  /// Half axes: those of a shape that is turned in its own frame come of a quaternion too.
+  double of_axes(const Mat3& axes, const Vec3& half_m) const {
+    const double reach_m = (axes * half_m.asDiagonal()).colwise().norm().sum();
+    return rounded_up((turns_ ? kTurnedPoint * reach_m : 0) + (axes != Mat3::Identity() ? kTurnedPoint * reach_m : 0));
+  }
+  /// A disc of radius_m stands across an axis whose ends are off by this: it is turned by as much as the axis.
+  double of_disc(const Vec3& from, const Vec3& to, double radius_m) const {
+    const double end_m = std::max(of_point(from), of_point(to));
+    const double turned = end_m == 0 ? 0 : std::min(2.0, std::numbers::pi * end_m / (to - from).norm());
+    return rounded_up(end_m + radius_m * turned);
+  }
+
+  double operator()(const Sphere& s) const { return of_point(s.center); }
+  double operator()(const Box& b) const { return rounded_up(of_point(b.center) + of_axes(b.axes, b.half_m)); }
+  double operator()(const Capsule& c) const { return std::max(of_point(c.a), of_point(c.b)); }
+  double operator()(const Cylinder& c) const { return of_disc(c.a, c.b, c.radius_m); }
+  double operator()(const Cone& c) const { return of_disc(c.apex, c.base, c.radius_m); }
+  double operator()(const Ellipsoid& e) const { return rounded_up(of_point(e.center) + of_axes(e.axes, e.half_m)); }
+  double operator()(const Hull& h) const {
+    double most_m = 0;
+    for (const Vec3& vertex : h.mesh->vertices) most_m = std::max(most_m, of_point(vertex));
+    return most_m;
+  }
+  double operator()(const HalfSpace& h) const { return rounded_up(of_point(h.point) + (turns_ ? 2 * kTurnedPoint * far_m : 0)); }
+
+  double far_m = 0;
+
+ private:
+  static double rounded_up(double error_m) { return error_m == 0 ? 0 : error_m * (1 + kBoundSlack) + std::numeric_limits<double>::denorm_min(); }
+
+  const Frame& frame_;
+  bool turns_;
+};
+
+}  // namespace
+
+double placing_error_m(const Frame& frame, const Primitive& own, double far_m) {
+  Placing placing(frame);
+  placing.far_m = far_m;
+  return std::visit(placing, own);
+}
+
+double placing_error_m(const Frame& frame, const Triangle& own) {
+  const Placing placing(frame);
+  return std::max({placing.of_point(own.a), placing.of_point(own.b), placing.of_point(own.c)});
+}
+
+double placing_error_m(const Frame& frame, double reach_m) {
+  if (!turns(frame) && frame.position.isZero(0)) return 0;
+  const double turned = turns(frame) ? kTurnedPoint * reach_m : 0;
+  return (turned + kRoundoff * (frame.position.norm() + reach_m)) * (1 + kBoundSlack) + std::numeric_limits<double>::denorm_min();
+}
+
+}  // namespace collided::engine
