@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/exact_phase/distance/convex.hpp"
-#include "server/exact_phase/motion/straight_motion.hpp"
+#include "server/exact_phase/kernels/straight_motion.hpp"
 
 namespace collided::engine::kernel {
 

@@ -14,7 +14,7 @@ class Landing {
  public:
   Landing(const PartMotion& part, const HalfSpace& ground, double width, TimeBracket& bracket)
       : part_(part), ground_(ground), plane_(Sphere{ground.point, 0}), width_(width), bracket_(bracket),
-        motion_m_(part.displacement->length_m(part.reach_m)), error_m_(2 * part.displacement->error_m(part.reach_m)) {}
+        motion_m_(part.motion->length_m(part.reach_m)), error_m_(2 * part.motion->error_m(part.reach_m)) {}
 
   /// Yes fills the bracket.
   Decision look(const TimeSpan& span) {
@@ -54,9 +54,9 @@ class Landing {
 ExactResult straight_to_ground(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width, TimeBracket& bracket) {
   const ConvexPart first = part.at(0);
   const kernel::Convex start = std::visit([](const auto& shape) { return kernel::Convex(shape); }, first);
-  const kernel::StraightMotion motion{.from_a = part.displacement->from.position, .to_a = part.displacement->to.position, .until = span.high};
+  const kernel::StraightMotion motion{.from_a = part.motion->from.position, .to_a = part.motion->to.position, .until = span.high};
   const double gap_m = -kernel::reach_value(start, ground.normal, -1, ground.point).value;
-  const double down_m = -ground.normal.dot(part.displacement->travel);
+  const double down_m = -ground.normal.dot(part.motion->travel);
   TimeBracket exact;
   const ExactResult verdict = kernel::first_contact_on_motion(start, ground, motion, down_m > 0 ? gap_m / down_m : 0, width, exact);
   if (verdict.yes()) bracket = {std::max(exact.low, span.low), std::max(exact.high, span.low)};
@@ -71,15 +71,15 @@ ExactResult first_contact(const PartMotion& part, const HalfSpace& ground, TimeS
     bracket = {span.low, span.low};
     return at_once;
   }
-  if (part.displacement->turn_rad == 0) return straight_to_ground(part, ground, span, width, bracket);
+  if (part.motion->turn_rad == 0) return straight_to_ground(part, ground, span, width, bracket);
   return {Landing(part, ground, width, bracket).look(span), Level::filter};
 }
 
-bool surely_stays_above(const BodyMotion& displacement, double reach_m, const HalfSpace& ground) {
+bool surely_stays_above(const BodyMotion& motion, double reach_m, const HalfSpace& ground) {
   const double length = ground.normal.stableNorm();
-  const double height_m = ground.normal.dot(displacement.at(0.5).position - ground.point) / length;
-  const double size_m = displacement.to.position.lpNorm<1>() + displacement.from.position.lpNorm<1>() + ground.point.lpNorm<1>() + reach_m;
-  return height_m > reach_m + displacement.length_m(reach_m) / 2 + displacement.error_m(reach_m) + size_m * 0x1p-40;
+  const double height_m = ground.normal.dot(motion.at(0.5).position - ground.point) / length;
+  const double size_m = motion.to.position.lpNorm<1>() + motion.from.position.lpNorm<1>() + ground.point.lpNorm<1>() + reach_m;
+  return height_m > reach_m + motion.length_m(reach_m) / 2 + motion.error_m(reach_m) + size_m * 0x1p-40;
 }
 
 }  // namespace collided::engine

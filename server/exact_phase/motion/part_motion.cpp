@@ -42,7 +42,7 @@ ExactResult overlap_at(const PartMotion& a, const PartMotion& b, double t) {
 class Advance {
  public:
   Advance(const PartMotion& a, const PartMotion& b)
-      : a_(a), b_(b), slack_m_(2 * (a.displacement->error_m(a.reach_m) + b.displacement->error_m(b.reach_m))) {}
+      : a_(a), b_(b), slack_m_(2 * (a.motion->error_m(a.reach_m) + b.motion->error_m(b.reach_m))) {}
 
   /// A plane that parts the two at time t, and by how much at least; not positive: none was found. `normal` is that of
   /// the step before: of round parts that nearly touch, double finds a worse one than it did from farther away.
@@ -64,7 +64,7 @@ class Advance {
   /// Both go straight, and across n they close no farther than their placing is off, or the way is over: where they are
   /// placed then does not tell whether the way brings them together.
   bool ends_in_doubt(const Vec3& n, double gap_m, double length, bool is_over) const {
-    if (a_.displacement->turn_rad != 0 || b_.displacement->turn_rad != 0) return false;
+    if (a_.motion->turn_rad != 0 || b_.motion->turn_rad != 0) return false;
     return is_over || closing_speed_m(n) * length - gap_m <= 4 * slack_m_;
   }
 
@@ -102,18 +102,18 @@ class Advance {
   }
   /// At least how fast the two may close along n, metres in the whole way's time.
   double closing_speed_m(const Vec3& n) const {
-    const Vec3 travel = a_.displacement->travel - b_.displacement->travel;
+    const Vec3 travel = a_.motion->travel - b_.motion->travel;
     const double straight = n.dot(travel) + 0x1p-48 * travel.cwiseAbs().sum();
     return straight + (turn_of(n, a_) + turn_of(n, b_)) * (1 + 0x1p-40);
   }
   static double turn_of(const Vec3& n, const PartMotion& part) {
-    return part.displacement->turn_rad * n.cross(part.displacement->axis).norm() * part.reach_m;
+    return part.motion->turn_rad * n.cross(part.motion->axis).norm() * part.reach_m;
   }
   /// How far a set reaches along n changes, within a step, by no more than linearly and this times the step squared:
   /// seen from the body n turns, its second derivative is at most turn |n x axis|, reach is convex in n and steeper
   /// than reach_m nowhere, and a curve is off its chord by an eighth of that.
   double bend(const Vec3& n) const {
-    return (turn_of(n, a_) * a_.displacement->turn_rad + turn_of(n, b_) * b_.displacement->turn_rad) / 8 * (1 + 0x1p-40);
+    return (turn_of(n, a_) * a_.motion->turn_rad + turn_of(n, b_) * b_.motion->turn_rad) / 8 * (1 + 0x1p-40);
   }
 
   const PartMotion& a_;
@@ -168,9 +168,9 @@ std::optional<Decision> meet_in_piece(const PartMotion& a, const PartMotion& b, 
 
 /// How long the corners of a triangle go straight to within their way's error.
 double straight_for(const PartMotion& part) {
-  const double turn_rad = part.displacement->turn_rad;
+  const double turn_rad = part.motion->turn_rad;
   if (turn_rad == 0) return kForever;
-  return std::sqrt(8 * part.displacement->error_m(part.reach_m) / part.reach_m) / turn_rad;
+  return std::sqrt(8 * part.motion->error_m(part.reach_m) / part.reach_m) / turn_rad;
 }
 
 /// A box or capsule past a resting triangle, from double upward.
@@ -179,26 +179,26 @@ std::optional<ExactResult> past_triangle(const PartMotion& a, const PartMotion& 
     return std::holds_alternative<Triangle>(b.own) ? std::nullopt : past_triangle(b, a, width, bracket);
   }
   const Triangle* other = std::get_if<Triangle>(&b.own);
-  if (other == nullptr || !b.displacement->travel.isZero(0)) return std::nullopt;
-  const Triangle resting = place(b.displacement->from, *other);
-  const Vec3& from = a.displacement->from.position;
-  const Vec3& to = a.displacement->to.position;
+  if (other == nullptr || !b.motion->travel.isZero(0)) return std::nullopt;
+  const Triangle resting = place(b.motion->from, *other);
+  const Vec3& from = a.motion->from.position;
+  const Vec3& to = a.motion->to.position;
   if (const Box* box = std::get_if<Box>(&a.own)) {
-    return first_contact(Translated<Box>{place(a.displacement->from, *box), from, to}, resting, width, bracket);
+    return first_contact(Translated<Box>{place(a.motion->from, *box), from, to}, resting, width, bracket);
   }
   if (const Capsule* capsule = std::get_if<Capsule>(&a.own)) {
-    return first_contact(Translated<Capsule>{place(a.displacement->from, *capsule), from, to}, resting, width, bracket);
+    return first_contact(Translated<Capsule>{place(a.motion->from, *capsule), from, to}, resting, width, bracket);
   }
   return std::nullopt;
 }
 
 /// The exact answer on the whole way of two that do not turn; nothing where there is none. `low`: no contact before.
 std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, double low, double width, TimeBracket& bracket) {
-  if (a.displacement->turn_rad != 0 || b.displacement->turn_rad != 0 || kernel::precision.highest != Level::rational) return std::nullopt;
+  if (a.motion->turn_rad != 0 || b.motion->turn_rad != 0 || kernel::precision.highest != Level::rational) return std::nullopt;
   if (const std::optional<ExactResult> verdict = past_triangle(a, b, width, bracket)) return verdict;
   const ConvexPart start_a = a.at(0);
   const ConvexPart start_b = b.at(0);
-  const kernel::StraightMotion motion{a.displacement->from.position, a.displacement->to.position, b.displacement->from.position, b.displacement->to.position};
+  const kernel::StraightMotion motion{a.motion->from.position, a.motion->to.position, b.motion->from.position, b.motion->to.position};
   const ExactResult verdict = kernel::first_contact_on_motion(convex_of(start_a), convex_of(start_b), motion, low, width, bracket);
   if (verdict.decision == Decision::undecided) return std::nullopt;
   return verdict;
@@ -242,13 +242,13 @@ ConvexPart part_of(const Primitive& primitive) {
       primitive);
 }
 
-PartMotion::PartMotion(ConvexPart part, const BodyMotion& on) : own(std::move(part)), displacement(&on) {
+PartMotion::PartMotion(ConvexPart part, const BodyMotion& on) : own(std::move(part)), motion(&on) {
   const Convex set = convex_of(own);
   reach_m = (set.carrier[0].stableNorm() + set.reach_m + set.ball_m) * (1 + 0x1p-40);
 }
 
 ConvexPart PartMotion::at(double t) const {
-  const Frame frame = displacement->at(t);
+  const Frame frame = motion->at(t);
   return std::visit([&](const auto& shape) { return ConvexPart(place(frame, shape)); }, own);
 }
 

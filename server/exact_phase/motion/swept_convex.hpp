@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "server/exact_phase/distance/convex.hpp"
-#include "server/exact_phase/motion/straight_motion.hpp"
+#include "server/exact_phase/kernels/straight_motion.hpp"
 #include "server/exact_phase/motion/time_of_contact.hpp"
 
 namespace collided::engine::kernel {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "server/exact_phase/distance/convex.hpp"
-#include "server/exact_phase/motion/straight_motion.hpp"
+#include "server/exact_phase/kernels/straight_motion.hpp"
 
 namespace collided::engine::kernel {
 

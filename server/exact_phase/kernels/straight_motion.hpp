@@ -14,7 +14,7 @@ struct StraightMotion {
 
   /// What a has gone as seen from b.
   template <class N>
-  Vector<N> motion() const {
+  Vector<N> displacement() const {
     return N(until) * ((Vector<N>(to_a) - Vector<N>(from_a)) - (Vector<N>(to_b) - Vector<N>(from_b)));
   }
   /// The same as seen from a, of b.
