@@ -42,7 +42,7 @@ std::vector<mcap::ChannelDescription> channels_of(std::string_view name_space);
 /// Which topic a channel of a file is of, by the end of its name and its schema's; nothing for channels of others.
 std::optional<Recorded> recorded_topic(const mcap::Channel& channel, const mcap::Contents& contents);
 
-/// "collided 0.1.0", as files name their writer.
+/// "collided 0.2.0", as files name their writer.
 std::string library_name();
 
 }  // namespace collided::recording

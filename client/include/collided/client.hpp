@@ -184,7 +184,7 @@ class Client {
   std::unique_ptr<State> state_;
 };
 
-/// "0.1.0"
+/// "0.2.0"
 std::string_view library_version();
 
 }  // namespace collided
