@@ -56,7 +56,8 @@ class Publisher {
   void stream();
   /// Says "still there" without moving anything; move/flush say so as well.
   Result<void> keep_alive();
-  /// Waits until the server has applied everything sent so far.
+  /// Waits until the server has applied every object and pose sent so far. A flush without news, which only says how far
+  /// the time has come, is not waited for: Answers::world_time shows when it has arrived.
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
 
  private:

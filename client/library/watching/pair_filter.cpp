@@ -1,19 +1,14 @@
 #include "client/library/watching/pair_filter.hpp"
 
-#include <fnmatch.h>
+#include "idl/glob.hpp"
 
 namespace collided::client {
-namespace {
 
-bool matches(const std::string& pattern, const std::string& name) {
-  return fnmatch(pattern.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
-}
-
-}  // namespace
+using wire_contract::glob_matches;
 
 bool is_wanted(const Event& event, const std::string& only, const std::string& skip) {
-  const bool asked = only.empty() || matches(only, event.a) || matches(only, event.b);
-  const bool skipped = !skip.empty() && (matches(skip, event.a) || matches(skip, event.b));
+  const bool asked = only.empty() || glob_matches(only, event.a) || glob_matches(only, event.b);
+  const bool skipped = !skip.empty() && (glob_matches(skip, event.a) || glob_matches(skip, event.b));
   return asked && !skipped;
 }
 

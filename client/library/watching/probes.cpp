@@ -1,7 +1,5 @@
 #include "client/library/watching/probes.hpp"
 
-#include <fnmatch.h>
-
 #include <algorithm>
 #include <array>
 #include <thread>
@@ -11,6 +9,7 @@
 #include "client/library/commands/json_reading.hpp"
 #include "idl/columns.hpp"
 #include "idl/commands.hpp"
+#include "idl/glob.hpp"
 
 namespace collided {
 namespace client {
@@ -146,9 +145,6 @@ Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_
 
 /// One callback at a time, so that the buffers are its own.
 void ProbeWatch::State::take(const dds::Taker<wire::ProbeFrame>& taker) {
-  const auto matches = [](const std::string& glob, const ProbeReading& reading) {
-    return fnmatch(glob.c_str(), reading.probe.c_str(), FNM_NOESCAPE) == 0;
-  };
   while (taker.take(incoming_)) {
     decoded_.clear();
     if (!incoming_.info().valid_data || !client::decode(*incoming_, connection_->names(), decoded_)) {
@@ -156,8 +152,8 @@ void ProbeWatch::State::take(const dds::Taker<wire::ProbeFrame>& taker) {
     }
     const std::lock_guard lock(mutex_);
     for (ProbeReading& reading : decoded_) {
-      const bool asked = options_.only.empty() || matches(options_.only, reading);
-      const bool skipped = !options_.skip.empty() && matches(options_.skip, reading);
+      const bool asked = options_.only.empty() || wire_contract::glob_matches(options_.only, reading.probe);
+      const bool skipped = !options_.skip.empty() && wire_contract::glob_matches(options_.skip, reading.probe);
       if (!asked || skipped) {
         continue;
       }

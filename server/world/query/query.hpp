@@ -7,12 +7,15 @@
 #include <string_view>
 #include <vector>
 
+#include "idl/glob.hpp"
 #include "idl/topics.hpp"
 #include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/vector.hpp"
 #include "server/world/objects/snapshot.hpp"
 
 namespace collided::engine {
+
+using wire_contract::glob_matches;
 
 /// Questions of one kind with what may answer them.
 struct Questions {
@@ -79,8 +82,5 @@ struct QueryScratch {
 /// answered `invalid`, each for itself. Same snapshot + same question = same bits, whatever else is asked.
 /// threads  any; one scratch and one Answers a thread
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch);
-
-/// Shell-style: * any run, ? any one character, [a-z] [!a-z] sets. An empty pattern is the caller's business.
-bool glob_matches(std::string_view pattern, std::string_view text);
 
 }  // namespace collided::engine

@@ -1,8 +1,13 @@
 #include <gtest/gtest.h>
 
-#include "server/world/query/query.hpp"
+#include <fnmatch.h>
 
-namespace collided::engine {
+#include <random>
+
+#include "idl/glob.hpp"
+#include "tests/oracle/seed.hpp"
+
+namespace collided::wire_contract {
 namespace {
 
 TEST(Glob, StarTakesAnyRunIncludingNone) {
@@ -19,10 +24,30 @@ TEST(Glob, SetsAndSingleCharacters) {
   EXPECT_TRUE(glob_matches("a[b", "a[b")) << "a set without an end is plain text";
 }
 
+// The system's own matcher, in the locale of every program that sets none; it has classes such as [:alpha:] besides.
+TEST(Glob, AgreesWithTheSystemsMatcher) {
+  std::mt19937_64 random = oracle::seeded(20261123);
+  const std::string letters = "ab/_*?[]-!";
+  const auto word = [&](const std::string& of, std::size_t most) {
+    std::string text(random() % (most + 1), ' ');
+    for (char& c : text) c = of[random() % of.size()];
+    return text;
+  };
+  int matched = 0;
+  for (int i = 0; i < 200'000; ++i) {
+    const std::string pattern = word(letters, 7);
+    const std::string text = word("ab/_-", 6);
+    const bool theirs = ::fnmatch(pattern.c_str(), text.c_str(), FNM_NOESCAPE) == 0;
+    ASSERT_EQ(glob_matches(pattern, text), theirs) << "'" << pattern << "' '" << text << "'";
+    matched += theirs ? 1 : 0;
+  }
+  EXPECT_GT(matched, 1'000);
+}
+
 // Backtracking over many stars must not explode: one remembered star is enough.
 TEST(Glob, ManyStarsTakeLittleTime) {
   EXPECT_FALSE(glob_matches("*a*a*a*a*a*a*a*a*a*a*b", std::string(5'000, 'a')));
 }
 
 }  // namespace
-}  // namespace collided::engine
+}  // namespace collided::wire_contract

@@ -1,10 +1,14 @@
-#include "server/world/query/query.hpp"
+#pragma once
 
-namespace collided::engine {
-namespace {
+#include <cstddef>
+#include <string_view>
+
+/// Name patterns, as every side matches them: * any run of bytes, ? one byte, [a-z] one of a set, [!a-z] none of it.
+namespace collided::wire_contract {
+namespace glob_detail {
 
 /// Matches one set "[...]" at pattern[at]; moves `at` past it. A set without an end is a plain '['.
-bool matches_set(std::string_view pattern, std::size_t& at, char c, bool& is_set) {
+inline bool matches_set(std::string_view pattern, std::size_t& at, char c, bool& is_set) {
   std::size_t i = at + 1;
   const bool negated = i < pattern.size() && (pattern[i] == '!' || pattern[i] == '^');
   if (negated) ++i;
@@ -23,11 +27,11 @@ bool matches_set(std::string_view pattern, std::size_t& at, char c, bool& is_set
   return found != negated;
 }
 
-}  // namespace
+}  // namespace glob_detail
 
 // One star is remembered: on a mismatch the last star takes one more character, which is enough, since a later star
 // can take whatever an earlier one could. So the time is at most pattern length times text length.
-bool glob_matches(std::string_view pattern, std::string_view text) {
+inline bool glob_matches(std::string_view pattern, std::string_view text) {
   std::size_t p = 0;
   std::size_t t = 0;
   std::size_t star = std::string_view::npos;
@@ -43,7 +47,7 @@ bool glob_matches(std::string_view pattern, std::string_view text) {
     if (p < pattern.size() && pattern[p] == '[') {
       bool is_set = false;
       next = p;
-      one = matches_set(pattern, next, text[t], is_set);
+      one = glob_detail::matches_set(pattern, next, text[t], is_set);
       if (!is_set) {
         next = p + 1;
         one = text[t] == '[';
@@ -65,4 +69,4 @@ bool glob_matches(std::string_view pattern, std::string_view text) {
   return p == pattern.size();
 }
 
-}  // namespace collided::engine
+}  // namespace collided::wire_contract
