@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "server/exact_phase/motion/ball_motion_filter.hpp"
+#include "server/world/objects/object_placing.hpp"
 #include "server/world/step/decisions.hpp"
 
 namespace collided::engine {
@@ -321,6 +322,19 @@ bool Decisions::surely_stay_apart(const PairPiece& piece) const {
                    bounds(*rows_.info(piece.b), piece.b_motion, rows_[piece.b].reach_m));
 }
 
+/// Between two places an object is placed no worse than at the farther one, but for what its motion is off.
+double Decisions::placing_error_on(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle) const {
+  const auto at = [&](const Frame& frame_a, const Frame& frame_b) {
+    Placed a = placed(piece.a);
+    Placed b = placed(piece.b);
+    a.frame = &frame_a;
+    b.frame = &frame_b;
+    return placing_error_m(a, a_triangle, b, b_triangle);
+  };
+  const double motion_m = piece.a_motion.error_m(rows_[piece.a].reach_m) + piece.b_motion.error_m(rows_[piece.b].reach_m);
+  return std::max(at(piece.a_motion.from, piece.b_motion.from), at(piece.a_motion.to, piece.b_motion.to)) + motion_m;
+}
+
 /// Whole brackets of an instant; those of a piece are set by who knows them.
 FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
                                  const Contact& contact, double time) const {
@@ -334,6 +348,7 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
                      .bracket_low_s = seconds_ago(piece.from_ns - clock_error_ns(piece.a, piece.b)),
                      .bracket_high_s = seconds_ago(piece.to_ns + clock_error_ns(piece.a, piece.b))};
   if (step_.step_options.contacts) {
+    found.contact.depth_error_m += placing_error_on(piece, a_triangle, b_triangle);
     const double slack_s = 1e-9 * static_cast<double>(piece.to_ns - piece.from_ns);
     set_velocity(found, velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns, slack_s),
                  velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns, slack_s));

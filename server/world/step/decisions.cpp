@@ -117,8 +117,10 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   }
   set_bracket(found, sweep, mover);
   const bool is_told = step_.step_options.persisted || !is_held;
-  if (step_.step_options.contacts && is_told) {
+  if (step_.step_options.contacts) {
     found.contact.depth_error_m += placing_error_m(placed(slot_of(found.a)), found.a_triangle, placed(slot_of(found.b)), found.b_triangle);
+  }
+  if (step_.step_options.contacts && is_told) {
     const double time = passed || holds_on ? sweep->bracket.high : 1;
     const Vec3& point = found.contact.point;
     const double slack_s = found.bracket_low_s - found.bracket_high_s;

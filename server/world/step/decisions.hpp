@@ -125,6 +125,7 @@ class Decisions {
   bool surely_stay_apart(const PairPiece& piece) const;
   void begin_on_way(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep);
   ContactEnd parting(const PairPiece& piece);
+  double placing_error_on(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle) const;
   FoundContact found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
                         const Contact& contact, double time) const;
   struct PieceBracket {
