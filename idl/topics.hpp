@@ -16,8 +16,6 @@ inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 inline constexpr int kLastDomain = 230;
 
 enum class QueryKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep };
-/// The kinds that are answered about the world from numbers alone; a sweep has a shape too.
-inline constexpr QueryKind kWorldQuestions[] = {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near};
 inline const char* name_of(QueryKind kind) {
   static constexpr const char* kNames[] = {"hello", "ray", "sphere", "box", "near", "command", "sweep"};
   return kNames[static_cast<std::uint8_t>(kind)];
@@ -29,9 +27,8 @@ enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 /// not_covered: what was asked reaches out of the space in which the loaded geometry was said to be complete.
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 enum class ReplyStatus : std::uint8_t { ok, refused, progress };
-/// kUncovered: within the engine the last entry of a question that is not_covered: its point is where what was asked leaves
-/// what is covered, its distance (of rays) how far the way there is. It travels in columns of its own.
-enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUncovered = 4 };
+/// kInside: the question starts inside a solid. kStale: the object's publisher is lost and its policy is `hold`.
+enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 enum class EventKind : std::uint8_t { began, persisted, ended };
 /// decided: of a doubt; where no contact begins then, the two are apart.
 enum class EndReason : std::uint8_t { none, separated, removed, publisher_lost, teleported, geometry_changed, server_stopping, server_restarted, decided };
@@ -79,7 +76,6 @@ inline constexpr std::uint32_t kChunksInFlight = 4;
 inline constexpr std::uint32_t kMaxHitsPerChunk = 8'192;       // 96 B a hit and more: a reply stays under 1 MiB
 inline constexpr std::uint32_t kMaxPosesPerBatch = 4'096;
 inline constexpr std::uint32_t kMaxEventsPerFrame = 1'024;
-inline constexpr std::uint32_t kMaxProbes = 4'096;             // of a server
 inline constexpr std::uint32_t kMaxProbesPerFrame = 1'024;
 inline constexpr std::uint32_t kMaxTrianglePairs = 100'000;    // in one answer to `pair`
 inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;

@@ -12,6 +12,9 @@ namespace collided::engine {
 
 using TriangleCorners = std::array<std::uint32_t, 3>;
 
+/// In place of a triangle's number: none, since it is a primitive that was met.
+inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
+
 /// Indexed triangles. Every corner is a valid vertex number and every vertex is finite.
 struct TriangleMesh {
   std::vector<Vec3> vertices;

@@ -5,7 +5,7 @@
 
 namespace collided::engine::service {
 
-using wire_contract::QueryKind;
+
 
 SelfTestResult self_test(const Snapshot& snapshot, std::uint32_t question_count, std::uint64_t seed) {
   constexpr std::size_t kMostReported = 5;
@@ -14,10 +14,10 @@ SelfTestResult self_test(const Snapshot& snapshot, std::uint32_t question_count,
   Answers answers;
   QueryScratch scratch;
   for (std::uint32_t i = 0; i < question_count; ++i) {
-    for (const QueryKind kind : wire_contract::kWorldQuestions) {
+    for (const QuestionKind kind : kPlainQuestions) {
       const std::vector<double> numbers = random.question(kind);
       const Questions question{
-          .kind = kind, .max_hits = kind == QueryKind::near ? 3U : 0xffffffffU, .numbers = numbers};
+          .kind = kind, .max_hits = kind == QuestionKind::near ? 3U : 0xffffffffU, .numbers = numbers};
       answer(snapshot, question, answers, scratch);
       const std::string difference = audit(snapshot, question, answers);
       ++result.asked;

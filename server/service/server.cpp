@@ -162,7 +162,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .recovery_ns = epoch.crashed ? kRecoveryNs : 0,
             .limits = {.object_numbers = 2 * options.max_objects}}),
       durable(keep()),
-      commands(loop, inbox, clock, questions, audit, durable.get(), flight.get(),
+      commands({loop, inbox, clock, questions, audit, durable.get(), flight.get()},
                epoch.kept_in.empty() ? std::string() : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, options.name_space) {
   if (participant.configured_by_environment())
@@ -230,7 +230,7 @@ Server::~Server() {
 std::string Server::start() {
   Parts& p = *parts_;
   p.answering =
-      std::make_unique<Answering>(p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit, p.reply_topic,
+      std::make_unique<Answering>(Answering::Collaborators{p.world, p.clock, p.write_barriers, p.leases, p.questions, p.audit}, p.reply_topic,
                                   AnsweringOptions{p.identity.server, p.identity.epoch, thread_count(p.options),
                                                    p.options.deadline_ns, p.options.error_m, [&p] { return p.loop.recovering(); },
                                                    &p.overload, p.flight.get()},

@@ -13,7 +13,6 @@
 
 namespace collided::engine::service {
 
-using wire_contract::EndReason;
 using wire_contract::ServerState;
 
 namespace {

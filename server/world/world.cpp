@@ -166,7 +166,7 @@ std::uint32_t World::remove_scene(std::string_view name) {
   for (std::uint32_t slot = 0; slot < s.rows.size(); ++slot) {
     const ObjectInfo* info = s.rows.info(slot);
     if (info == nullptr || info->scene != name) continue;
-    remove(info->id, wire_contract::EndReason::geometry_changed);
+    remove(info->id, EndReason::geometry_changed);
     ++removed_count;
   }
   std::erase_if(s.scenes, [&](const auto& scene) { return scene->name == name; });
@@ -213,7 +213,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   return id;
 }
 
-bool World::remove(ObjectId id, wire_contract::EndReason reason) {
+bool World::remove(ObjectId id, EndReason reason) {
   State& s = *state_;
   if (s.rows.find(id) == nullptr) return false;
   s.removed.emplace_back(id, reason);

@@ -35,7 +35,7 @@ struct ObjectDefinition {
   Pose pose;
   Filter filter;
   bool moving = true;
-  wire_contract::LostPolicy lost_policy = wire_contract::LostPolicy::remove;
+  LostPolicy lost_policy = LostPolicy::remove;
   std::uint64_t publisher = 0;
   std::shared_ptr<const IndexedMesh> indexed{};  // the shape's mesh, where it has its index already
   CutTriangles cut{};                            // of the shape's mesh
@@ -97,7 +97,7 @@ class World {
 
   std::variant<ObjectId, Refusal> define(const ObjectDefinition& definition);
   /// The object's contacts end with the reason at the next step. False: no such object.
-  bool remove(ObjectId id, wire_contract::EndReason reason);
+  bool remove(ObjectId id, EndReason reason);
   /// The pose must be finite with a unit quaternion (the border has checked and normalised). One pose an object and
   /// step: has_moved() tells that a step must come first. False: no such object.
   bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport);

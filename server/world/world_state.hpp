@@ -31,7 +31,7 @@ struct World::State {
   std::shared_ptr<const std::vector<Aabb>> covers;                  // all of them; null while none was ever stated
   std::unordered_multimap<std::size_t, std::weak_ptr<const IndexedMesh>> meshes;  // by a hash of their numbers
 
-  std::vector<std::pair<ObjectId, wire_contract::EndReason>> removed;  // since the last step
+  std::vector<std::pair<ObjectId, EndReason>> removed;  // since the last step
   std::vector<std::pair<ObjectId, bool>> lost;  // or found again, since the last step
   std::uint64_t version = 0;
   std::uint64_t step_count = 0;

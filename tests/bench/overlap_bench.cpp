@@ -21,8 +21,6 @@ namespace collided::bench {
 using namespace engine;
 namespace {
 
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 using MakePeer = std::unique_ptr<OverlapPeer> (*)(const TriangleMesh&);
 const std::vector<MakePeer> kPeers{
@@ -66,7 +64,7 @@ class Product {
   double bytes_a_triangle() const {
     return static_cast<double>(indexed_->bytes()) / static_cast<double>(indexed_->mesh.triangles.size());
   }
-  const Answers& ask(QueryKind kind, RayMode mode, const std::vector<double>& numbers, std::uint32_t max_hits) {
+  const Answers& ask(QuestionKind kind, HitMode mode, const std::vector<double>& numbers, std::uint32_t max_hits) {
     answer(*snapshot_, {.kind = kind, .mode = mode, .max_hits = max_hits, .numbers = numbers}, answers_, scratch_);
     return answers_;
   }
@@ -208,8 +206,8 @@ void Bench::overlap(Set set, bool any, const Places& places) {
   const auto run_ours = [&] {
     if (any) {
       const Answers& answers =
-          product_.ask(set == Set::sphere ? QueryKind::sphere : QueryKind::box, RayMode::any, numbers, 1);
-      for (std::size_t i = 0; i < count; ++i) ours[i] = answers.answers[i] == wire_contract::Verdict::hit ? 1 : 0;
+          product_.ask(set == Set::sphere ? QuestionKind::sphere : QuestionKind::box, HitMode::any, numbers, 1);
+      for (std::size_t i = 0; i < count; ++i) ours[i] = answers.answers[i] == Verdict::hit ? 1 : 0;
       return;
     }
     for (std::size_t i = 0; i < count; ++i) {
@@ -253,8 +251,8 @@ void Bench::deepest(Set set, const Places& places) {
   const std::string name = std::string(set == Set::sphere ? "sphere" : "box") + " deepest contact";
   if (!options_.wants(scene_, name)) return;
   const std::vector<double> numbers = numbers_of(places, set);
-  const QueryKind kind = set == Set::sphere ? QueryKind::sphere : QueryKind::box;
-  std::vector<Method> methods{{.name = "collided", .run = [&] { product_.ask(kind, RayMode::closest, numbers, 1000); }}};
+  const QuestionKind kind = set == Set::sphere ? QuestionKind::sphere : QuestionKind::box;
+  std::vector<Method> methods{{.name = "collided", .run = [&] { product_.ask(kind, HitMode::closest, numbers, 1000); }}};
   measure(options_, {scene_, mesh_.triangles.size(), name, places.centers.size(), ""}, methods);
 }
 
@@ -267,7 +265,7 @@ void Bench::closest(const std::string& name, const std::vector<Vec3>& places) {
   }
   std::vector<double> ours(places.size());
   const auto run_ours = [&] {
-    const Answers& answers = product_.ask(QueryKind::near, RayMode::closest, numbers, 1);
+    const Answers& answers = product_.ask(QuestionKind::near, HitMode::closest, numbers, 1);
     for (std::size_t i = 0; i < places.size(); ++i) ours[i] = answers.hits[i].distance_m;
   };
   run_ours();

@@ -133,8 +133,8 @@ class Engine {
       QueryScratch scratch;
       const SnapshotRing::Lease state = world_.newest();
       for (std::size_t chunk = next++; chunk < chunks; chunk = next++) {
-        const std::size_t first = chunk % (kBatch / kChunk) * kChunk * wire_contract::kRayNumbers;
-        const Questions asked{.numbers = std::span(numbers_).subspan(first, kChunk * wire_contract::kRayNumbers)};
+        const std::size_t first = chunk % (kBatch / kChunk) * kChunk * kRayNumbers;
+        const Questions asked{.numbers = std::span(numbers_).subspan(first, kChunk * kRayNumbers)};
         answer(*state, asked, answers, scratch);
       }
     };
@@ -148,7 +148,7 @@ class Engine {
     QueryScratch scratch;
     const SnapshotRing::Lease state = world_.newest();
     for (std::size_t i = 0; i < count; ++i) {
-      answer(*state, {.numbers = std::span(numbers_).subspan(i % kBatch * wire_contract::kRayNumbers, wire_contract::kRayNumbers)},
+      answer(*state, {.numbers = std::span(numbers_).subspan(i % kBatch * kRayNumbers, kRayNumbers)},
              answers, scratch);
     }
   }

@@ -24,12 +24,12 @@ Story play(Stage& stage, const Rows& rows, std::size_t first, std::size_t end, c
     if (row > first) stage.move(mover, pose(row));
     stage.step();
     for (const Event& event : stage.world().events()) {
-      if (event.kind == wire_contract::EventKind::began) story.began.push_back(static_cast<int>(row - first));
+      if (event.kind == EventKind::began) story.began.push_back(static_cast<int>(row - first));
     }
     if (row == first) story.touches_at_start = !stage.touching().empty();
   }
   story.touches_at_end = !stage.touching().empty();
-  stage.world().remove(mover, wire_contract::EndReason::removed);
+  stage.world().remove(mover, EndReason::removed);
   stage.step();
   return story;
 }

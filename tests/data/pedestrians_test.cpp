@@ -26,7 +26,7 @@ class RecordedPedestrians : public RecordedReality {
       numbers.insert(numbers.end(), {head[0], head[1], head[2], 0, 0, 1, 10});
     }
     Questions questions;
-    questions.mode = wire_contract::RayMode::closest;
+    questions.mode = HitMode::closest;
     questions.numbers = numbers;
     Answers answers;
     QueryScratch scratch;
@@ -35,7 +35,7 @@ class RecordedPedestrians : public RecordedReality {
     std::vector<std::string> inside;
     std::size_t hit = 0;
     for (std::size_t i = 0; i < answers.answers.size(); ++i) {
-      EXPECT_NE(answers.answers[i], wire_contract::Verdict::undecided);
+      EXPECT_NE(answers.answers[i], Verdict::undecided);
       const bool is_hit = answers.hit_counts[i] > 0;
       inside.push_back(is_hit ? world.info(answers.hits[hit].object)->name : "");
       hit += answers.hit_counts[i];

@@ -92,9 +92,9 @@ class Mixer {
     }
     return numbers;
   }
-  std::vector<double> questions(wire_contract::QueryKind kind, int count) {
-    if (kind == wire_contract::QueryKind::ray) return rays(count);
-    return kind == wire_contract::QueryKind::box ? boxes(count) : balls(count);
+  std::vector<double> questions(QuestionKind kind, int count) {
+    if (kind == QuestionKind::ray) return rays(count);
+    return kind == QuestionKind::box ? boxes(count) : balls(count);
   }
 
  private:
@@ -102,8 +102,8 @@ class Mixer {
   Ground ground_;
 };
 
-inline constexpr wire_contract::QueryKind kKinds[] = {wire_contract::QueryKind::ray, wire_contract::QueryKind::sphere,
-                                                      wire_contract::QueryKind::box, wire_contract::QueryKind::near};
+inline constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere,
+                                                      QuestionKind::box, QuestionKind::near};
 
 /// Objects get their ids in the order of the cast.
 inline void build(Stage& stage, const Cast& cast) {

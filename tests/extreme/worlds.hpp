@@ -78,8 +78,8 @@ class Stage {
     return world.events();
   }
 
-  Answers ask(wire_contract::QueryKind kind, const std::vector<double>& numbers,
-              wire_contract::RayMode mode = wire_contract::RayMode::closest) const {
+  Answers ask(QuestionKind kind, const std::vector<double>& numbers,
+              HitMode mode = HitMode::closest) const {
     Answers answers;
     QueryScratch scratch;
     Questions questions;
@@ -90,8 +90,8 @@ class Stage {
     return answers;
   }
   Answers ray(const Vec3& from, const Vec3& direction, double length_m = kEndless,
-              wire_contract::RayMode mode = wire_contract::RayMode::closest) const {
-    return ask(wire_contract::QueryKind::ray,
+              HitMode mode = HitMode::closest) const {
+    return ask(QuestionKind::ray,
                {from.x(), from.y(), from.z(), direction.x(), direction.y(), direction.z(), length_m}, mode);
   }
 
@@ -99,10 +99,10 @@ class Stage {
   std::int64_t now_ns_ = 0;
 };
 
-inline bool is_hit(const Answers& answers) { return answers.answers.at(0) == wire_contract::Verdict::hit; }
-inline bool is_miss(const Answers& answers) { return answers.answers.at(0) == wire_contract::Verdict::miss; }
+inline bool is_hit(const Answers& answers) { return answers.answers.at(0) == Verdict::hit; }
+inline bool is_miss(const Answers& answers) { return answers.answers.at(0) == Verdict::miss; }
 
-inline std::size_t count_of(const std::vector<Event>& events, wire_contract::EventKind kind) {
+inline std::size_t count_of(const std::vector<Event>& events, EventKind kind) {
   std::size_t count = 0;
   for (const Event& event : events) count += event.kind == kind ? 1 : 0;
   return count;
@@ -134,8 +134,8 @@ inline void expect_like_brute_force(const World& world, const Questions& questio
   ASSERT_EQ(bits_of(fast), bits_of(slow));
 }
 
-inline void expect_like_brute_force(const World& world, wire_contract::QueryKind kind, const std::vector<double>& numbers,
-                                    wire_contract::RayMode mode = wire_contract::RayMode::closest) {
+inline void expect_like_brute_force(const World& world, QuestionKind kind, const std::vector<double>& numbers,
+                                    HitMode mode = HitMode::closest) {
   Questions questions;
   questions.kind = kind;
   questions.mode = mode;

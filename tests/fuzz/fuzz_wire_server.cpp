@@ -75,8 +75,8 @@ class Side {
     std::vector<double> numbers;
     wire::gather_rows(*query, wire::question_columns(kind), numbers);
     const SnapshotRing::Lease state = world_.newest();
-    const Questions questions{.kind = kind,
-                              .mode = static_cast<wire_contract::RayMode>(query->mode),
+    const Questions questions{.kind = static_cast<QuestionKind>(query->kind),
+                              .mode = static_cast<HitMode>(query->mode),
                               .mask = query->mask,
                               .max_hits = query->max_hits,
                               .only = query->only,

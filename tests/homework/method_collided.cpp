@@ -123,8 +123,8 @@ ObjectPairs CollidedWorld::pairs() const {
 
 void CollidedWorld::for_each_change(const std::function<void(std::size_t, std::size_t, bool)>& change) const {
   for (const Event& event : world_.events()) {
-    if (event.kind == wire_contract::EventKind::persisted) continue;
-    change(number_of_.at(event.of.a), number_of_.at(event.of.b), event.kind == wire_contract::EventKind::began);
+    if (event.kind == EventKind::persisted) continue;
+    change(number_of_.at(event.of.a), number_of_.at(event.of.b), event.kind == EventKind::began);
   }
 }
 

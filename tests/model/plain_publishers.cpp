@@ -6,7 +6,6 @@ namespace collided::model {
 using namespace engine;
 
 using service::WriterKind;
-using wire_contract::LostPolicy;
 using Place = PlainPublishers::Object::Place;
 
 PlainPublishers::Party* PlainPublishers::meet(std::uint64_t id, std::uint64_t incarnation) {

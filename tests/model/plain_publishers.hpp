@@ -22,7 +22,7 @@ class PlainPublishers {
   struct Object {
     enum class Place { gone, in_world, waits, taken_away } place = Place::gone;
     std::string name;
-    wire_contract::LostPolicy policy = wire_contract::LostPolicy::remove;
+    LostPolicy policy = LostPolicy::remove;
     bool moving = true;
     std::uint32_t layers = 1;
     std::array<double, 7> pose{};

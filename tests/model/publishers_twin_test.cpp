@@ -125,7 +125,7 @@ class PublishersTwin : public testing::Test {
     const std::optional<ObjectId> id = world_.find(name);
     step();
     if (id) {
-      world_.remove(*id, wire_contract::EndReason::removed);
+      world_.remove(*id, EndReason::removed);
       return plain_.remove_by_name(name);
     }
     ObjectDefinition definition;

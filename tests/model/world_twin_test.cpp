@@ -18,10 +18,6 @@ namespace collided::model {
 using namespace engine;
 namespace {
 
-using wire_contract::EndReason;
-using wire_contract::EventKind;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 int steps_asked() {
   const char* asked = std::getenv("COLLIDED_TWIN_STEPS");
@@ -51,7 +47,7 @@ void expect_same(const Lines& here, const Lines& twin, const std::string& what) 
 struct Filtered {
   std::uint32_t mask = 0xffffffff;
   std::string only, skip;
-  RayMode mode = RayMode::closest;
+  HitMode mode = HitMode::closest;
   std::uint32_t max_hits = 1'000;
   double error_m = 0;
 
@@ -185,7 +181,7 @@ class WorldTwin : public testing::Test {
       for (const Event& event : world.events()) {
         const auto pair = pair_of(event.of, names);
         // A new world has its objects' last ways before it, and may doubt what they passed.
-        if (is_known(pair) && event.of.doubt == wire_contract::Doubt::none) all.push_back(told(event, names, {.point = same_order(pair), .normal = all_moved_ && event.kind != EventKind::ended}));
+        if (is_known(pair) && event.of.doubt == Doubt::none) all.push_back(told(event, names, {.point = same_order(pair), .normal = all_moved_ && event.kind != EventKind::ended}));
       }
       std::sort(all.begin(), all.end());
       return all;
@@ -213,7 +209,7 @@ class WorldTwin : public testing::Test {
       if (event.kind == EventKind::began) {
         EXPECT_TRUE(episodes_.emplace(pair, event.sequence).second) << pair.first << " " << pair.second << " began twice";
         EXPECT_EQ(event.of.episode, event.sequence);
-        const bool is_doubt = event.of.doubt != wire_contract::Doubt::none;
+        const bool is_doubt = event.of.doubt != Doubt::none;
         EXPECT_TRUE(!is_doubt || !is_known(pair)) << pair.first << " " << pair.second << " stand where they are known to";
         began_ns_[pair] = is_doubt ? event.of.began_ns : now_ns_ - std::llround(event.bracket_high_s * 1e9);
         ++began_count_;
@@ -275,7 +271,7 @@ class WorldTwin : public testing::Test {
     in_doubt_.clear();
     for (const OpenContact& contact : world_->contacts()) {
       const auto pair = pair_of(contact, names_);
-      if (contact.doubt != wire_contract::Doubt::none) {
+      if (contact.doubt != Doubt::none) {
         EXPECT_FALSE(is_known(pair)) << pair.first << " " << pair.second;
         in_doubt_.insert(pair);
       } else {
@@ -358,21 +354,21 @@ class WorldTwin : public testing::Test {
   }
 
   // ---- questions
-  std::vector<double> numbers(QueryKind kind) {
+  std::vector<double> numbers(QuestionKind kind) {
     std::vector<double> all;
     const auto push = [&](const Vec3& v) { all.insert(all.end(), {v.x(), v.y(), v.z()}); };
     const auto push_turn = [&](const Quat& q) { all.insert(all.end(), {q.w(), q.x(), q.y(), q.z()}); };
     const bool one_start = make_.chance(0.5);
     const Vec3 start = make_.point(3), along = make_.point(1);
-    const int count = kind == QueryKind::ray && make_.chance(0.3) ? 24 : kind == QueryKind::sweep ? 1 : 1 + make_.below(3);
+    const int count = kind == QuestionKind::ray && make_.chance(0.3) ? 24 : kind == QuestionKind::sweep ? 1 : 1 + make_.below(3);
     for (int i = 0; i < count; ++i) {
       push(one_start ? start : make_.point(2.5));
-      if (kind == QueryKind::ray) push(one_start ? Vec3(along + make_.point(0.02)) : make_.point(1));
-      if (kind == QueryKind::ray) all.push_back(make_.chance(0.5) ? INFINITY : make_.uniform(0, 5));
-      if (kind == QueryKind::sphere) all.push_back(make_.uniform(0, 1));
-      if (kind == QueryKind::near) all.push_back(make_.chance(0.5) ? INFINITY : make_.uniform(0, 2));
-      if (kind == QueryKind::box) push(make_.point(0.5).cwiseAbs()), push_turn(make_.turn());
-      if (kind == QueryKind::sweep) push_turn(make_.turn()), push(make_.point(2)), push_turn(make_.turn());
+      if (kind == QuestionKind::ray) push(one_start ? Vec3(along + make_.point(0.02)) : make_.point(1));
+      if (kind == QuestionKind::ray) all.push_back(make_.chance(0.5) ? INFINITY : make_.uniform(0, 5));
+      if (kind == QuestionKind::sphere) all.push_back(make_.uniform(0, 1));
+      if (kind == QuestionKind::near) all.push_back(make_.chance(0.5) ? INFINITY : make_.uniform(0, 2));
+      if (kind == QuestionKind::box) push(make_.point(0.5).cwiseAbs()), push_turn(make_.turn());
+      if (kind == QuestionKind::sweep) push_turn(make_.turn()), push(make_.point(2)), push_turn(make_.turn());
     }
     return all;
   }
@@ -382,7 +378,7 @@ class WorldTwin : public testing::Test {
       case 0: filter_.mask = make_.chance(0.3) ? 0xffffffffu : make_.layers(); break;
       case 1: filter_.only = make_.one_of(std::vector<std::string>{"", "*", "?a?", "hall/*", "c*", "e*", "*t"}); break;
       case 2: filter_.skip = make_.one_of(std::vector<std::string>{"", "", "?o?", "yard*", "*/0", "e*", "b*"}); break;
-      case 3: filter_.mode = make_.one_of(std::vector<RayMode>{RayMode::closest, RayMode::any, RayMode::all}); break;
+      case 3: filter_.mode = make_.one_of(std::vector<HitMode>{HitMode::closest, HitMode::any, HitMode::all}); break;
       case 4: filter_.max_hits = make_.chance(0.5) ? 1'000u : 1u + static_cast<std::uint32_t>(make_.below(4)); break;
       case 5: filter_.error_m = make_.chance(0.7) ? 0 : 0.01; break;
       default: break;
@@ -390,7 +386,7 @@ class WorldTwin : public testing::Test {
   }
   void ask() {
     change_filter();
-    const QueryKind kind = make_.one_of(std::vector<QueryKind>{QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep});
+    const QuestionKind kind = make_.one_of(std::vector<QuestionKind>{QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep});
     const std::vector<double> asked = numbers(kind);
     const ObjectInfo mover = without_world(Shape{{Primitive(Sphere{Vec3::Zero(), 0.2})}, nullptr});
     Questions questions{.kind = kind, .mode = filter_.mode, .mask = filter_.mask, .max_hits = filter_.max_hits, .only = filter_.only,
@@ -414,14 +410,14 @@ class WorldTwin : public testing::Test {
     QueryScratch scratch;
     answer(*twin->newest(), questions, expected, scratch);
     // Of several that touch from the start the lowest id is told, and ids of parts hang on which slots were free.
-    const bool is_tie = questions.kind == QueryKind::sweep && !answers_.hits.empty() && answers_.hits[0].is_at_start();
-    const bool any = filter_.mode == RayMode::any || is_tie;
+    const bool is_tie = questions.kind == QuestionKind::sweep && !answers_.hits.empty() && answers_.hits[0].is_at_start();
+    const bool any = filter_.mode == HitMode::any || is_tie;
     const AnswerDetail detail{.hits = !any, .age = !any};
     const std::string asked = line("kind %d mode %d mask %u only '%s' skip '%s'", static_cast<int>(questions.kind),
                                    static_cast<int>(filter_.mode), filter_.mask, filter_.only.c_str(), filter_.skip.c_str());
     expect_same(told(answers_, names_, detail), told(expected, twin_names, detail), asked);
-    const bool is_cut = filter_.max_hits < 1'000 && questions.kind != QueryKind::near;
-    if (any || is_cut || questions.kind == QueryKind::sweep || plain_.has_stale() || !plain_.is_covered_everywhere()) return;
+    const bool is_cut = filter_.max_hits < 1'000 && questions.kind != QuestionKind::near;
+    if (any || is_cut || questions.kind == QuestionKind::sweep || plain_.has_stale() || !plain_.is_covered_everywhere()) return;
     const AnswerDetail of_force{.point_error = false, .age = false};
     oracle::answer(*twin->newest(), questions, expected);
     expect_same(told(answers_, names_, of_force), told(expected, twin_names, of_force), "by force, " + asked);

@@ -16,10 +16,6 @@ namespace collided::oracle {
 using namespace engine;
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
-using wire_contract::UndecidedReason;
 
 bool may_answer(const Snapshot& snapshot, const Questions& questions, ObjectId id) {
   return ((*snapshot.objects)[slot_of(id)]->filter.layers & questions.mask) != 0;
@@ -62,7 +58,7 @@ std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snaps
     const ExactResult verdict = std::visit([&](const auto& shape) { return cast_ray(asked, shape, hit); }, part.shape);
     if (!verdict.yes()) continue;
     AnswerHit answer{.object = part.object, .triangle = part.triangle};
-    answer.flags = hit.inside ? wire_contract::kInside : 0;
+    answer.flags = hit.inside ? kInside : 0;
     answer.distance_m = hit.distance_m;
     answer.error_m = hit.distance_error_m;
     answer.exit_m = hit.exit_m;
@@ -73,7 +69,7 @@ std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snaps
     found.push_back({answer, &part, placing_error_along(asked, hit, placing_m, std::get_if<Triangle>(&part.shape))});
   }
   std::vector<AnswerHit> hits;
-  if (questions.mode == RayMode::closest) {
+  if (questions.mode == HitMode::closest) {
     const auto first = std::min_element(found.begin(), found.end(),
                                         [&](const auto& a, const auto& b) { return earlier(asked, a, b); });
     if (first != found.end()) hits.push_back(first->told());
@@ -183,7 +179,7 @@ std::vector<Part> all_parts(const Snapshot& snapshot) {
     const Frame& frame = snapshot.frames[slot_of(info->id)];
     for (const Primitive& primitive : info->primitives) {
       std::visit(
-          [&](const auto& own) { parts.push_back({info->id, wire_contract::kNoTriangle, place(frame, own), primitive, &frame}); },
+          [&](const auto& own) { parts.push_back({info->id, kNoTriangle, place(frame, own), primitive, &frame}); },
           primitive);
     }
     if (!info->mesh) continue;
@@ -198,17 +194,17 @@ std::vector<Part> all_parts(const Snapshot& snapshot) {
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers) {
   answers.clear();
   const std::vector<Part> parts = all_parts(snapshot);
-  const std::size_t stride = questions.kind == QueryKind::ray      ? wire_contract::kRayNumbers
-                             : questions.kind == QueryKind::sphere ? wire_contract::kSphereNumbers
-                             : questions.kind == QueryKind::box    ? wire_contract::kBoxNumbers
-                                                                   : wire_contract::kNearNumbers;
+  const std::size_t stride = questions.kind == QuestionKind::ray      ? kRayNumbers
+                             : questions.kind == QuestionKind::sphere ? kSphereNumbers
+                             : questions.kind == QuestionKind::box    ? kBoxNumbers
+                                                                   : kNearNumbers;
   for (const double* n = questions.numbers.data(); n != questions.numbers.data() + questions.numbers.size(); n += stride) {
     std::vector<AnswerHit> hits;
-    if (questions.kind == QueryKind::ray) {
+    if (questions.kind == QuestionKind::ray) {
       hits = ray(parts, snapshot, questions, n);
-    } else if (questions.kind == QueryKind::sphere) {
+    } else if (questions.kind == QuestionKind::sphere) {
       hits = overlap(parts, snapshot, questions, Sphere{.center = {n[0], n[1], n[2]}, .radius_m = n[3]});
-    } else if (questions.kind == QueryKind::box) {
+    } else if (questions.kind == QuestionKind::box) {
       const Pose pose{.position = {n[0], n[1], n[2]}, .rotation = Quat(n[6], n[7], n[8], n[9])};
       hits = overlap(parts, snapshot, questions,
                      Box{.center = pose.position, .axes = frame_of(pose).rotation, .half_m = {n[3], n[4], n[5]}});

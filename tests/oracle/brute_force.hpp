@@ -14,7 +14,7 @@ using namespace engine;
 /// Every part of every object, in world coordinates: what the index is an index of.
 struct Part {
   ObjectId object = 0;
-  std::uint32_t triangle = wire_contract::kNoTriangle;
+  std::uint32_t triangle = kNoTriangle;
   std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, HalfSpace, Triangle> shape;
   std::variant<Triangle, Primitive> own;  // in its object's frame
   const Frame* frame = nullptr;           // null: of a scene

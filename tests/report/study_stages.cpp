@@ -31,7 +31,7 @@ class Balls {
       shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = radius(random)});
       ids_.push_back(std::get<ObjectId>(world_.define({.name = std::to_string(i), .scene = {}, .shape = shape,
                                                        .pose = {.position = places_[i]}, .filter = {}, .moving = true,
-                                                       .lost_policy = wire_contract::LostPolicy::remove, .publisher = 1})));
+                                                       .lost_policy = LostPolicy::remove, .publisher = 1})));
     }
     step();
   }

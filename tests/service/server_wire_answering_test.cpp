@@ -171,7 +171,7 @@ class WireAnswering : public testing::Test {
     if (!options.recovering) options.recovering = [] { return false; };
     reader.reset();
     answering.reset();
-    answering = std::make_unique<Answering>(world, clock, write_barriers, leases, counts, audit, reply_topic, options, [](CommandAsk) {});
+    answering = std::make_unique<Answering>(Answering::Collaborators{world, clock, write_barriers, leases, counts, audit}, reply_topic, options, [](CommandAsk) {});
     reader.emplace(query_topic, dds::ReaderOptions<wire::Query>{.data = [this](const dds::Taker<wire::Query>& taker) { answering->listen(taker); }});
     ASSERT_TRUE(test::eventually([&] { return writer.matched_readers() == 1; }));
     hello();

@@ -4,8 +4,6 @@
 namespace collided::simulation {
 using namespace engine;
 
-using wire_contract::EndReason;
-using wire_contract::EventKind;
 
 void RecordingEventWriter::check(const service::EventColumns& events, std::size_t i) {
   const std::uint64_t sequence = events.first_sequence + i;

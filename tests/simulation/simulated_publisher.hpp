@@ -44,7 +44,7 @@ class SimulatedPublisher {
     std::string name;
     Vec3 position = Vec3::Zero();
     double radius_m = 0.5;
-    wire_contract::LostPolicy policy = wire_contract::LostPolicy::remove;
+    LostPolicy policy = LostPolicy::remove;
     bool is_moved = false;  // since the last flush
   };
 

@@ -8,7 +8,6 @@ using namespace engine;
 using service::DefinitionSample;
 using service::PoseSample;
 using wire_contract::kPublisherLeaseNs;
-using wire_contract::LostPolicy;
 
 namespace {
 

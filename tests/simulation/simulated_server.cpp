@@ -124,7 +124,7 @@ void SimulatedServer::compare_with_all_pairs() {
 std::set<NamedPair> SimulatedServer::touching() const {
   std::set<NamedPair> pairs;
   for (const OpenContact& open : world_.contacts()) {
-    if (open.doubt == wire_contract::Doubt::publisher_lost) pairs.insert(std::minmax(world_.info(open.a)->name, world_.info(open.b)->name));
+    if (open.doubt == Doubt::publisher_lost) pairs.insert(std::minmax(world_.info(open.a)->name, world_.info(open.b)->name));
   }
   each_touching_pair(world_, [&](const Ball& a, const Ball& b) { pairs.insert(std::minmax(*a.name, *b.name)); });
   return pairs;

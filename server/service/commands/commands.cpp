@@ -18,8 +18,6 @@
 namespace collided::engine::service {
 
 using nlohmann::json;
-using wire_contract::EndReason;
-using wire_contract::EventKind;
 using wire_contract::ReplyStatus;
 namespace names = wire_contract::command;
 
@@ -35,22 +33,15 @@ std::string dump(const json& value) {
 
 }  // namespace
 
-Commands::Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-                   const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight, const std::string& uploads)
-    : loop_(loop),
-      inbox_(inbox),
-      clock_(clock),
-      counts_(counts),
-      audit_(audit),
-      durable_(durable),
-      flight_(flight),
+Commands::Commands(const Collaborators& with, const std::string& uploads)
+    : with_(with),
       slow_jobs_(kMostSlowJobs),
       pair_jobs_(kMostPairJobs),
-      geometry_(loop.world(), [this](const CommandAsk& ask, ReplyStatus status, std::string text) {
+      geometry_(with.loop.world(), [this](const CommandAsk& ask, ReplyStatus status, std::string text) {
         send(ask, status, std::move(text));
       }),
       uploads_(
-          uploads, durable != nullptr ? durable->commands_left() : std::vector<CommandAsk>(),
+          uploads, with.durable != nullptr ? with.durable->commands_left() : std::vector<CommandAsk>(),
           [this](const CommandAsk& ask, ReplyStatus status, std::string text) { send(ask, status, std::move(text)); },
           [this](CommandAsk ask, const std::string& path) { load_upload(std::move(ask), path); }) {
   const auto work = [](WorkQueue<SlowJob>& jobs) {
@@ -94,7 +85,7 @@ void Commands::answer_text(const CommandAsk& ask, const std::function<std::strin
     refuse(bad.what(), bad.hint);
   } catch (const std::bad_alloc&) {
     // Half of a change may be in the world by now.
-    if (loop_.runs_here()) throw;
+    if (with_.loop.runs_here()) throw;
     refuse("not enough memory", "");
   } catch (const std::exception& failed) {
     refuse(failed.what(), "");
@@ -103,7 +94,7 @@ void Commands::answer_text(const CommandAsk& ask, const std::function<std::strin
 
 /// As answer(), but an answer that says "done" waits until what was done is on the disk.
 void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json()>& work) {
-  if (durable_ == nullptr) return answer(ask, work);
+  if (with_.durable == nullptr) return answer(ask, work);
   json result;
   try {
     result = work();
@@ -112,14 +103,14 @@ void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json(
     return answer(ask, []() -> json { throw; });
   }
   const CommandAsk whose{ask.client, ask.request, {}, {}};
-  durable_->then([this, whose, result](const std::string& not_kept) mutable {
+  with_.durable->then([this, whose, result](const std::string& not_kept) mutable {
     if (!not_kept.empty()) result["not_kept"] = not_kept;
     send(whose, ReplyStatus::ok, dump(result));
   });
 }
 
 void Commands::forget_what_is_gone() {
-  const World& world = loop_.world();
+  const World& world = with_.loop.world();
   const auto has_scene = [&](std::string_view name) {
     const SnapshotRing::Lease state = world.newest();
     return std::any_of(state->scenes.begin(), state->scenes.end(), [&](const auto& scene) { return scene->name == name; });
@@ -130,12 +121,12 @@ void Commands::forget_what_is_gone() {
     uploads_.forget(here->second);
     upload_of_scene_.erase(here);
   }
-  durable_->keep_only(has_scene, [&](std::string_view name) { return world.find(name).has_value(); });
+  with_.durable->keep_only(has_scene, [&](std::string_view name) { return world.find(name).has_value(); });
 }
 
 /// What is carried out once more did not come over the wire.
 void Commands::tell_flight_recorder(const CommandAsk& ask) {
-  if (flight_ == nullptr) return;
+  if (with_.flight == nullptr) return;
   dds::Sample<wire::Query> query;
   query->kind = static_cast<std::uint8_t>(wire_contract::QueryKind::command);
   query->chunk_count = 1;
@@ -143,7 +134,7 @@ void Commands::tell_flight_recorder(const CommandAsk& ask) {
   const std::vector<std::uint8_t> blob(reinterpret_cast<const std::uint8_t*>(ask.blob.data()),
                                        reinterpret_cast<const std::uint8_t*>(ask.blob.data()) + ask.blob.size());
   dds::borrow(query->blob, blob);
-  flight_->note(recording::Recorded::query, *query);
+  with_.flight->note(recording::Recorded::query, *query);
 }
 
 /// Scenes on the thread for slow work; objects behind them on the world's.
@@ -165,7 +156,7 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
         send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
       }
     }
-    const bool taken = inbox_.push_job([this, objects] {
+    const bool taken = with_.inbox.push_job([this, objects] {
       for (const CommandAsk& ask : objects) {
         answer_once_kept(ask, [&] {
           const Arguments arguments(ask.text);
@@ -182,7 +173,7 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
 /// What is carried out once more was asked by nobody that waits; the log hears what could not be done.
 void Commands::send(const CommandAsk& ask, ReplyStatus status, std::string text) {
   if (ask.client != 0) return answering_->send_text(ask.client, ask.request, status, std::move(text));
-  if (status == ReplyStatus::refused) loop_.say("what was added before the crash cannot be added again: " + text);
+  if (status == ReplyStatus::refused) with_.loop.say("what was added before the crash cannot be added again: " + text);
 }
 
 void Commands::run(CommandAsk ask) {
@@ -219,7 +210,7 @@ void Commands::run(CommandAsk ask) {
   if (command == names::kPoses) {
     return answer_text(ask, [&] {
       arguments->allow_only({});
-      return encode_poses(*loop_.world().newest());
+      return encode_poses(*with_.loop.world().newest());
     });
   }
   if (command == names::kShapes || command == names::kSurface || command == names::kMore) return geometry_.take(std::move(ask));
@@ -236,7 +227,7 @@ void Commands::run(CommandAsk ask) {
 void Commands::on_world_thread(CommandAsk ask, Change change) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   const bool is_change = change != &Commands::get && change != &Commands::probes;
-  const bool taken = inbox_.push_job([this, shared, change, is_change] {
+  const bool taken = with_.inbox.push_job([this, shared, change, is_change] {
     const auto work = [&] { return (this->*change)(*shared, Arguments(shared->text)); };
     is_change ? answer_once_kept(*shared, work) : answer(*shared, work);
   });
@@ -253,23 +244,23 @@ json Commands::list(const Arguments& arguments) const {
   const std::optional<bool> moving =
       arguments.has("moving") ? std::optional(arguments.truth("moving", false)) : std::nullopt;
   const std::uint64_t limit = arguments.whole("limit", 10'000, 1'000'000);
-  const SnapshotRing::Lease state = loop_.world().newest();
+  const SnapshotRing::Lease state = with_.loop.world().newest();
   json objects = json::array();
   std::uint64_t count = 0;
   for (const auto& info : *state->objects) {
     if (!info || (moving && info->moving != *moving)) continue;
     if (!glob.empty() && !glob_matches(glob, info->name)) continue;
-    if (count++ < limit) objects.push_back(describe_briefly(*state, *info, loop_.publisher_name(info->publisher)));
+    if (count++ < limit) objects.push_back(describe_briefly(*state, *info, with_.loop.publisher_name(info->publisher)));
   }
   return {{"objects", objects}, {"count", count}, {"version", state->version}};
 }
 
 json Commands::plan(const Arguments& arguments) const {
   arguments.allow_only({});
-  const SnapshotRing::Lease state = loop_.world().newest();
+  const SnapshotRing::Lease state = with_.loop.world().newest();
   json structures = json::array();
-  std::vector<PlanRow> rows = plan_of(*state, loop_.contacts_wanted());
-  rows.push_back(plan_of_probes(loop_.probe_count(), loop_.probes_wanted()));
+  std::vector<PlanRow> rows = plan_of(*state, with_.loop.contacts_wanted());
+  rows.push_back(plan_of_probes(with_.loop.probe_count(), with_.loop.probes_wanted()));
   for (const PlanRow& row : rows) {
     structures.push_back({{"structure", row.structure}, {"built", row.built}, {"why", row.reason}, {"saves", row.saves}});
   }
@@ -295,29 +286,29 @@ json Commands::covers_json(const std::vector<Aabb>& boxes) {
 
 json Commands::covers(const Arguments& arguments) const {
   arguments.allow_only({});
-  const SnapshotRing::Lease state = loop_.world().newest();
+  const SnapshotRing::Lease state = with_.loop.world().newest();
   return {{"covers", state->covers ? covers_json(*state->covers) : json(nullptr)}, {"version", state->version}};
 }
 
 json Commands::get(const CommandAsk&, const Arguments& arguments) {
   arguments.allow_only({"name"});
-  const ObjectInfo& info = *loop_.world().info(find_object(arguments.text("name")));
-  const SnapshotRing::Lease state = loop_.world().newest();
-  json object = describe_briefly(*state, info, loop_.publisher_name(info.publisher));
-  describe_fully(*state, info, clock_.now_ns(), object);
-  if (const auto velocity = loop_.publishers().velocity(info.id)) object["velocity"] = *velocity;
+  const ObjectInfo& info = *with_.loop.world().info(find_object(arguments.text("name")));
+  const SnapshotRing::Lease state = with_.loop.world().newest();
+  json object = describe_briefly(*state, info, with_.loop.publisher_name(info.publisher));
+  describe_fully(*state, info, with_.clock.now_ns(), object);
+  if (const auto velocity = with_.loop.publishers().velocity(info.id)) object["velocity"] = *velocity;
   json contacts = json::array();
   json in_doubt = json::array();
-  for (const OpenContact& contact : loop_.world().contacts()) {
+  for (const OpenContact& contact : with_.loop.world().contacts()) {
     if (contact.a != info.id && contact.b != info.id) continue;
-    const ObjectInfo* other = loop_.world().info(contact.a == info.id ? contact.b : contact.a);
-    if (other) (contact.doubt == wire_contract::Doubt::none ? contacts : in_doubt).push_back(other->name);
+    const ObjectInfo* other = with_.loop.world().info(contact.a == info.id ? contact.b : contact.a);
+    if (other) (contact.doubt == Doubt::none ? contacts : in_doubt).push_back(other->name);
   }
   object["contacts"] = contacts;
   if (!in_doubt.empty()) object["in_doubt"] = in_doubt;
   json waiting = json::array();
-  for (const std::uint64_t publisher : loop_.publishers().waiting_for(info.name))
-    waiting.push_back(loop_.publisher_name(publisher));
+  for (const std::uint64_t publisher : with_.loop.publishers().waiting_for(info.name))
+    waiting.push_back(with_.loop.publisher_name(publisher));
   if (!waiting.empty()) object["name_wanted_by"] = waiting;
   object["version"] = state->version;
   return object;
@@ -327,37 +318,37 @@ json Commands::get(const CommandAsk&, const Arguments& arguments) {
 
 /// The object of that name in a state that shows it.
 ObjectId Commands::find_object(const std::string& name) const {
-  if (const std::optional<ObjectId> id = loop_.world().find(name)) {
+  if (const std::optional<ObjectId> id = with_.loop.world().find(name)) {
     // Defined in this very moment: a step makes it part of the state that is shown.
-    const SnapshotRing::Lease state = loop_.world().newest();
+    const SnapshotRing::Lease state = with_.loop.world().newest();
     const bool shown = slot_of(*id) < state->objects->size() && (*state->objects)[slot_of(*id)] &&
                        (*state->objects)[slot_of(*id)]->id == *id;
-    if (!shown) loop_.step_now();
+    if (!shown) with_.loop.step_now();
     return *id;
   }
   std::vector<std::string_view> others;
-  for (const auto& info : loop_.world().objects()) {
+  for (const auto& info : with_.loop.world().objects()) {
     if (info) others.push_back(info->name);
   }
   throw BadCommand(unknown_object(name, others));
 }
 
 void Commands::refuse_if_live(const ObjectInfo& info) const {
-  if (info.publisher == 0 || !loop_.publishers().is_live(info.publisher)) return;
+  if (info.publisher == 0 || !with_.loop.publishers().is_live(info.publisher)) return;
   throw BadCommand(fmt::format("object {} belongs to publisher {}, which lives", printable(info.name),
-                               printable(loop_.publisher_name(info.publisher))),
+                               printable(with_.loop.publisher_name(info.publisher))),
                    "its publisher moves and removes it");
 }
 
 /// Steps; the new version.
 std::uint64_t Commands::step() {
-  loop_.note_change();
-  loop_.step_now();
-  return loop_.world().newest()->version;
+  with_.loop.note_change();
+  with_.loop.step_now();
+  return with_.loop.world().newest()->version;
 }
 
 std::uint32_t Commands::ended_count() const {
-  const auto& events = loop_.world().events();
+  const auto& events = with_.loop.world().events();
   return static_cast<std::uint32_t>(
       std::count_if(events.begin(), events.end(), [](const Event& event) { return event.kind == EventKind::ended; }));
 }
@@ -377,37 +368,37 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
   if (const std::optional<Vec3> factor = arguments.vector("scale"); factor && *factor != Vec3::Ones()) {
     if (const std::string reason = scale(*decoded.shape, *factor); !reason.empty()) throw BadCommand("add: " + reason);
   }
-  const std::variant<ObjectId, Refusal> defined = loop_.world().define({.name = name,
+  const std::variant<ObjectId, Refusal> defined = with_.loop.world().define({.name = name,
                                                                         .scene = {},
                                                                         .shape = std::move(*decoded.shape),
                                                                         .pose = arguments.pose("pose").value_or(Pose{}),
                                                                         .filter = filter,
                                                                         .moving = arguments.truth("moving", true)});
   if (const auto* refusal = std::get_if<Refusal>(&defined)) throw BadCommand(refusal->reason);
-  if (durable_ != nullptr) durable_->object_added(name, ask);
+  if (with_.durable != nullptr) with_.durable->object_added(name, ask);
   return {{"name", name}, {"id", std::get<ObjectId>(defined)}, {"version", step()}};
 }
 
 json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"name", "pose", "teleport"});
-  World& world = loop_.world();
+  World& world = with_.loop.world();
   const std::string name = arguments.text("name");
   const std::optional<Pose> pose = arguments.pose("pose");
   if (!pose) throw BadCommand("move: without a pose", "a pose is [x, y, z, qw, qx, qy, qz]");
   const bool teleport = arguments.truth("teleport", false);
   const ObjectId id = find_object(name);
   refuse_if_live(*world.info(id));
-  if (world.has_moved(id)) loop_.step_now();
+  if (world.has_moved(id)) with_.loop.step_now();
   const Vec3 before = world.newest()->poses[slot_of(id)].position;
-  if (!world.move(id, *pose, clock_.now_ns(), teleport)) {
+  if (!world.move(id, *pose, with_.clock.now_ns(), teleport)) {
     throw BadCommand(fmt::format("object {} is a part of scene {} and stays where it is", printable(name),
                                  printable(world.info(id)->scene)));
   }
-  if (durable_ != nullptr) {
+  if (with_.durable != nullptr) {
     // Carried out once more it has no way: that was gone before the crash.
     json again = json::parse(ask.text);
     again["teleport"] = true;
-    durable_->object_moved(name, {0, 0, again.dump(), {}});
+    with_.durable->object_moved(name, {0, 0, again.dump(), {}});
   }
   const std::uint64_t version = step();
   json began = json::array();
@@ -427,7 +418,7 @@ json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
 
 json Commands::remove(const CommandAsk&, const Arguments& arguments) {
   arguments.allow_only({"name"});
-  World& world = loop_.world();
+  World& world = with_.loop.world();
   const std::string name = arguments.text("name");
   std::vector<ObjectId> chosen;
   if (is_glob(name) && !world.find(name)) {
@@ -438,7 +429,7 @@ json Commands::remove(const CommandAsk&, const Arguments& arguments) {
     chosen.push_back(find_object(name));
   }
   for (const ObjectId id : chosen) refuse_if_live(*world.info(id));
-  if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); })) loop_.step_now();
+  if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); })) with_.loop.step_now();
   json removed = json::array();
   for (const ObjectId id : chosen) {
     removed.push_back(world.info(id)->name);
@@ -451,7 +442,7 @@ json Commands::remove(const CommandAsk&, const Arguments& arguments) {
 
 json Commands::clear(const CommandAsk&, const Arguments& arguments) {
   arguments.allow_only({"scene", "moving"});
-  World& world = loop_.world();
+  World& world = with_.loop.world();
   const std::string scene = arguments.text("scene");
   const bool moving = arguments.truth("moving", false);
   std::vector<std::string> scenes;
@@ -460,7 +451,7 @@ json Commands::clear(const CommandAsk&, const Arguments& arguments) {
     throw BadCommand(fmt::format("scene {} is not loaded; loaded: {}", printable(scene),
                                  scenes.empty() ? "none" : fmt::format("{}", fmt::join(scenes, ", "))));
   }
-  loop_.step_now();  // what has moved is examined before it goes
+  with_.loop.step_now();  // what has moved is examined before it goes
   std::uint32_t removed = 0;
   std::uint32_t kept = 0;
   for (const std::string& name : scenes) {
@@ -470,7 +461,7 @@ json Commands::clear(const CommandAsk&, const Arguments& arguments) {
   const ObjectTable objects = world.objects();  // a copy: removing changes the world's
   for (const auto& info : objects) {
     if (!others || !info || !world.info(info->id) || (moving && !info->moving)) continue;
-    if (info->publisher != 0 && loop_.publishers().is_live(info->publisher)) {
+    if (info->publisher != 0 && with_.loop.publishers().is_live(info->publisher)) {
       ++kept;
     } else if (world.remove(info->id, EndReason::removed)) {
       ++removed;

@@ -29,11 +29,19 @@ namespace collided::engine::service {
 /// becomes a job of the world's thread; files are read on a thread of their own.
 class Commands {
  public:
-  /// durable  what commands add, kept over a crash; null: nothing is
-  /// uploads  folder for files that clients send; empty: none are taken
-  /// flight   what `recording` hands out; null: nothing
-  Commands(WorldLoop& loop, Inbox& inbox, const WorldClock& clock, const QuestionCounts& counts,
-           const BackgroundAudit& audit, DurableState* durable, FlightRecorder* flight, const std::string& uploads);
+  /// All of them outlive the Commands.
+  struct Collaborators {
+    WorldLoop& loop;
+    Inbox& inbox;
+    const WorldClock& clock;
+    const QuestionCounts& counts;
+    const BackgroundAudit& audit;
+    DurableState* durable;   // keeps what commands add over a crash; null: nothing does
+    FlightRecorder* flight;  // what `recording` hands out; null: nothing
+  };
+
+  /// uploads: the folder for files that clients send; empty: none are taken.
+  Commands(const Collaborators& with, const std::string& uploads);
   ~Commands();
 
   /// Where the answers go; before the first run().
@@ -106,15 +114,9 @@ class Commands {
   std::string recording_path(std::uint64_t number);
   void forget_recordings();
 
-  WorldLoop& loop_;
-  Inbox& inbox_;
-  const WorldClock& clock_;
+  Collaborators with_;
   Answering* answering_ = nullptr;
-  const QuestionCounts& counts_;
-  const BackgroundAudit& audit_;
   const std::int64_t started_ns_ = steady_ns();
-  DurableState* durable_;
-  FlightRecorder* flight_;
   std::mutex recordings_mutex_;
   std::deque<std::pair<std::uint64_t, std::string>> recordings_;  // number, path
   std::atomic<std::uint64_t> recordings_made_{0};

@@ -4,7 +4,7 @@
 namespace collided::engine::service {
 
 using nlohmann::json;
-using wire_contract::QueryKind;
+
 
 namespace {
 
@@ -27,11 +27,11 @@ json stages(const StepSums& sums) {
 
 json questions(const QuestionCounts& counts) {
   json rows = json::array();
-  for (const QueryKind kind : {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep}) {
+  for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep}) {
     const auto number = static_cast<std::size_t>(kind);
     std::uint64_t answered = 0;
     for (const auto& level : counts.levels[number]) answered += level.load(std::memory_order_relaxed);
-    rows.push_back({{"kind", wire_contract::name_of(kind)}, {"answered", answered}, {"durations", durations(counts.durations[number])}});
+    rows.push_back({{"kind", name_of(kind)}, {"answered", answered}, {"durations", durations(counts.durations[number])}});
   }
   return rows;
 }
@@ -50,15 +50,15 @@ json clocks_of(const Publishers& publishers, std::int64_t now_ns) {
 
 json Commands::figures(const Arguments& arguments) const {
   arguments.allow_only({});
-  const StepSums& sums = loop_.sums();
-  const SnapshotRing::Lease state = loop_.world().newest();
+  const StepSums& sums = with_.loop.sums();
+  const SnapshotRing::Lease state = with_.loop.world().newest();
   json not_built = json::array();
-  for (const PlanRow& row : plan_of(*state, loop_.contacts_wanted())) {
+  for (const PlanRow& row : plan_of(*state, with_.loop.contacts_wanted())) {
     if (!row.built) not_built.push_back(row.structure);
   }
   return {{"up_ns", steady_ns() - started_ns_},
           {"version", state->version},
-          {"step_period_ns", loop_.step_period_ns()},
+          {"step_period_ns", with_.loop.step_period_ns()},
           {"steps", sums.steps.get()},
           {"stalled_steps", sums.stalled_steps.get()},
           {"step_durations", durations(sums.durations)},
@@ -81,10 +81,10 @@ json Commands::figures(const Arguments& arguments) const {
             {"dropped", sums.poses_dropped.get()}}},
           {"stamps",
            {{"late", sums.stamps_late.get()}, {"jumped", sums.stamps_jumped.get()}, {"missing", sums.stamps_missing.get()}}},
-          {"clocks", clocks_of(loop_.publishers(), clock_.now_ns())},
-          {"questions", questions(counts_)},
-          {"refused", counts_.refused.load()},
-          {"undecided", counts_.undecided.load()},
+          {"clocks", clocks_of(with_.loop.publishers(), with_.clock.now_ns())},
+          {"questions", questions(with_.counts)},
+          {"refused", with_.counts.refused.load()},
+          {"undecided", with_.counts.undecided.load()},
           {"not_built", not_built}};
 }
 

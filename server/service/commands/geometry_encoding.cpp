@@ -11,6 +11,7 @@
 #include "server/intake/scene_file/scene_encoder.hpp"
 #include "server/intake/weld.hpp"
 #include "server/service/commands/command_arguments.hpp"
+#include "server/world/query/query.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -128,7 +129,7 @@ Edges edges_of(const SurfaceNumbers::Found& surface, double crease_cosine) {
   edges.numbers.reserve(4 * table.size());
   for (std::size_t i = 0; i < table.size(); ++i) {
     const auto uses = table.uses_of(i);
-    const std::uint32_t second = uses.size() > 1 ? triangle_of(uses[1]) : wire_contract::kNoTriangle;
+    const std::uint32_t second = uses.size() > 1 ? triangle_of(uses[1]) : kNoTriangle;
     for (const std::uint32_t number : {table.edges[i].low, table.edges[i].high, triangle_of(uses[0]), second}) {
       edges.numbers.push_back(number);
     }
@@ -176,7 +177,7 @@ std::string encode_poses(const Snapshot& state) {
     throw BadCommand(fmt::format("{} objects move; the poses of {} at most are told", ids.size(), kMaxPosesReported));
   }
   std::vector<double> numbers;
-  numbers.reserve(wire_contract::kPoseNumbers * ids.size());
+  numbers.reserve(kPoseNumbers * ids.size());
   std::vector<std::uint8_t> stale;
   stale.reserve(ids.size());
   for (const std::uint64_t id : ids) {

@@ -115,7 +115,7 @@ void Commands::load_one(Load load) {
   load.options = {};  // its functions point at what ends here
   const auto shared = std::make_shared<Load>(std::move(load));
   const bool taken =
-      inbox_.push_job([this, shared, loaded] {
+      with_.inbox.push_job([this, shared, loaded] {
     bool is_added = false;
     answer_once_kept(shared->ask, [&] {
       json answer = add_scene(*shared, *loaded);
@@ -131,7 +131,7 @@ void Commands::load_one(Load load) {
 }
 
 json Commands::add_scene(const Load& load, LoadedScene& loaded) {
-  World& world = loop_.world();
+  World& world = with_.loop.world();
   const auto& scenes = world.newest()->scenes;
   const bool there =
       std::any_of(scenes.begin(), scenes.end(), [&](const auto& scene) { return scene->name == loaded.scene.name; });
@@ -141,21 +141,21 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
   }
   if (there) {
     refuse_taken_names(world, loaded.scene);
-    loop_.step_now();
+    with_.loop.step_now();
     world.remove_scene(loaded.scene.name);
-    loop_.note_change();
+    with_.loop.note_change();
   }
   const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.scene, loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
   if (!load.covers.empty()) world.state_covers(loaded.scene.name, load.covers);
-  if (durable_ != nullptr) {
-    durable_->scene_loaded(loaded.scene.name, load.ask);
-    if (!load.covers.empty()) durable_->covers_stated();
+  if (with_.durable != nullptr) {
+    with_.durable->scene_loaded(loaded.scene.name, load.ask);
+    if (!load.covers.empty()) with_.durable->covers_stated();
   }
   keep_upload(loaded.scene.name, load.path);
   const std::uint64_t version = step();
   json left_out = json::array();
-  for (const PlanRow& row : plan_of(*world.newest(), loop_.contacts_wanted())) {
+  for (const PlanRow& row : plan_of(*world.newest(), with_.loop.contacts_wanted())) {
     if (!row.built) left_out.push_back(fmt::format("{}: {}", row.structure, row.reason));
   }
   return {{"scene", loaded.scene.name},

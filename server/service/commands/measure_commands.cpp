@@ -21,23 +21,23 @@ json number(double value) {
 
 json Commands::audit(const Arguments& arguments) const {
   arguments.allow_only({});
-  const AuditCounts counts = audit_.counts();
+  const AuditCounts counts = with_.audit.counts();
   json questions = json::array();
-  for (const wire_contract::QueryKind kind : wire_contract::kWorldQuestions) {
-    const auto& levels = counts_.levels[static_cast<std::size_t>(kind)];
-    questions.push_back({{"kind", wire_contract::name_of(kind)},
+  for (const QuestionKind kind : kPlainQuestions) {
+    const auto& levels = with_.counts.levels[static_cast<std::size_t>(kind)];
+    questions.push_back({{"kind", name_of(kind)},
                          {"double", levels[0].load()},
                          {"expansion", levels[1].load()},
                          {"rational", levels[2].load()}});
   }
-  return {{"every", audit_.every()},
+  return {{"every", with_.audit.every()},
           {"chosen", counts.chosen},
           {"audited", counts.audited},
           {"differing", counts.differing},
           {"skipped", counts.skipped},
-          {"differences", audit_.differences()},
+          {"differences", with_.audit.differences()},
           {"questions", questions},
-          {"float_repairs", counts_.float_repairs.load()}};
+          {"float_repairs", with_.counts.float_repairs.load()}};
 }
 
 void Commands::make_room(const char* what, const WorkQueue<SlowJob>& jobs) const {
@@ -61,11 +61,11 @@ void Commands::menu_later(CommandAsk ask, const Arguments& arguments) {
 }
 
 json Commands::menu(std::uint32_t questions, std::uint64_t seed) const {
-  const SnapshotRing::Lease state = loop_.world().newest();
+  const SnapshotRing::Lease state = with_.loop.world().newest();
   json rows = json::array();
   const auto cancelled = [this] { return stopping_.load(); };
   for (const MenuRow& row : menu_of(*state, {.questions = questions, .seed = seed, .cancelled = cancelled})) {
-    rows.push_back({{"kind", wire_contract::name_of(row.kind)},
+    rows.push_back({{"kind", name_of(row.kind)},
                     {"method", row.method},
                     {"asked", row.asked},
                     {"undecided", row.undecided},

@@ -25,7 +25,7 @@ json described(const ProofPart& proof_part) {
   using Summand = PartNumbers::Summand;
   const PartNumbers set = numbers_of(proof_part.part);
   json part{{"beside", kBeside[static_cast<std::size_t>(set.summand)]}, {"points", json::array()}};
-  if (proof_part.triangle != wire_contract::kNoTriangle) part["triangle"] = proof_part.triangle;
+  if (proof_part.triangle != kNoTriangle) part["triangle"] = proof_part.triangle;
   for (const Vec3& point : set.points) part["points"].push_back(numbers(point));
   if (set.summand == Summand::box || set.summand == Summand::ellipsoid || set.summand == Summand::half_space) {
     part["axes"] = {numbers(set.axes.col(0)), numbers(set.axes.col(1)), numbers(set.axes.col(2))};
@@ -136,7 +136,7 @@ std::shared_ptr<const Snapshot> Commands::past_state(const std::string& text, co
 void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
   const auto work = [this](const Arguments& asked) -> json {
     if (stopping_.load()) throw BadCommand("pair: the server is stopping");
-    const SnapshotRing::Lease newest = loop_.world().newest();
+    const SnapshotRing::Lease newest = with_.loop.world().newest();
     const std::shared_ptr<const Snapshot> past = past_state(asked.text("as_of"), *newest);
     const Snapshot* const state = past ? past.get() : &*newest;
     const ObjectId a = find_shown(*state, asked.text("a"));

@@ -13,7 +13,7 @@ namespace {
 
 json numbers(const Vec3& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
-const char* name_of(wire_contract::ProbeState state) {
+const char* name_of(ProbeState state) {
   static constexpr const char* kNames[] = {"absent", "nothing", "gap", "touching", "collision", "deeper", "undecided"};
   return kNames[static_cast<std::size_t>(state)];
 }
@@ -35,33 +35,33 @@ ProbeDefinition definition_of(const Arguments& arguments) {
 
 json Commands::probe(const CommandAsk& ask, const Arguments& arguments) {
   arguments.allow_only({"name", "object", "origin", "direction", "reach_m", "back_m", "remove"});
-  Probes& probes = loop_.probes();
+  Probes& probes = with_.loop.probes();
   json changed = json::array();
   if (arguments.truth("remove", false)) {
     const std::vector<std::string> removed = probes.remove(arguments.text("name"));
-    if (durable_ != nullptr) durable_->probes_removed(removed);
+    if (with_.durable != nullptr) with_.durable->probes_removed(removed);
     changed = removed;
   } else {
     const ProbeDefinition definition = definition_of(arguments);
     if (const std::optional<Refusal> refusal = probes.set(definition)) throw BadCommand(refusal->reason);
-    if (durable_ != nullptr) durable_->probe_set(definition.name, ask);
+    if (with_.durable != nullptr) with_.durable->probe_set(definition.name, ask);
     changed.push_back(definition.name);
   }
-  loop_.note_probes();
-  return {{"probes", changed}, {"version", loop_.world().newest()->version}};
+  with_.loop.note_probes();
+  return {{"probes", changed}, {"version", with_.loop.world().newest()->version}};
 }
 
 json Commands::probes(const CommandAsk&, const Arguments& arguments) {
   arguments.allow_only({"name"});
   const std::string glob = arguments.text("name");
-  const std::vector<ProbeReading>& readings = loop_.read_probes();
+  const std::vector<ProbeReading>& readings = with_.loop.read_probes();
   const auto object_name = [&](ObjectId id) {
-    const ObjectInfo* info = id == 0 ? nullptr : loop_.world().info(id);
+    const ObjectInfo* info = id == 0 ? nullptr : with_.loop.world().info(id);
     return info ? info->name : std::string();
   };
   json rows = json::array();
   for (std::size_t i = 0; i < readings.size(); ++i) {
-    const ProbeDefinition& probe = loop_.probes().definition(i);
+    const ProbeDefinition& probe = with_.loop.probes().definition(i);
     if (!glob.empty() && !glob_matches(glob, probe.name)) continue;
     const ProbeReading& reading = readings[i];
     rows.push_back({{"probe", probe.name},
@@ -78,7 +78,7 @@ json Commands::probes(const CommandAsk&, const Arguments& arguments) {
                     {"normal", numbers(reading.normal)}});
     if (std::isfinite(probe.reach_m)) rows.back()["reach_m"] = probe.reach_m;
   }
-  const SnapshotRing::Lease state = loop_.world().newest();
+  const SnapshotRing::Lease state = with_.loop.world().newest();
   return {{"probes", rows}, {"version", state->version}, {"world_time_ns", state->world_time_ns}};
 }
 

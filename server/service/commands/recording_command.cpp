@@ -32,7 +32,7 @@ std::string page_of(const std::string& path, std::uint64_t offset) {
 void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
   try {
     arguments.allow_only({"last_s", "number", "offset"});
-    if (flight_ == nullptr) throw BadCommand("the server keeps no flight recorder", "start it with --flight-recorder 30s");
+    if (with_.flight == nullptr) throw BadCommand("the server keeps no flight recorder", "start it with --flight-recorder 30s");
     if (arguments.has("number")) {
       const std::uint64_t number = arguments.whole("number", 0, ~std::uint64_t{0});
       const std::uint64_t offset = arguments.whole("offset", 0, std::uint64_t{1} << 40);
@@ -60,7 +60,7 @@ std::string Commands::recording_path(std::uint64_t number) {
 
 json Commands::write_recording(std::int64_t last_ns) {
   const std::uint64_t number = ++recordings_made_;
-  const FlightFile file = flight_->write(fmt::format("{}", number % (2 * kMostRecordings)), last_ns);
+  const FlightFile file = with_.flight->write(fmt::format("{}", number % (2 * kMostRecordings)), last_ns);
   {
     const std::lock_guard lock(recordings_mutex_);
     recordings_.emplace_back(number, file.path);

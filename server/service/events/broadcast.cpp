@@ -5,7 +5,6 @@
 
 namespace collided::engine::service {
 
-using wire_contract::EventKind;
 
 Broadcast::Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice)
     : world_(world), event_writer_(event_writer), notice_(std::move(notice)), dirty_shards_(wire_contract::kContactShards, 0) {}

@@ -9,8 +9,6 @@
 
 namespace collided::engine::service {
 
-using wire_contract::EndReason;
-using wire_contract::LostPolicy;
 
 // ---- who is there
 

@@ -165,7 +165,7 @@ class Publishers {
   void apply_definition(Publisher& publisher, Record& record, DefinitionSample& sample);
   void enter(Publisher& publisher, Record& record);
   bool give_way(ObjectId owner);
-  void leave(Record& record, wire_contract::EndReason reason);
+  void leave(Record& record, EndReason reason);
   void retry_names();
   void forget_lost(std::int64_t now_ns);
   void park(Publisher& publisher, PoseSample& sample);

@@ -23,7 +23,6 @@ namespace collided::engine::service {
 using wire_contract::Importance;
 using wire_contract::QueryKind;
 using wire_contract::ReplyStatus;
-using wire_contract::Verdict;
 
 namespace {
 constexpr std::size_t kMostQueued = 4'096;
@@ -60,7 +59,7 @@ class Answering::Worker {
   void answer_questions(Client& client, const Ask& ask, const ObjectInfo* mover);
   void answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest);
   void doubt(const Questions& questions);
-  void count_levels(QueryKind kind);
+  void count_levels(QuestionKind kind);
   void count_answered(std::uint8_t kind, std::uint64_t undecided);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
   void write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text);
@@ -87,7 +86,7 @@ void Answering::Worker::run() {
     try {
       std::visit([this](auto&& one) { work(std::move(one)); }, std::move(*item));
     } catch (const std::bad_alloc&) {
-      ++owner_.counts_.unanswerable;
+      ++owner_.with_.counts.unanswerable;
     }
     if (owner_.left_in_reader_.load(std::memory_order_relaxed) != 0) owner_.take_more();
   }
@@ -96,7 +95,7 @@ void Answering::Worker::run() {
 void Answering::Worker::work(AskPointer ask) {
   const std::shared_ptr<Client> client = owner_.clients_.meet(ask->query->client, ask->query.info().publication_handle);
   if (!client) {
-    ++owner_.counts_.unanswerable;
+    ++owner_.with_.counts.unanswerable;
     owner_.pool_.put(std::move(ask));
     return;
   }
@@ -110,7 +109,7 @@ void Answering::Worker::answer(Client& client, const Ask& ask) {
     answer_or_throw(client, ask);
   } catch (const std::bad_alloc&) {
     // What this thread holds is of this question alone.
-    ++owner_.counts_.refused;
+    ++owner_.with_.counts.refused;
     write_text(client, ask.query->request, ReplyStatus::refused, out_of_memory_);
   }
 }
@@ -119,7 +118,7 @@ void Answering::Worker::answer_or_throw(Client& client, const Ask& ask) {
   const wire::Query& query = *ask.query;
   std::optional<std::string> refusal = ask.refusal.empty() ? why_refused(query) : std::optional(ask.refusal);
   if (refusal) {
-    ++owner_.counts_.refused;
+    ++owner_.with_.counts.refused;
     write_text(client, query.request, ReplyStatus::refused, refusal_text(*refusal));
   } else if (query.kind == static_cast<std::uint8_t>(QueryKind::command)) {
     command(query);
@@ -141,7 +140,7 @@ void Answering::Worker::answer_sweeps(Client& client, const Ask& ask) {
     refusal = "a half-space has no end and cannot be moved; every other shape can. Nothing was asked";
   }
   if (!refusal.empty()) {
-    ++owner_.counts_.refused;
+    ++owner_.with_.counts.refused;
     write_text(client, query.request, ReplyStatus::refused, refusal_text("sweep: " + refusal));
     return;
   }
@@ -159,7 +158,7 @@ void Answering::Worker::work(TextReply text) {
   if (client) {
     write_text(*client, text.request, text.status, text.text);
   } else {
-    ++owner_.counts_.unanswerable;
+    ++owner_.with_.counts.unanswerable;
   }
 }
 
@@ -169,7 +168,7 @@ void Answering::Worker::work(Resume resume) {
 
 void Answering::Worker::work(ExpireLeases sweep) {
   for (AskPointer& ask : owner_.clients_.sweep(sweep.askers, steady_ns())) {
-    ++owner_.counts_.unanswerable;
+    ++owner_.with_.counts.unanswerable;
     owner_.pool_.put(std::move(ask));
   }
 }
@@ -179,8 +178,8 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
   wire::gather_rows(query, wire::question_columns(static_cast<QueryKind>(query.kind)), numbers_);
   const std::int64_t allowed_ns = query.deadline_ns > 0 ? query.deadline_ns : owner_.options_.deadline_ns;
   const Questions questions{
-      .kind = static_cast<QueryKind>(query.kind),
-      .mode = static_cast<wire_contract::RayMode>(query.mode),
+      .kind = static_cast<QuestionKind>(query.kind),
+      .mode = static_cast<HitMode>(query.mode),
       .mask = query.mask,
       .max_hits = query.max_hits,
       .only = query.only,
@@ -189,8 +188,8 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
       .error_m = query.error_asked > 0 ? query.error_asked : owner_.options_.error_m,
       .numbers = numbers_,
       .mover = mover};
-  const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.world_.newest();
-  if (restore_float_environment()) ++owner_.counts_.float_repairs;
+  const SnapshotRing::Lease lease = ask.pinned ? ask.pinned : owner_.with_.world.newest();
+  if (restore_float_environment()) ++owner_.with_.counts.float_repairs;
   if (query.instant != 0) return answer_of_instant(client, ask, questions, *lease);
   engine::answer(*lease, questions, answers_, scratch_);
   // A hit is real in any case, and enough where any will do; whatever else may change once all are back.
@@ -198,13 +197,13 @@ void Answering::Worker::answer_questions(Client& client, const Ask& ask, const O
   write_answers(client, ask, *lease);
   // The audit's twin knows no ways.
   const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
-  if (mover == nullptr && !is_overloaded) owner_.audit_.consider(lease, questions, answers_);
+  if (mover == nullptr && !is_overloaded) owner_.with_.audit.consider(lease, questions, answers_);
 }
 
 void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const Questions& questions, const Snapshot& newest) {
   const auto past = owner_.past_states_.at(instant_of(*ask.query), newest);
   if (const auto* refusal = std::get_if<std::string>(&past)) {
-    ++owner_.counts_.refused;
+    ++owner_.with_.counts.refused;
     return write_text(client, ask.query->request, ReplyStatus::refused, refusal_text(*refusal));
   }
   const Snapshot& state = *std::get<std::shared_ptr<const Snapshot>>(past);
@@ -213,22 +212,22 @@ void Answering::Worker::answer_of_instant(Client& client, const Ask& ask, const 
   write_answers(client, ask, state);
 }
 
-void Answering::Worker::count_levels(QueryKind kind) {
+void Answering::Worker::count_levels(QuestionKind kind) {
   std::array<std::uint64_t, 3> counts{};
   for (const std::uint8_t level : answers_.levels) ++counts[level];
-  auto& total = owner_.counts_.levels[static_cast<std::size_t>(kind)];
+  auto& total = owner_.with_.counts.levels[static_cast<std::size_t>(kind)];
   for (std::size_t level = 0; level < counts.size(); ++level) {
     if (counts[level] > 0) total[level].fetch_add(counts[level], std::memory_order_relaxed);
   }
 }
 
 void Answering::Worker::doubt(const Questions& questions) {
-  const bool any_will_do = questions.kind == QueryKind::ray && questions.mode == wire_contract::RayMode::any;
+  const bool any_will_do = questions.kind == QuestionKind::ray && questions.mode == HitMode::any;
   for (std::size_t i = 0; i < answers_.answers.size(); ++i) {
     const bool hit = answers_.answers[i] == Verdict::hit;
     if (answers_.answers[i] != Verdict::miss && (!hit || any_will_do)) continue;
     answers_.answers[i] = Verdict::undecided;
-    answers_.reasons[i] = wire_contract::UndecidedReason::recovering;
+    answers_.reasons[i] = UndecidedReason::recovering;
   }
 }
 
@@ -244,7 +243,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
   reply_->version = snapshot.version;
   reply_->world_time_ns = snapshot.world_time_ns;
   const std::int64_t posed_ns = answers_.oldest_pose_ns;
-  reply_->oldest_pose_age_ns = posed_ns > 0 ? std::max<std::int64_t>(0, owner_.clock_.now_ns() - posed_ns) : -1;
+  reply_->oldest_pose_age_ns = posed_ns > 0 ? std::max<std::int64_t>(0, owner_.with_.clock.now_ns() - posed_ns) : -1;
   client.note_told(snapshot.version);
   while (filler.fill(columns_)) {
     columns_.of_sweeps = static_cast<QueryKind>(query.kind) == QueryKind::sweep;
@@ -258,16 +257,16 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
 }
 
 void Answering::Worker::count_answered(std::uint8_t kind, std::uint64_t undecided) {
-  owner_.counts_.durations[kind].add(reply_->compute_ns);
-  owner_.counts_.answered += answers_.answers.size();
-  owner_.counts_.undecided += undecided;
-  count_levels(static_cast<QueryKind>(kind));
+  owner_.with_.counts.durations[kind].add(reply_->compute_ns);
+  owner_.with_.counts.answered += answers_.answers.size();
+  owner_.with_.counts.undecided += undecided;
+  count_levels(static_cast<QuestionKind>(kind));
 }
 
 void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text) {
   columns_.clear();
   columns_.lend(*reply_);
-  const SnapshotRing::Lease lease = owner_.world_.newest();
+  const SnapshotRing::Lease lease = owner_.with_.world.newest();
   constexpr std::size_t kMost = wire_contract::kMaxTextBytesPerChunk;
   const std::size_t chunks = std::max<std::size_t>(1, (text.size() + kMost - 1) / kMost);
   reply_->client = client.id();
@@ -291,24 +290,18 @@ void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyS
 void Answering::Worker::send(Client& client) {
   if (owner_.options_.flight) owner_.options_.flight->note(recording::Recorded::reply, *reply_);
   try {
-    if (!client.write(*reply_)) ++owner_.counts_.unanswerable;
+    if (!client.write(*reply_)) ++owner_.with_.counts.unanswerable;
   } catch (const dds::DdsError&) {
-    ++owner_.counts_.unanswerable;
+    ++owner_.with_.counts.unanswerable;
   }
 }
 
 // ---- the way in
 
-Answering::Answering(const World& world, const WorldClock& clock, WriteBarriers& write_barriers, SnapshotLeases& leases,
-                     QuestionCounts& counts, BackgroundAudit& audit, const dds::Topic<wire::Reply>& replies,
-                     const AnsweringOptions& options, Command command)
-    : world_(world),
-      clock_(clock),
-      write_barriers_(write_barriers),
-      leases_(leases),
-      counts_(counts),
-      audit_(audit),
-      past_states_(world),
+Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
+                     Command command)
+    : with_(with),
+      past_states_(with.world),
       options_(options),
       command_(std::move(command)),
       queue_(kMostQueued),
@@ -376,7 +369,7 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
 }
 
 void Answering::route(AskPointer ask, AskPointer* single) {
-  const WriteBarriers::Outcome outcome = write_barriers_.pass(ask);
+  const WriteBarriers::Outcome outcome = with_.write_barriers.pass(ask);
   if (outcome == WriteBarriers::Outcome::parked) return;
   if (outcome == WriteBarriers::Outcome::full) {
     refuse_later(std::move(ask), fmt::format("{} questions wait for a publisher's samples, the limit", WriteBarriers::kMost));
@@ -395,7 +388,7 @@ void Answering::take_more() {
 void Answering::admit(AskPointer ask) {
   const wire::Query& query = *ask->query;
   if (query.chunk_count > 1 && query.chunk_index < query.chunk_count) {
-    std::optional<SnapshotRing::Lease> lease = leases_.take(query.client, query.request, query.chunk_index,
+    std::optional<SnapshotRing::Lease> lease = with_.leases.take(query.client, query.request, query.chunk_index,
                                                             query.chunk_count, least_version(query), steady_ns());
     if (!lease) {
       refuse_later(std::move(ask),
@@ -449,7 +442,7 @@ std::uint64_t Answering::least_version(const wire::Query& query) const {
 void Answering::refuse_later(AskPointer ask, std::string reason) {
   // Who asks faster than refusals can be written gets none.
   if (!queue_.has_room_for_own()) {
-    ++counts_.unanswerable;
+    ++with_.counts.unanswerable;
     pool_.put(std::move(ask));
     return;
   }
@@ -458,16 +451,16 @@ void Answering::refuse_later(AskPointer ask, std::string reason) {
 }
 
 void Answering::send_text(std::uint64_t client, std::uint64_t request, ReplyStatus status, std::string text) {
-  if (status == ReplyStatus::refused) ++counts_.refused;
+  if (status == ReplyStatus::refused) ++with_.counts.refused;
   queue_.push_own(TextReply{client, request, status, std::move(text)});
 }
 
 void Answering::tick(std::vector<std::uint64_t> askers) {
   const std::int64_t now_ns = steady_ns();
-  leases_.expire(now_ns);
-  for (AskPointer& ask : write_barriers_.take_overdue(now_ns)) {
+  with_.leases.expire(now_ns);
+  for (AskPointer& ask : with_.write_barriers.take_overdue(now_ns)) {
     const wire::Query& query = *ask->query;
-    const std::uint64_t applied = write_barriers_.applied(query.fence_publisher);
+    const std::uint64_t applied = with_.write_barriers.applied(query.fence_publisher);
     refuse_later(std::move(ask),
                  applied == 0
                      ? fmt::format("publisher {:016x} is not known here, so its sample {} could not be waited for",
@@ -480,7 +473,7 @@ void Answering::tick(std::vector<std::uint64_t> askers) {
 
 void Answering::stop() {
   if (stopping_.exchange(true)) return;
-  for (AskPointer& ask : write_barriers_.take_all()) refuse_later(std::move(ask), "the server is stopping");
+  for (AskPointer& ask : with_.write_barriers.take_all()) refuse_later(std::move(ask), "the server is stopping");
   queue_.close();
   for (std::thread& thread : threads_) thread.join();
 }

@@ -52,8 +52,17 @@ class Answering {
  public:
   using Command = std::function<void(CommandAsk)>;  // called on a worker; answers through send_text
 
-  Answering(const World& world, const WorldClock& clock, WriteBarriers& write_barriers, SnapshotLeases& leases, QuestionCounts& counts,
-            BackgroundAudit& audit, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
+  /// All of them outlive the Answering.
+  struct Collaborators {
+    const World& world;
+    const WorldClock& clock;
+    WriteBarriers& write_barriers;
+    SnapshotLeases& leases;
+    QuestionCounts& counts;
+    BackgroundAudit& audit;
+  };
+
+  Answering(const Collaborators& with, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
             Command command);
   ~Answering();
 
@@ -98,12 +107,7 @@ class Answering {
   void route(AskPointer ask, AskPointer* single);
   void take_more();
 
-  const World& world_;
-  const WorldClock& clock_;
-  WriteBarriers& write_barriers_;
-  SnapshotLeases& leases_;
-  QuestionCounts& counts_;
-  BackgroundAudit& audit_;
+  Collaborators with_;
   PastStates past_states_;
   AnsweringOptions options_;
   Command command_;

@@ -7,8 +7,6 @@
 namespace collided::engine::service {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::UndecidedReason;
 
 constexpr std::size_t kBytesPerAnswer = 3 + 3 * 4;
 constexpr std::size_t kBytesPerHit = 8 + 4 + 1 + 8 * wire_contract::kHitNumbers;
@@ -121,7 +119,7 @@ bool ReplyFiller::add_question(ReplyColumns& columns) {
     const std::size_t more = bytes_of(hit);
     if (bytes_ + more > kRoom) break;
     bytes_ += more;
-    if ((hit.flags & wire_contract::kUncovered) != 0) {
+    if ((hit.flags & kUncovered) != 0) {
       add_uncovered(hit, columns);
     } else {
       add_hit(hit, columns);

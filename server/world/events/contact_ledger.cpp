@@ -18,12 +18,12 @@ OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
           .contact = found.contact};
 }
 
-OpenContact doubted(const FoundContact& found, wire_contract::Doubt why, std::int64_t world_time_ns) {
+OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_time_ns) {
   OpenContact of = opened(found, world_time_ns);
   // It may touch from the first instant on that is not decided.
   of.began_ns = world_time_ns - std::llround(found.bracket_low_s * 1e9);
   of.doubt = why;
-  of.a_triangle = of.b_triangle = wire_contract::kNoTriangle;
+  of.a_triangle = of.b_triangle = kNoTriangle;
   of.contact = Contact{};
   of.contact.depth_m = 0;
   of.contact.depth_error_m = std::numeric_limits<double>::infinity();
@@ -47,12 +47,12 @@ void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted
 
 void ContactLedger::touches(const FoundContact& found) {
   assert(found.a < found.b && "a pair is named by its lower id first");
-  if (has_lost(found.a, found.b)) return doubts(found, wire_contract::Doubt::publisher_lost);
+  if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   end_doubt(found);
   if (!is_open(found.a, found.b)) return open(opened(found, world_time_ns_), found);
   goes_on(found);
   if (!persisted_wanted_) return;
-  events_.push_back({.kind = wire_contract::EventKind::persisted,
+  events_.push_back({.kind = EventKind::persisted,
                      .of = open_[index_.at({found.a, found.b})],
                      .relative_velocity = found.relative_velocity,
                      .velocity_error = found.velocity_error});
@@ -62,8 +62,8 @@ void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
   index_.emplace(Pair{opened.a, opened.b}, open_.size());
   open_.push_back(opened);
   found_in_step_.push_back(step_);
-  doubt_count_ += opened.doubt != wire_contract::Doubt::none ? 1 : 0;
-  events_.push_back({.kind = wire_contract::EventKind::began,
+  doubt_count_ += opened.doubt != Doubt::none ? 1 : 0;
+  events_.push_back({.kind = EventKind::began,
                      .of = opened,
                      .bracket_low_s = found.bracket_low_s,
                      .bracket_high_s = found.bracket_high_s,
@@ -73,12 +73,12 @@ void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
 
 bool ContactLedger::holds(ObjectId a, ObjectId b) const {
   const auto found = index_.find({a, b});
-  return found != index_.end() && open_[found->second].doubt == wire_contract::Doubt::none;
+  return found != index_.end() && open_[found->second].doubt == Doubt::none;
 }
 
 bool ContactLedger::is_in_doubt(ObjectId a, ObjectId b) const { return is_open(a, b) && !holds(a, b); }
 
-void ContactLedger::doubts(const FoundContact& found, wire_contract::Doubt why) {
+void ContactLedger::doubts(const FoundContact& found, Doubt why) {
   const auto place = index_.find({found.a, found.b});
   if (place == index_.end()) return open(doubted(found, why, world_time_ns_), found);
   found_in_step_[place->second] = step_;
@@ -88,27 +88,27 @@ void ContactLedger::lose(ObjectId object) {
   lost_.insert(object);
   std::vector<FoundContact> held;
   for (const OpenContact& open : open_) {
-    if ((open.a == object || open.b == object) && open.doubt == wire_contract::Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}});
+    if ((open.a == object || open.b == object) && open.doubt == Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}});
   }
   for (const FoundContact& found : held) {
-    end(index_.at({found.a, found.b}), {.reason = wire_contract::EndReason::publisher_lost});
-    doubts(found, wire_contract::Doubt::publisher_lost);
+    end(index_.at({found.a, found.b}), {.reason = EndReason::publisher_lost});
+    doubts(found, Doubt::publisher_lost);
   }
 }
 
 bool ContactLedger::is_found_again(ObjectId a, ObjectId b) const {
   const auto found = index_.find(a < b ? Pair{a, b} : Pair{b, a});
-  return found != index_.end() && open_[found->second].doubt == wire_contract::Doubt::publisher_lost && !has_lost(a, b);
+  return found != index_.end() && open_[found->second].doubt == Doubt::publisher_lost && !has_lost(a, b);
 }
 
-void ContactLedger::doubted_and_parted(const FoundContact& found, wire_contract::Doubt why) {
-  if (has_lost(found.a, found.b)) return doubts(found, wire_contract::Doubt::publisher_lost);
+void ContactLedger::doubted_and_parted(const FoundContact& found, Doubt why) {
+  if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   if (is_open(found.a, found.b)) return;
-  passed(doubted(found, why, world_time_ns_), found, wire_contract::EndReason::decided);
+  passed(doubted(found, why, world_time_ns_), found, EndReason::decided);
 }
 
 void ContactLedger::decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s) {
-  if (is_in_doubt(a, b) && !has_lost(a, b)) end(index_.at({a, b}), {wire_contract::EndReason::decided, bracket_low_s, bracket_high_s});
+  if (is_in_doubt(a, b) && !has_lost(a, b)) end(index_.at({a, b}), {EndReason::decided, bracket_low_s, bracket_high_s});
 }
 
 /// A contact is found where there was a doubt.
@@ -125,26 +125,26 @@ void ContactLedger::goes_on(const FoundContact& found) {
   open.b_triangle = found.b_triangle;
 }
 
-void ContactLedger::parts(ObjectId a, ObjectId b, wire_contract::EndReason reason, double bracket_low_s,
+void ContactLedger::parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s,
                           double bracket_high_s) {
   end(index_.at({a, b}), {reason, bracket_low_s, bracket_high_s});
 }
 
 void ContactLedger::touched_and_parted(const FoundContact& found) {
-  if (has_lost(found.a, found.b)) return doubts(found, wire_contract::Doubt::publisher_lost);
+  if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   end_doubt(found);
-  passed(opened(found, world_time_ns_), found, wire_contract::EndReason::separated);
+  passed(opened(found, world_time_ns_), found, EndReason::separated);
 }
 
-void ContactLedger::passed(const OpenContact& opened, const FoundContact& found, wire_contract::EndReason reason) {
-  Event event{.kind = wire_contract::EventKind::began,
+void ContactLedger::passed(const OpenContact& opened, const FoundContact& found, EndReason reason) {
+  Event event{.kind = EventKind::began,
               .of = opened,
               .bracket_low_s = found.bracket_low_s,
               .bracket_high_s = found.bracket_high_s,
               .relative_velocity = found.relative_velocity,
               .velocity_error = found.velocity_error};
   events_.push_back(event);
-  event.kind = wire_contract::EventKind::ended;
+  event.kind = EventKind::ended;
   event.reason = reason;
   event.relative_velocity.setZero();
   event.velocity_error = 0;
@@ -153,7 +153,7 @@ void ContactLedger::passed(const OpenContact& opened, const FoundContact& found,
   events_.push_back(event);
 }
 
-void ContactLedger::end_object(ObjectId object, wire_contract::EndReason reason) {
+void ContactLedger::end_object(ObjectId object, EndReason reason) {
   lost_.erase(object);
   for (std::size_t i = 0; i < open_.size();) {
     if (open_[i].a == object || open_[i].b == object) {
@@ -165,11 +165,10 @@ void ContactLedger::end_object(ObjectId object, wire_contract::EndReason reason)
 }
 
 void ContactLedger::end(std::size_t index, const ContactEnd& of) {
-  using wire_contract::EndReason;
-  const bool is_doubt = open_[index].doubt != wire_contract::Doubt::none;
+    const bool is_doubt = open_[index].doubt != Doubt::none;
   const bool is_parted = of.reason == EndReason::separated || of.reason == EndReason::teleported;
   doubt_count_ -= is_doubt ? 1 : 0;
-  events_.push_back({.kind = wire_contract::EventKind::ended,
+  events_.push_back({.kind = EventKind::ended,
                      .reason = is_doubt && is_parted ? EndReason::decided : of.reason,
                      .of = open_[index],
                      .bracket_low_s = of.bracket_low_s,
@@ -187,7 +186,7 @@ void ContactLedger::end(std::size_t index, const ContactEnd& of) {
 void ContactLedger::retell_corrected() {
   for (Event& event : events_) {
     const auto open = index_.find({event.of.a, event.of.b});
-    const bool is_of_open = event.kind != wire_contract::EventKind::ended && open != index_.end() && found(open->second);
+    const bool is_of_open = event.kind != EventKind::ended && open != index_.end() && found(open->second);
     if (is_of_open) event.of.contact = open_[open->second].contact;
   }
 }
@@ -196,7 +195,7 @@ void ContactLedger::finish_step() {
   // What held before ends first: an object that was defined anew has another id, and whoever knows it by its name must
   // hear of the old one's end before the new one's beginning. A contact that begins and ends in this step does so in
   // that order, which stable sorting keeps.
-  const auto is_old_end = [](const Event& e) { return e.kind == wire_contract::EventKind::ended && e.of.episode != 0; };
+  const auto is_old_end = [](const Event& e) { return e.kind == EventKind::ended && e.of.episode != 0; };
   std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) {
     return std::tuple(!is_old_end(x), x.of.a, x.of.b) < std::tuple(!is_old_end(y), y.of.a, y.of.b);
   });
@@ -204,9 +203,9 @@ void ContactLedger::finish_step() {
   const std::uint64_t last_before = last_sequence_;
   std::uint64_t passing_episode = 0;
   for (Event& event : events_) {
-    if (event.kind == wire_contract::EventKind::persisted) continue;
+    if (event.kind == EventKind::persisted) continue;
     event.sequence = ++last_sequence_;
-    if (event.kind == wire_contract::EventKind::ended) {
+    if (event.kind == EventKind::ended) {
       if (event.of.episode == 0) event.of.episode = passing_episode;
       continue;
     }

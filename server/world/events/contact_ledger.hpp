@@ -14,8 +14,8 @@ namespace collided::engine {
 struct FoundContact {
   ObjectId a = 0;
   ObjectId b = 0;
-  std::uint32_t a_triangle = wire_contract::kNoTriangle;
-  std::uint32_t b_triangle = wire_contract::kNoTriangle;
+  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
   double bracket_low_s = 0;  // before the step's world time
   double bracket_high_s = 0;
@@ -32,7 +32,7 @@ inline void set_velocity(FoundContact& found, const BodyMotion::PointVelocity& o
 
 /// Why a contact is over and when, in seconds before the step's world time; none: it is not.
 struct ContactEnd {
-  wire_contract::EndReason reason = wire_contract::EndReason::none;
+  EndReason reason = EndReason::none;
   double bracket_low_s = 0;
   double bracket_high_s = 0;
 };
@@ -48,11 +48,11 @@ class ContactLedger {
   /// A contact that holds is looked at again: where and how deep, without an event.
   void goes_on(const FoundContact& found);
   /// A contact that holds is over.
-  void parts(ObjectId a, ObjectId b, wire_contract::EndReason reason, double bracket_low_s, double bracket_high_s);
+  void parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s, double bracket_high_s);
   /// It is not known whether the pair touches; what is told of it already goes on. found.contact is none.
-  void doubts(const FoundContact& found, wire_contract::Doubt why);
+  void doubts(const FoundContact& found, Doubt why);
   /// It was not known within this step, and is apart at its end.
-  void doubted_and_parted(const FoundContact& found, wire_contract::Doubt why);
+  void doubted_and_parted(const FoundContact& found, Doubt why);
   /// The object's publisher is lost, and the object may have gone on: whatever touches its last place, now or later, is in
   /// doubt until the publisher is found again and the pair is decided, or the object is removed.
   void lose(ObjectId object);
@@ -64,14 +64,14 @@ class ContactLedger {
   /// The pair touched within this step and is apart again.
   void touched_and_parted(const FoundContact& found);
   /// Every contact of the object ends.
-  void end_object(ObjectId object, wire_contract::EndReason reason);
+  void end_object(ObjectId object, EndReason reason);
   /// Every contact for which end_of(contact).reason is not `none` and that was not found again this step ends.
   template <class EndOf>
   void end_unfound(EndOf&& end_of) {
     for (std::size_t i = 0; i < open_.size();) {
       const bool goes_on = found_in_step_[i] == step_ || has_lost(open_[i].a, open_[i].b);
       const ContactEnd of = goes_on ? ContactEnd{} : end_of(open_[i]);
-      if (of.reason == wire_contract::EndReason::none) {
+      if (of.reason == EndReason::none) {
         ++i;
       } else {
         end(i, of);
@@ -109,7 +109,7 @@ class ContactLedger {
   void end(std::size_t index, const ContactEnd& of);
   void open(const OpenContact& opened, const FoundContact& found);
   void end_doubt(const FoundContact& found);
-  void passed(const OpenContact& opened, const FoundContact& found, wire_contract::EndReason reason);
+  void passed(const OpenContact& opened, const FoundContact& found, EndReason reason);
 
   std::vector<OpenContact> open_;
   std::vector<std::uint64_t> found_in_step_;  // beside open_

@@ -3,27 +3,51 @@
 #include <cstdint>
 #include <vector>
 
-#include "idl/topics.hpp"
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/world/objects/object.hpp"
 
 namespace collided::engine {
 
+enum class EventKind : std::uint8_t { began, persisted, ended };
+
+/// Why a contact ended. decided: it was a doubt that is settled; if no contact begins with it, the two are apart.
+enum class EndReason : std::uint8_t {
+  none,
+  separated,
+  removed,
+  publisher_lost,
+  teleported,
+  geometry_changed,
+  server_stopping,
+  server_restarted,
+  decided,
+};
+
+/// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,
+/// until it is decided, so that a subscriber that takes it for a contact errs on the safe side. Its depth is 0 and the
+/// bound of the depth infinite.
+enum class Doubt : std::uint8_t {
+  none,
+  numeric,         // the exact test came out undecided
+  cost_limit,      // the motion from pose to pose took more looks than one pair is given
+  publisher_lost,  // one object is where its publisher last had it, and may have gone on
+};
+
 /// One contact that holds: of objects a < b (by id), from `began` to `ended`.
 struct OpenContact {
   ObjectId a = 0;
   ObjectId b = 0;
-  std::uint32_t a_triangle = wire_contract::kNoTriangle;
-  std::uint32_t b_triangle = wire_contract::kNoTriangle;
+  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t b_triangle = kNoTriangle;
   std::uint64_t episode = 0;  // sequence of its `began`
   std::int64_t began_ns = 0;  // world time
   Contact contact;            // as last computed; normal from a to b
-  wire_contract::Doubt doubt = wire_contract::Doubt::none;  // else it is not known whether they touch, and no contact is
+  Doubt doubt = Doubt::none;  // else it is not known whether they touch, and no contact is
 };
 
 struct Event {
-  wire_contract::EventKind kind = wire_contract::EventKind::began;
-  wire_contract::EndReason reason = wire_contract::EndReason::none;
+  EventKind kind = EventKind::began;
+  EndReason reason = EndReason::none;
   std::uint64_t sequence = 0;  // without gap within the epoch; 0 for persisted
   OpenContact of;              // for `ended`: the contact as it last was
   double bracket_low_s = 0;    // the change happened at world_time - low .. - high (low >= high; below 0: after it)

@@ -42,7 +42,7 @@ void touch_mesh(const Primitive& a, const Placed& b, ContactSearch& touch, WalkC
   if (near.empty()) return;
   const IndexedMesh& mesh = *b.info->mesh;
   near_triangles(mesh, *b.frame, near, cost, [&](std::uint32_t triangle) {
-    search_parts(a, wire_contract::kNoTriangle, place(*b.frame, mesh.mesh->triangle(triangle)), triangle, touch);
+    search_parts(a, kNoTriangle, place(*b.frame, mesh.mesh->triangle(triangle)), triangle, touch);
     return !touch.done();
   });
 }
@@ -68,10 +68,10 @@ void touch_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& touc
     touch.undecided = touch.undecided || turned.undecided;
     if (!turned.yes) return true;
     const Contact contact = flipped(turned.contact);
-    if (touch.wanted && deeper(contact, turned.b_triangle, wire_contract::kNoTriangle, touch)) {
+    if (touch.wanted && deeper(contact, turned.b_triangle, kNoTriangle, touch)) {
       touch.contact = contact;
       touch.a_triangle = turned.b_triangle;
-      touch.b_triangle = wire_contract::kNoTriangle;
+      touch.b_triangle = kNoTriangle;
     }
     touch.yes = true;
     return !touch.done();
@@ -141,7 +141,7 @@ void search_object(const Primitive& a, const Placed& b, ContactSearch& touch, Wa
   // Bounds cost more than many a test: only where an index asks for them.
   const Aabb near = b.info->parts ? bounds_near(a, b.bounds) : Aabb{};
   visit_primitives_near(*b.info, *b.frame, near, cost, [&](const Primitive& primitive) {
-    search_parts(a, wire_contract::kNoTriangle, place(*b.frame, primitive), wire_contract::kNoTriangle, touch);
+    search_parts(a, kNoTriangle, place(*b.frame, primitive), kNoTriangle, touch);
     return !touch.done();
   });
   if (!touch.done() && b.info->mesh) touch_mesh(a, b, touch, cost);

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "idl/topics.hpp"
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
@@ -31,8 +30,8 @@ struct ContactSearch {
   bool undecided = false;
   Level level = Level::filter;
   std::uint32_t exact_tests = 0;
-  std::uint32_t a_triangle = wire_contract::kNoTriangle;
-  std::uint32_t b_triangle = wire_contract::kNoTriangle;
+  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
 
   bool done() const { return yes && !wanted; }
@@ -93,7 +92,7 @@ class PlacedTriangles {
  private:
   const TriangleMesh& mesh_;
   const Frame& frame_;
-  std::uint32_t last_ = wire_contract::kNoTriangle;
+  std::uint32_t last_ = kNoTriangle;
   Triangle placed_;
 };
 

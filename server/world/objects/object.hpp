@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "idl/topics.hpp"
 #include "server/broad_phase/hierarchy/bvh.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/geometry/shape.hpp"
@@ -17,6 +16,13 @@ namespace collided::engine {
 using ObjectId = std::uint64_t;
 
 inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id); }
+
+/// What becomes of the objects of a publisher that is lost.
+enum class LostPolicy : std::uint8_t {
+  remove,  // they leave the world
+  freeze,  // they rest where the publisher last had them
+  hold,    // they rest there, and whatever meets them is in doubt
+};
 
 /// A mesh with its index, both in the mesh's own frame; shared by every object that has the mesh.
 struct IndexedMesh {
@@ -38,7 +44,7 @@ struct ObjectInfo {
   std::string scene;  // that it was loaded with; empty: added at run time
   Filter filter;
   bool moving = false;
-  wire_contract::LostPolicy lost_policy = wire_contract::LostPolicy::remove;
+  LostPolicy lost_policy = LostPolicy::remove;
   std::uint64_t publisher = 0;  // 0: the server's own
   std::vector<Primitive> primitives;        // in the object's frame
   std::shared_ptr<const IndexedParts> parts;  // of the primitives; null: each is asked

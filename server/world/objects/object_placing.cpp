@@ -7,7 +7,7 @@ namespace collided::engine {
 double placing_error_m(const Placed& object, std::uint32_t triangle, const Aabb& other) {
   const Frame& frame = *object.frame;
   if (frame.position.isZero(0) && frame.rotation == Mat3::Identity() && object.info->primitives.empty()) return 0;
-  if (triangle != wire_contract::kNoTriangle && object.info->mesh) return placing_error_m(frame, object.info->mesh->mesh->triangle(triangle));
+  if (triangle != kNoTriangle && object.info->mesh) return placing_error_m(frame, object.info->mesh->mesh->triangle(triangle));
   // Balls, capsules and boxes, of which a box is off by its place, its turn and that in its own frame.
   if (object.info->parts && !object.info->mesh) return 3 * placing_error_m(frame, object.info->parts->radius_m);
   double most_m = object.info->mesh ? placing_error_m(frame, object.info->mesh->radius_m) : 0;

@@ -22,7 +22,7 @@ void visit_parts(const Snapshot& snapshot, Visit&& visit) {
     if (!info) continue;
     const Frame& frame = snapshot.frames[slot_of(info->id)];
     for (const Primitive& primitive : info->primitives) {
-      std::visit([&](const auto& own) { visit(info->id, wire_contract::kNoTriangle, place(frame, own)); }, primitive);
+      std::visit([&](const auto& own) { visit(info->id, kNoTriangle, place(frame, own)); }, primitive);
     }
     if (!info->mesh) continue;
     for (std::uint32_t i = 0; i < info->mesh->mesh->triangles.size(); ++i) {
@@ -36,7 +36,7 @@ template <class Visit>
 void visit_part(const Snapshot& snapshot, ObjectId object, std::uint32_t triangle, Visit&& visit) {
   const ObjectInfo& info = *(*snapshot.objects)[slot_of(object)];
   const Frame& frame = snapshot.frames[slot_of(object)];
-  if (triangle == wire_contract::kNoTriangle) {
+  if (triangle == kNoTriangle) {
     for (const Primitive& primitive : info.primitives) {
       std::visit([&](const auto& own) { visit(place(frame, own)); }, primitive);
     }

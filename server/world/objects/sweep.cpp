@@ -19,7 +19,7 @@ void sweep_any(SphereSweep& sweep, const Part& part, std::uint32_t triangle) {
   ++found.exact_tests;
   if (verdict.decision == Decision::undecided) found.undecided = true;
   if (!verdict.yes()) return;
-  if (!found.take(bracket, wire_contract::kNoTriangle, triangle)) return;
+  if (!found.take(bracket, kNoTriangle, triangle)) return;
   const Vec3 center = sweep.mover.start + bracket.high * (sweep.mover.end - sweep.mover.start);
   found.contact = contact(Sphere{.center = center, .radius_m = sweep.mover.radius_m}, part);
 }
@@ -40,7 +40,7 @@ void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle
 
 void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost) {
   visit_primitives_near(*other.info, *other.frame, bounds(sweep.mover), cost, [&](const Primitive& primitive) {
-    std::visit([&](const auto& part) { sweep_any(sweep, place(*other.frame, part), wire_contract::kNoTriangle); },
+    std::visit([&](const auto& part) { sweep_any(sweep, place(*other.frame, part), kNoTriangle); },
                primitive);
     return true;
   });

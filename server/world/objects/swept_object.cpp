@@ -12,7 +12,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::kNoTriangle;
 
 /// A piece of the way with no more pairs than this is not cut again; pairs of two meshes cost more to list.
 constexpr std::size_t kPairsAPiece = 8;

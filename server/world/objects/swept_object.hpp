@@ -33,8 +33,8 @@ struct SweptTouch {
   std::uint32_t exact_tests = 0;
   /// No contact in [0, low]; contact at high, by the exact test.
   TimeBracket bracket;
-  std::uint32_t a_triangle = wire_contract::kNoTriangle;
-  std::uint32_t b_triangle = wire_contract::kNoTriangle;
+  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t b_triangle = kNoTriangle;
   Contact contact;  // at bracket.high, normal from a to b
 
   /// The earliest contact wins; of equal ones that with the lowest numbers. True: it is this one.

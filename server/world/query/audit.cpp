@@ -18,10 +18,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
-using wire_contract::UndecidedReason;
 
 using PartName = std::pair<ObjectId, std::uint32_t>;
 
@@ -65,16 +61,16 @@ class Auditor {
 
   std::string run() {
     switch (question_.kind) {
-      case QueryKind::ray:
+      case QuestionKind::ray:
         check_ray();
         break;
-      case QueryKind::sphere:
+      case QuestionKind::sphere:
         check_overlaps(sphere_of(numbers_));
         break;
-      case QueryKind::box:
+      case QuestionKind::box:
         check_overlaps(box_of(numbers_));
         break;
-      case QueryKind::near:
+      case QuestionKind::near:
         check_near();
         break;
       default:
@@ -85,7 +81,7 @@ class Auditor {
 
  private:
   void differs(const std::string& what) {
-    finding_ = fmt::format("{} {:.17g}: {}", wire_contract::name_of(question_.kind),
+    finding_ = fmt::format("{} {:.17g}: {}", name_of(question_.kind),
                            fmt::join(question_.numbers, " "), what);
   }
   bool allowed(ObjectId id) const { return may_answer(*(*snapshot_.objects)[slot_of(id)], question_); }
@@ -123,8 +119,8 @@ void Auditor::check_ray() {
       return differs(fmt::format("object {} triangle {} is not met", hit.object, hit.triangle));
     }
   }
-  if (question_.mode == RayMode::closest && !met.empty()) check_first(met);
-  if (question_.mode == RayMode::all && !truncated()) {
+  if (question_.mode == HitMode::closest && !met.empty()) check_first(met);
+  if (question_.mode == HitMode::all && !truncated()) {
     std::set<PartName> given;
     for (const AnswerHit& hit : given_.hits) given.insert({hit.object, hit.triangle});
     if (given.size() != met.size()) {
@@ -171,7 +167,7 @@ void Auditor::check_overlaps(const Asked& asked) {
       return differs(fmt::format("object {} is not touched", object));
     }
   }
-  if (question_.mode == RayMode::any && !given.empty()) return;  // one is enough
+  if (question_.mode == HitMode::any && !given.empty()) return;  // one is enough
   const bool all_given = std::includes(given.begin(), given.end(), touched.begin(), touched.end());
   if (!all_given && !truncated()) {
     differs(fmt::format("{} objects are touched, {} were answered", touched.size(), given.size()));

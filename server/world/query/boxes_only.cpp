@@ -9,7 +9,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::QueryKind;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -104,11 +103,11 @@ std::set<ObjectId> overlapping(const Snapshot& snapshot, const Aabb& asked) {
 BoxesAnswer answer_by_boxes(const Snapshot& snapshot, const Questions& question) {
   const double* n = question.numbers.data();
   switch (question.kind) {
-    case QueryKind::ray:
+    case QuestionKind::ray:
       return {ray_distance(snapshot, n), {}};
-    case QueryKind::near:
+    case QuestionKind::near:
       return {near_distance(snapshot, n), {}};
-    case QueryKind::sphere:
+    case QuestionKind::sphere:
       return {std::nullopt, overlapping(snapshot, bounds(sphere_of(n)))};
     default:
       return {std::nullopt, overlapping(snapshot, bounds(box_of(n)))};

@@ -12,8 +12,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr double kSlack = 0x1p-40;     // relative; a thousand times the roundings of what it is put on
@@ -108,7 +106,7 @@ Extent extent_of_box(const double* n) {
 /// Up to the contact where there is one.
 Extent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const AnswerHit> hits) {
   const Vec3 from = point_of(n);
-  const Vec3 to = point_of(n + wire_contract::kPoseNumbers);
+  const Vec3 to = point_of(n + kPoseNumbers);
   const double part = hits.empty() ? 1 : std::min(1.0, hits.front().exit_m * (1 + kSlack) + kSlack);
   Aabb motion;
   motion.extend(from);
@@ -134,8 +132,8 @@ double length_within(const Ray& ray, const Aabb& box) {
 double nearest(const AnswerHit& hit) { return std::max(0.0, hit.distance_m - hit.error_m); }
 
 double length_claimed(const Questions& asked, const double* n, std::span<const AnswerHit> hits) {
-  if (asked.mode == RayMode::all || hits.empty()) return n[6];
-  if (asked.mode == RayMode::any) return 0;
+  if (asked.mode == HitMode::all || hits.empty()) return n[6];
+  if (asked.mode == HitMode::any) return 0;
   return std::min(n[6], nearest(hits.front()));
 }
 
@@ -210,16 +208,16 @@ std::optional<Leaving> leaves_covered(const Ray& ray, std::span<const Aabb> cove
 std::optional<Leaving> leaves_covered(const Questions& asked, const double* n, std::span<const AnswerHit> hits,
                                       std::span<const Aabb> covers) {
   switch (asked.kind) {
-    case QueryKind::ray: {
-      if (asked.mode == RayMode::any && !hits.empty()) return std::nullopt;
+    case QuestionKind::ray: {
+      if (asked.mode == HitMode::any && !hits.empty()) return std::nullopt;
       Ray claimed = ray_of(n);
       claimed.length_m = length_claimed(asked, n, hits);
       return leaves_covered(claimed, covers);
     }
-    case QueryKind::sphere: return hits.empty() ? leaves(extent_of(point_of(n), n[3]), covers) : std::nullopt;
-    case QueryKind::box: return hits.empty() ? leaves(extent_of_box(n), covers) : std::nullopt;
-    case QueryKind::near: return leaves(extent_of(point_of(n), reach_claimed(asked, n, hits)), covers);
-    case QueryKind::sweep: return leaves(extent_of_sweep(*asked.mover, n, hits), covers);
+    case QuestionKind::sphere: return hits.empty() ? leaves(extent_of(point_of(n), n[3]), covers) : std::nullopt;
+    case QuestionKind::box: return hits.empty() ? leaves(extent_of_box(n), covers) : std::nullopt;
+    case QuestionKind::near: return leaves(extent_of(point_of(n), reach_claimed(asked, n, hits)), covers);
+    case QuestionKind::sweep: return leaves(extent_of_sweep(*asked.mover, n, hits), covers);
     default: return std::nullopt;
   }
 }

@@ -18,8 +18,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
 
 struct Method {
   std::string name;
@@ -61,10 +59,10 @@ class Truth {
     const double* n = question.numbers.data();
     const AnswerHit& hit = sharp.hits[0];
     visit_part(snapshot, hit.object, hit.triangle, [&](const auto& shape) {
-      if (question.kind == QueryKind::ray) {
+      if (question.kind == QuestionKind::ray) {
         RayHit exact;
         if (exactly::cast_ray(ray_of(n), shape, exact) == Decision::yes) take(exact.distance_m);
-      } else if (question.kind == QueryKind::near) {
+      } else if (question.kind == QuestionKind::near) {
         take(exactly::closest(point_of(n), shape).distance_m);
       }
     });
@@ -93,7 +91,7 @@ void judge(const Answers& given, const Truth& truth, MenuRow& row) {
     return;
   }
   // Where less was asked for, another object than the first may be named, at a distance that is within the word.
-  const bool by_object = row.kind == QueryKind::sphere || row.kind == QueryKind::box;
+  const bool by_object = row.kind == QuestionKind::sphere || row.kind == QuestionKind::box;
   if (by_object ? objects_of(given.hits) != objects_of(truth.sharp().hits) : given.hits.empty() == truth.hit()) {
     ++row.wrong;
     return;
@@ -111,7 +109,7 @@ void judge(const Answers& given, const Truth& truth, MenuRow& row) {
 
 void judge(const BoxesAnswer& given, const Truth& truth, MenuRow& row) {
   row.worst_bound_m = std::numeric_limits<double>::infinity();
-  if (row.kind == QueryKind::sphere || row.kind == QueryKind::box) {
+  if (row.kind == QuestionKind::sphere || row.kind == QuestionKind::box) {
     if (given.objects != objects_of(truth.sharp().hits)) ++row.wrong;
     return;
   }
@@ -125,7 +123,7 @@ void judge(const BoxesAnswer& given, const Truth& truth, MenuRow& row) {
 /// The rows of one kind of question.
 class MethodRows {
  public:
-  MethodRows(const Snapshot& snapshot, QueryKind kind, const std::vector<Method>& methods)
+  MethodRows(const Snapshot& snapshot, QuestionKind kind, const std::vector<Method>& methods)
       : snapshot_(snapshot), kind_(kind), methods_(methods), times_ns_(methods.size()) {
     for (const Method& method : methods) rows_.push_back({.kind = kind, .method = method.name});
   }
@@ -141,7 +139,7 @@ class MethodRows {
   }
 
   const Snapshot& snapshot_;
-  QueryKind kind_;
+  QuestionKind kind_;
   const std::vector<Method>& methods_;
   std::vector<std::vector<std::int64_t>> times_ns_;
   std::vector<MenuRow> rows_;
@@ -151,11 +149,11 @@ class MethodRows {
 };
 
 void MethodRows::ask(const std::vector<double>& numbers) {
-  Questions question{.kind = kind_, .max_hits = kind_ == QueryKind::near ? 1U : 1'000'000U, .numbers = numbers};
+  Questions question{.kind = kind_, .max_hits = kind_ == QuestionKind::near ? 1U : 1'000'000U, .numbers = numbers};
   // Once untimed: it warms the caches for all methods alike, and is what the others are compared with.
   answer(snapshot_, question, sharp_, scratch_);
   // Where the covered space ends is nothing that was met.
-  std::erase_if(sharp_.hits, [](const AnswerHit& hit) { return (hit.flags & wire_contract::kUncovered) != 0; });
+  std::erase_if(sharp_.hits, [](const AnswerHit& hit) { return (hit.flags & kUncovered) != 0; });
   const Truth truth(snapshot_, question, sharp_);
   for (std::size_t m = 0; m < methods_.size(); ++m) {
     ++rows_[m].asked;
@@ -191,7 +189,7 @@ std::vector<MenuRow> menu_of(const Snapshot& snapshot, const MenuOptions& option
   if (!random.has_world()) return {};
   const std::vector<Method> methods = methods_for(random.size_m());
   std::vector<MenuRow> menu;
-  for (const QueryKind kind : wire_contract::kWorldQuestions) {
+  for (const QuestionKind kind : kPlainQuestions) {
     MethodRows rows(snapshot, kind, methods);
     for (std::uint32_t i = 0; i < options.questions && !(options.cancelled && options.cancelled()); ++i) {
       rows.ask(random.question(kind));

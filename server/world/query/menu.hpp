@@ -11,7 +11,7 @@ namespace collided::engine {
 
 /// What one way of answering one kind of question costs in this world, and how far off it is.
 struct MenuRow {
-  wire_contract::QueryKind kind = wire_contract::QueryKind::ray;
+  QuestionKind kind = QuestionKind::ray;
   std::string method;
   std::uint32_t asked = 0;
   std::uint32_t undecided = 0;

@@ -174,7 +174,7 @@ void NearWalk::walk_object(std::uint32_t slot) {
   const auto test_primitive = [&](std::size_t number) {
     const Primitive& any = info.primitives[number];
     const auto placing_m = [&] { return placing_error_m(frame, any, (point - frame.position).lpNorm<1>()); };
-    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle, placing_m); }, any);
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, kNoTriangle, placing_m); }, any);
   };
   if (info.parts) {
     walk_parts(*info.parts, frame, test_primitive);

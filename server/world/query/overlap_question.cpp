@@ -41,7 +41,7 @@ void meet_scene(const Sphere& asked, const StaticScene& scene, bool any, WalkCos
 template <class Asked>
 void ask_overlap(Question& question, const Asked& asked) {
   question.found.clear();
-  const bool any = question.asked.mode == wire_contract::RayMode::any;
+  const bool any = question.asked.mode == HitMode::any;
   const auto ended = [&] { return any && !question.found.empty(); };
   const auto take = [&](ObjectId object, const ContactSearch& touch) {
     question.exact_tests += touch.exact_tests;
@@ -63,7 +63,7 @@ void ask_overlap(Question& question, const Asked& asked) {
     const auto allowed = [&](std::uint32_t part) { return question.allows_part(*scene, part); };
     const auto meet = [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) -> const ContactSearch& {
       ContactSearch& touch = touches.of(part);
-      search_parts(asked, wire_contract::kNoTriangle, corners, triangle - scene->parts[part].first_triangle, touch);
+      search_parts(asked, kNoTriangle, corners, triangle - scene->parts[part].first_triangle, touch);
       return touch;
     };
     meet_scene(asked, *scene, any, question.walk, allowed, meet);

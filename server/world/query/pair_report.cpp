@@ -64,7 +64,7 @@ Decision decision_of(const ContactSearch& touch) {
 void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairReport& report, WalkCost& cost) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
-    const bool two_triangles = of_a.triangle != wire_contract::kNoTriangle && of_b.triangle != wire_contract::kNoTriangle;
+    const bool two_triangles = of_a.triangle != kNoTriangle && of_b.triangle != kNoTriangle;
     if (two_triangles && overlaps(of_a.part, of_b.part).yes()) pairs.emplace_back(of_a.triangle, of_b.triangle);
     return true;
   };
@@ -100,7 +100,7 @@ PairReport report_in_order(const PlacedObject& first, const PlacedObject& second
     if (ask.triangles && a.info->mesh && b.info->mesh) find_crossings(a, b, ask.most_crossings, report, cost);
   } else if (report.touches == Decision::no) {
     report.separation = distance_between(a, b, cost);
-    const double placing_m = placing_error_m(a, wire_contract::kNoTriangle, b, wire_contract::kNoTriangle);
+    const double placing_m = placing_error_m(a, kNoTriangle, b, kNoTriangle);
     report.separation.error_m += placing_m;
     report.separation.point_error_m += placing_m;
     report.contained = containment(a, b);

@@ -36,8 +36,8 @@ struct PairReport {
   // yes: the deepest pair of parts, as the events tell it. A depth of two meshes is that of two of their triangles: the
   // shortest way that parts these, not the whole.
   Contact contact;
-  std::uint32_t a_triangle = wire_contract::kNoTriangle;
-  std::uint32_t b_triangle = wire_contract::kNoTriangle;
+  std::uint32_t a_triangle = kNoTriangle;
+  std::uint32_t b_triangle = kNoTriangle;
   std::vector<ManifoldPoint> manifold;
   // no
   Separation separation;

@@ -11,7 +11,7 @@ namespace collided::engine {
 /// A part of an object at its pose: a triangle by its number in the object's mesh, or a primitive by its own.
 struct PlacedPart {
   ConvexPart part;
-  std::uint32_t triangle = wire_contract::kNoTriangle;
+  std::uint32_t triangle = kNoTriangle;
 };
 
 /// Pairs of parts of the two objects that may come within gap_m of each other (0: that may meet); more may come.

@@ -11,7 +11,6 @@
 
 namespace collided::engine {
 
-using wire_contract::ProbeState;
 
 namespace {
 
@@ -23,7 +22,7 @@ struct ProbeRay {
   const std::vector<std::uint8_t>& allowed;
   const std::vector<std::uint8_t>& open_scenes;
   std::vector<AnswerHit>& found;
-  double numbers[wire_contract::kRayNumbers];
+  double numbers[kRayNumbers];
   bool undecided = false;
 
   const AnswerHit* first_within(double length_m) {
@@ -69,7 +68,7 @@ std::optional<Refusal> Probes::set(const ProbeDefinition& definition) {
     *known = std::move(probe);
     return std::nullopt;
   }
-  if (probes_.size() >= wire_contract::kMaxProbes) {
+  if (probes_.size() >= kMaxProbes) {
     return Refusal{"probe: there are " + std::to_string(probes_.size()) + ", the limit. Nothing was added"};
   }
   probes_.push_back(std::move(probe));
@@ -146,7 +145,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
     reading.normal = hit.normal;
     reading.clearance_m = hit.distance_m - back_m;
     reading.error_m = hit.error_m + (back_m == 0 ? 0 : std::numeric_limits<double>::epsilon() * std::abs(reading.clearance_m));
-    if ((hit.flags & wire_contract::kInside) != 0) reading.state = ProbeState::deeper;
+    if ((hit.flags & kInside) != 0) reading.state = ProbeState::deeper;
     else if (std::abs(reading.clearance_m) > reading.error_m) reading.state = reading.clearance_m > 0 ? ProbeState::gap : ProbeState::collision;
     else reading.state = ray.state_about(back_m);
     agree_with_sign(reading);

@@ -12,6 +12,18 @@
 
 namespace collided::engine {
 
+inline constexpr std::uint32_t kMaxProbes = 4'096;  // of a world
+
+enum class ProbeState : std::uint8_t {
+  absent,     // its object is not in the world
+  nothing,    // nothing is within reach
+  gap,        // a surface ahead of the origin
+  touching,   // a surface at the origin exactly
+  collision,  // a surface behind the origin: it has sunk in
+  deeper,     // sunk in by more than the probe looks back, so the clearance is at most what is reported
+  undecided,
+};
+
 /// A ray fixed to an object, under a wheel say, that measures its clearance: it begins back_m behind the origin, and
 /// what it meets first, less back_m, is the signed distance of the origin from that surface. Looking from behind, an
 /// origin that has sunk into the ground is told from one above it, whichever way the ground's triangles are wound.
@@ -28,11 +40,11 @@ struct ProbeDefinition {
 /// exactly 0. deeper: the start is inside a solid, the clearance at most clearance_m = -back_m.
 struct ProbeReading {
   ObjectId object = 0;  // 0: not in the world
-  wire_contract::ProbeState state = wire_contract::ProbeState::absent;
+  ProbeState state = ProbeState::absent;
   double clearance_m = 0;
   double error_m = 0;
   ObjectId met = 0;
-  std::uint32_t triangle = wire_contract::kNoTriangle;
+  std::uint32_t triangle = kNoTriangle;
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::Zero();
 };

@@ -12,11 +12,30 @@
 #include "server/world/query/stale_reach.hpp"
 
 namespace collided::engine {
+
+const char* name_of(QuestionKind kind) {
+  switch (kind) {
+    case QuestionKind::ray: return "ray";
+    case QuestionKind::sphere: return "sphere";
+    case QuestionKind::box: return "box";
+    case QuestionKind::near: return "near";
+    case QuestionKind::sweep: return "sweep";
+  }
+  return "";
+}
+
+std::uint32_t numbers_of(QuestionKind kind) {
+  switch (kind) {
+    case QuestionKind::ray: return kRayNumbers;
+    case QuestionKind::sphere: return kSphereNumbers;
+    case QuestionKind::box: return kBoxNumbers;
+    case QuestionKind::near: return kNearNumbers;
+    case QuestionKind::sweep: return kSweepNumbers;
+  }
+  return 0;
+}
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::UndecidedReason;
 
 std::int64_t steady_now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
@@ -30,20 +49,20 @@ bool is_rotation(const double* n) {
 
 /// Whether the numbers make a question: finite (a length may be infinite), a direction, sizes not negative, a unit
 /// quaternion. Written so that NaN fails.
-bool is_question(QueryKind kind, const double* n) {
+bool is_question(QuestionKind kind, const double* n) {
   const auto finite = [&](int from, int to) {
     return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
   };
   switch (kind) {
-    case QueryKind::ray:
+    case QuestionKind::ray:
       return finite(0, 6) && (n[3] != 0 || n[4] != 0 || n[5] != 0) && n[6] >= 0;
-    case QueryKind::sphere:
+    case QuestionKind::sphere:
       return finite(0, 4) && n[3] >= 0;
-    case QueryKind::box:
+    case QuestionKind::box:
       return finite(0, 10) && n[3] >= 0 && n[4] >= 0 && n[5] >= 0 && is_rotation(n + 6);
-    case QueryKind::near:
+    case QuestionKind::near:
       return finite(0, 3) && n[3] >= 0;
-    case QueryKind::sweep:
+    case QuestionKind::sweep:
       return finite(0, 14) && is_rotation(n + 3) && is_rotation(n + 10);
     default:
       return false;
@@ -82,11 +101,11 @@ void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch
 
 void ask(Question& question, const double* numbers) {
   switch (question.asked.kind) {
-    case QueryKind::ray: return ask_ray(question, numbers);
-    case QueryKind::sphere: return ask_sphere(question, numbers);
-    case QueryKind::box: return ask_box(question, numbers);
-    case QueryKind::near: return ask_near(question, numbers);
-    case QueryKind::sweep: return ask_sweep(question, numbers);
+    case QuestionKind::ray: return ask_ray(question, numbers);
+    case QuestionKind::sphere: return ask_sphere(question, numbers);
+    case QuestionKind::box: return ask_box(question, numbers);
+    case QuestionKind::near: return ask_near(question, numbers);
+    case QuestionKind::sweep: return ask_sweep(question, numbers);
     default: return;
   }
 }
@@ -104,7 +123,7 @@ void push_plain(Answers& answers, Verdict answer, UndecidedReason reason) {
 void push_answer(Answers& answers, const Question& question) {
   UndecidedReason reason = UndecidedReason::none;
   Verdict answer = question.found.empty() ? Verdict::miss : Verdict::hit;
-  const bool one_is_enough = question.asked.mode == wire_contract::RayMode::any;
+  const bool one_is_enough = question.asked.mode == HitMode::any;
   if (question.undecided && (answer == Verdict::miss || !one_is_enough)) {
     reason = UndecidedReason::numeric;
   } else if (question.truncated) {
@@ -127,7 +146,7 @@ void doubt_where_not_covered(Answers& answers, const Question& question, const d
   if (!leaving) return;
   answers.answers.back() = Verdict::undecided;
   answers.reasons.back() = UndecidedReason::not_covered;
-  answers.hits.push_back({.flags = wire_contract::kUncovered, .distance_m = leaving->covered_m, .point = leaving->point});
+  answers.hits.push_back({.flags = kUncovered, .distance_m = leaving->covered_m, .point = leaving->point});
   ++answers.hit_counts.back();
 }
 
@@ -142,7 +161,7 @@ void note_age(Answers& answers, const Question& question) {
 /// What is said at once: this is no question, or it is too late for it.
 std::optional<Verdict> answer_at_once(const Questions& asked, const double* numbers) {
   if (!is_question(asked.kind, numbers)) return Verdict::invalid;
-  if (asked.kind == QueryKind::sweep && asked.mover == nullptr) return Verdict::invalid;
+  if (asked.kind == QuestionKind::sweep && asked.mover == nullptr) return Verdict::invalid;
   if (asked.deadline_ns != 0 && steady_now_ns() > asked.deadline_ns) return Verdict::undecided;
   return std::nullopt;
 }
@@ -185,7 +204,7 @@ void QuestionBatch::answer_rays(const double* numbers, std::size_t count) const 
     size = 0;
   };
   for (std::size_t i = 0; i < count; ++i) {
-    const double* ray = numbers + i * wire_contract::kRayNumbers;
+    const double* ray = numbers + i * kRayNumbers;
     if (const std::optional<Verdict> at_once = answer_at_once(asked, ray)) {
       ask_group();
       push_at_once(answers, *at_once);
@@ -203,9 +222,9 @@ void QuestionBatch::answer_rays(const double* numbers, std::size_t count) const 
 bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
   constexpr std::size_t kFewest = 16;
   constexpr std::uint64_t kCacheBytes = 4 << 20;
-  constexpr std::size_t stride = wire_contract::kRayNumbers;
+  constexpr std::size_t stride = kRayNumbers;
   const std::size_t count = asked.numbers.size() / stride;
-  if (count < kFewest || asked.mode == wire_contract::RayMode::all) return false;
+  if (count < kFewest || asked.mode == HitMode::all) return false;
   std::size_t alike = 0;
   for (std::size_t i = 1; i < kFewest; ++i) {
     const double* a = asked.numbers.data() + (i - 1) * stride;
@@ -246,14 +265,14 @@ void Answers::clear() {
 
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch) {
   answers.clear();
-  const std::uint32_t stride = wire_contract::numbers_of(questions.kind);
+  const std::uint32_t stride = numbers_of(questions.kind);
   if (stride == 0) return;
   const OwnFloatEnvironment own_floats;
   fill_allowed(snapshot, questions, scratch);
   const PrecisionScope precision({.highest = questions.highest, .error_asked_m = questions.error_m / 2});
   const std::size_t count = questions.numbers.size() / stride;
   const QuestionBatch batch{snapshot, questions, scratch, answers};
-  const bool together = questions.kind == QueryKind::ray && rays_gain_together(snapshot, questions, scratch);
+  const bool together = questions.kind == QuestionKind::ray && rays_gain_together(snapshot, questions, scratch);
   const std::size_t step = together ? kRaysAtOnce : 1;
   for (std::size_t i = 0; i < count; i += step) {
     const double* numbers = questions.numbers.data() + i * stride;

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "idl/glob.hpp"
-#include "idl/topics.hpp"
 #include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/geometry/vector.hpp"
 #include "server/world/objects/snapshot.hpp"
@@ -17,10 +16,39 @@ namespace collided::engine {
 
 using wire_contract::glob_matches;
 
+/// The wire's codes have the same values (server/service/wire_codes.cpp checks it).
+enum class QuestionKind : std::uint8_t { ray = 1, sphere, box, near, sweep = 6 };
+/// Those that are numbers alone; a sweep has a shape as well.
+inline constexpr QuestionKind kPlainQuestions[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box,
+                                                   QuestionKind::near};
+const char* name_of(QuestionKind kind);
+
+/// A question is a row of this many doubles; which, says the table at question_columns() in idl/columns.hpp.
+inline constexpr std::uint32_t kRayNumbers = 7;
+inline constexpr std::uint32_t kSphereNumbers = 4;
+inline constexpr std::uint32_t kBoxNumbers = 10;
+inline constexpr std::uint32_t kNearNumbers = 4;
+inline constexpr std::uint32_t kPoseNumbers = 7;
+inline constexpr std::uint32_t kSweepNumbers = 2 * kPoseNumbers;
+std::uint32_t numbers_of(QuestionKind kind);
+
+/// Which of the things that are met become hits.
+enum class HitMode : std::uint8_t { closest, any, all };
+
+enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
+
+/// not_covered: the question reaches out of the space in which the loaded geometry was said to be complete.
+enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
+
+/// kInside: the question starts inside a solid. kStale: the object's publisher is lost and its policy is `hold`.
+/// kUncovered: the last entry of a question that is not_covered; its point is where the question leaves the covered
+/// space, its distance (of rays) the length up to there.
+enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUncovered = 4 };
+
 /// Questions of one kind with what may answer them.
 struct Questions {
-  wire_contract::QueryKind kind = wire_contract::QueryKind::ray;
-  wire_contract::RayMode mode = wire_contract::RayMode::closest;
+  QuestionKind kind = QuestionKind::ray;
+  HitMode mode = HitMode::closest;
   std::uint32_t mask = 0xffffffff;
   std::uint32_t max_hits = 1000;
   std::string_view only = {};
@@ -37,8 +65,8 @@ bool may_answer(const ObjectInfo& info, const Questions& asked);
 
 struct AnswerHit {
   ObjectId object = 0;
-  std::uint32_t triangle = wire_contract::kNoTriangle;  // within the object (a part's triangles count from 0)
-  std::uint8_t flags = 0;                               // wire_contract::HitFlags
+  std::uint32_t triangle = kNoTriangle;  // within the object (a part's triangles count from 0)
+  std::uint8_t flags = 0;                               // HitFlags
   double distance_m = 0;  // along the ray; depth for overlaps; distance for near
   double error_m = 0;
   double exit_m = 0;
@@ -54,8 +82,8 @@ struct AnswerHit {
 
 /// One answer a question and its hits in question order. Reused between calls so that answering does not allocate.
 struct Answers {
-  std::vector<wire_contract::Verdict> answers;
-  std::vector<wire_contract::UndecidedReason> reasons;
+  std::vector<Verdict> answers;
+  std::vector<UndecidedReason> reasons;
   std::vector<std::uint8_t> levels;
   std::vector<std::uint32_t> hit_counts;
   std::vector<std::uint32_t> nodes;

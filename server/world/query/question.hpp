@@ -38,7 +38,7 @@ struct Question {
     return {.info = &object(slot), .frame = &snapshot.frames[slot], .bounds = snapshot.bounds[slot]};
   }
   std::uint8_t flags_of(ObjectId id) const {
-    return snapshot.stale[slot_of(id)] != 0 ? std::uint8_t{wire_contract::kStale} : std::uint8_t{0};
+    return snapshot.stale[slot_of(id)] != 0 ? std::uint8_t{kStale} : std::uint8_t{0};
   }
   void count(const ExactResult& verdict) {
     ++exact_tests;

@@ -6,7 +6,6 @@
 
 namespace collided::engine {
 
-using wire_contract::QueryKind;
 
 RandomQuestions::RandomQuestions(const Snapshot& snapshot, std::uint64_t seed) : random_(seed) {
   Aabb world;
@@ -25,18 +24,18 @@ Vec3 RandomQuestions::place() {
   return low_ + Vec3(x, y, unit()).cwiseProduct(high_ - low_);
 }
 
-std::vector<double> RandomQuestions::question(QueryKind kind) {
+std::vector<double> RandomQuestions::question(QuestionKind kind) {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   const Vec3 p = place();
   switch (kind) {
-    case QueryKind::ray: {
+    case QuestionKind::ray: {
       Vec3 d = place() - p;
       if (d.isZero(0)) d = Vec3::UnitX();
       return {p.x(), p.y(), p.z(), d.x(), d.y(), d.z(), kEndless};
     }
-    case QueryKind::sphere:
+    case QuestionKind::sphere:
       return {p.x(), p.y(), p.z(), size()};
-    case QueryKind::box: {
+    case QuestionKind::box: {
       const double x = size();
       const double y = size();
       return {p.x(), p.y(), p.z(), x, y, size(), 1, 0, 0, 0};

@@ -20,7 +20,7 @@ class RandomQuestions {
   /// The diagonal of the world's bounds.
   double size_m() const { return std::max(size_m_, 0.0); }
   /// The numbers of one question; endless rays and reaches, sizes up to a fiftieth of the diagonal.
-  std::vector<double> question(wire_contract::QueryKind kind);
+  std::vector<double> question(QuestionKind kind);
 
  private:
   double unit() { return std::uniform_real_distribution<double>(0, 1)(random_); }

@@ -12,7 +12,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::RayMode;
 
 /// A ray on its way through the world. Scenes and movers share the limit, so that a near hit in one saves work in the
 /// others. Distances along the ray are s * |direction|; the walks want s.
@@ -27,7 +26,7 @@ struct RayWalk {
   bool is_length_known = true;  // else the limit says nothing of the ray's length
 
   double rounded_up(double distance_m) const { return distance_m / direction_m * (1 + 0x1p-50); }
-  bool closest() const { return question.asked.mode == RayMode::closest; }
+  bool closest() const { return question.asked.mode == HitMode::closest; }
   bool over() const { return limit < 0; }
 
   /// placing_m(): how far the part may be from where its pose has it, asked of what is kept.
@@ -89,7 +88,7 @@ bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, c
   const AnswerHit kept{.object = object,
                        .triangle = triangle,
                        .flags = static_cast<std::uint8_t>(question.flags_of(object) |
-                                                          (hit.inside ? wire_contract::kInside : 0)),
+                                                          (hit.inside ? kInside : 0)),
                        .distance_m = hit.distance_m,
                        .error_m = hit.distance_error_m,
                        .exit_m = hit.exit_m,
@@ -99,7 +98,7 @@ bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, c
                        .weights = hit.weights};
   if (!closest()) {
     question.found.push_back(kept);
-    if (question.asked.mode == RayMode::any) limit = -1;
+    if (question.asked.mode == HitMode::any) limit = -1;
     return true;
   }
   if (!question.found.empty() && !is_nearer(kept, corners)) return false;
@@ -135,7 +134,7 @@ struct SceneWalk {
 Bvh::RayGoal RayWalk::goal(std::size_t scene) const {
   const Questions& asked = question.asked;
   const bool is_plain = question.open_scenes[scene] != 0 && asked.highest == Level::rational && is_length_known;
-  if (is_plain && asked.mode == RayMode::any) return Bvh::RayGoal::any;
+  if (is_plain && asked.mode == HitMode::any) return Bvh::RayGoal::any;
   return is_plain && closest() && question.slack_m() == 0 ? Bvh::RayGoal::nearest : Bvh::RayGoal::every;
 }
 
@@ -222,7 +221,7 @@ void RayWalk::walk_object(std::uint32_t slot) {
   const auto test_primitive = [&](std::size_t number) {
     const Primitive& any = info.primitives[number];
     const auto placing_m = [&] { return placing_error_m(frame, any, (ray.origin - frame.position).lpNorm<1>() + question.found.back().distance_m); };
-    std::visit([&](const auto& own) { test(place(frame, own), info.id, wire_contract::kNoTriangle, placing_m); }, any);
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, kNoTriangle, placing_m); }, any);
   };
   if (info.parts) {
     walk_parts(*info.parts, info.primitives.size(), frame, test_primitive);
@@ -243,7 +242,7 @@ void finish_all(Question& question) {
   std::sort(found.begin(), found.end(), nearer_first);
   const auto same = [](const AnswerHit& a, const AnswerHit& b) {
     return a.object == b.object && a.triangle == b.triangle && a.distance_m == b.distance_m &&
-           a.triangle != wire_contract::kNoTriangle;
+           a.triangle != kNoTriangle;
   };
   found.erase(std::unique(found.begin(), found.end(), same), found.end());
   if (found.size() > question.asked.max_hits) {
@@ -273,7 +272,7 @@ void RayWalk::finish() {
     };
     question.snapshot.grid->walk_ray(ray, limit, candidate, question.walk);
   }
-  if (question.asked.mode == RayMode::all) finish_all(question);
+  if (question.asked.mode == HitMode::all) finish_all(question);
   if (closest() && !question.found.empty() && !question.found.front().is_at_start()) {
     question.found.front().error_m += question.slack_m();
     question.found.front().point_error_m += question.slack_m();

@@ -10,9 +10,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
@@ -67,18 +64,18 @@ double answered_up_to(const Questions& asked, std::span<const AnswerHit> hits) {
 /// Whether something within the region could change this answer.
 bool could_change(const Questions& asked, const double* n, std::span<const AnswerHit> hits, const Aabb& region) {
   switch (asked.kind) {
-    case QueryKind::ray: {
+    case QuestionKind::ray: {
       const double entry = entry_of(ray_of(n), region);
       if (hits.empty()) return entry < kEndless;
-      return asked.mode == RayMode::closest && entry < hits[0].distance_m + hits[0].error_m;
+      return asked.mode == HitMode::closest && entry < hits[0].distance_m + hits[0].error_m;
     }
-    case QueryKind::sphere: return hits.empty() && overlaps(bounds(sphere_of(n)), region);
-    case QueryKind::box: return hits.empty() && overlaps(bounds(box_of(n)), region);
-    case QueryKind::near: {
+    case QuestionKind::sphere: return hits.empty() && overlaps(bounds(sphere_of(n)), region);
+    case QuestionKind::box: return hits.empty() && overlaps(bounds(box_of(n)), region);
+    case QuestionKind::near: {
       const double distance = least_distance(point_of(n), region);
       return distance <= n[3] && distance < answered_up_to(asked, hits);
     }
-    case QueryKind::sweep: return overlaps(way_of(*asked.mover, n), region);
+    case QuestionKind::sweep: return overlaps(way_of(*asked.mover, n), region);
     default: return false;
   }
 }
@@ -93,7 +90,7 @@ std::optional<Aabb> unknown_region(const Snapshot& snapshot, ObjectId id) {
 }
 
 void doubt_where_stale_objects_reach(const Snapshot& snapshot, const Questions& questions, Answers& answers) {
-  const std::uint32_t stride = wire_contract::numbers_of(questions.kind);
+  const std::uint32_t stride = numbers_of(questions.kind);
   for (const StaleObject& object : snapshot.stale_objects) {
     const bool stands_still = object.speed_mps == 0;
     if (stands_still || !may_answer(*(*snapshot.objects)[slot_of(object.id)], questions)) continue;
@@ -106,7 +103,7 @@ void doubt_where_stale_objects_reach(const Snapshot& snapshot, const Questions& 
       const bool is_met = std::any_of(hits.begin(), hits.end(), [&](const AnswerHit& hit) { return hit.object == object.id; });
       if (!is_claim || is_met || !could_change(questions, &questions.numbers[i * stride], hits, region)) continue;
       answers.answers[i] = Verdict::undecided;
-      answers.reasons[i] = wire_contract::UndecidedReason::stale_object;
+      answers.reasons[i] = UndecidedReason::stale_object;
     }
   }
 }

@@ -49,7 +49,7 @@ void meet_scene(Question& question, const SweptBody& body, const StaticScene& sc
 void ask_sweep(Question& question, const double* n) {
   question.found.clear();
   const ObjectInfo& mover = *question.asked.mover;
-  const SweptBody body(mover, BodyMotion(frame_at(n), frame_at(n + wire_contract::kPoseNumbers)));
+  const SweptBody body(mover, BodyMotion(frame_at(n), frame_at(n + kPoseNumbers)));
   First first;
   for (const auto& scene : question.snapshot.scenes) meet_scene(question, body, *scene, first);
   const auto candidate = [&](std::uint32_t slot) {

@@ -14,7 +14,7 @@ std::int64_t now_ns() {
 }
 
 /// Contacts of removed objects end before anything else is looked at: their slots may be used again from now on.
-void end_removed(std::vector<std::pair<ObjectId, wire_contract::EndReason>>& removed, ContactLedger& ledger) {
+void end_removed(std::vector<std::pair<ObjectId, EndReason>>& removed, ContactLedger& ledger) {
   for (const auto& [id, reason] : removed) ledger.end_object(id, reason);
   removed.clear();
 }

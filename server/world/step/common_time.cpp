@@ -8,8 +8,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Doubt;
-using wire_contract::EndReason;
 
 /// Looks at parts that the sweep of one piece may take.
 constexpr std::uint32_t kSweepLooks = 10'000;

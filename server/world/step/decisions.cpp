@@ -10,8 +10,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Doubt;
-using wire_contract::EndReason;
 
 /// A step tests so many candidates for each contact that it may find: shapes that are apart cost time, never memory.
 constexpr std::uint64_t kCandidatesAContact = 16;
@@ -30,8 +28,8 @@ void Decisions::decide_open() {
     const std::uint32_t b = slot_of(ledger_.open()[i].b);
     if (are_on_common_time(a, b)) continue;  // end_parted() decides it
     if (!rows_.has_moved(a) && !rows_.has_moved(b)) continue;
-    const bool a_is_part = rows_.info(a)->scene_part != wire_contract::kNoTriangle;
-    const bool b_is_part = rows_.info(b)->scene_part != wire_contract::kNoTriangle;
+    const bool a_is_part = rows_.info(a)->scene_part != kNoTriangle;
+    const bool b_is_part = rows_.info(b)->scene_part != kNoTriangle;
     if (!a_is_part && !b_is_part) {
       decide_pair(a, b);
       continue;

@@ -149,7 +149,7 @@ class Decisions {
   }
   /// A scene's number where SeparationCache wants a slot.
   static std::uint32_t partner_of(std::size_t scene) {
-    return wire_contract::kNoTriangle - static_cast<std::uint32_t>(scene);
+    return kNoTriangle - static_cast<std::uint32_t>(scene);
   }
 
   const StepView& step_;

@@ -13,7 +13,6 @@ namespace collided::engine {
 namespace {
 
 using kernel::Convex;
-using wire_contract::kNoTriangle;
 
 constexpr std::size_t kMostPrimitives = 16;
 constexpr std::size_t kMostContacts = 64;
@@ -66,7 +65,7 @@ class Correction {
     sides_.clear();
     for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
       const OpenContact& open = ledger_.open()[i];
-      if (open.doubt != wire_contract::Doubt::none) continue;  // it has no normal
+      if (open.doubt != Doubt::none) continue;  // it has no normal
       // Most contacts of a large world are of two balls, and that is told from what the step has just read.
       if (rows_[slot_of(open.a)].lone_sphere && rows_[slot_of(open.b)].lone_sphere) continue;
       const ObjectInfo& a = info(open.a);

@@ -41,8 +41,8 @@ TEST(ExtremeBvhEqualCentroids, AnswersAreThoseOfTestingEachOne) {
     rays.insert(rays.end(), {-s, -s, -s, 1, 1, 1, s});
     boxes.insert(boxes.end(), {s, s, 0, s / 8, s / 8, s / 8, 1, 0, 0, 0});
   }
-  extreme::expect_like_brute_force(stage.world, wire_contract::QueryKind::ray, rays);
-  extreme::expect_like_brute_force(stage.world, wire_contract::QueryKind::box, boxes);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::ray, rays);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::box, boxes);
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST(ExtremeBvhFlat, ARayInThePlaneMeetsTheFirstSquare) {
   ASSERT_TRUE(extreme::is_hit(first));
   EXPECT_EQ(first.hits[0].distance_m, 5);
   EXPECT_EQ(first.hits[0].triangle, 2u * 7 * 20);
-  const Answers all = stage.ray({-5, 7.5, 0}, {1, 0, 0}, extreme::kEndless, wire_contract::RayMode::all);
+  const Answers all = stage.ray({-5, 7.5, 0}, {1, 0, 0}, extreme::kEndless, HitMode::all);
   EXPECT_EQ(all.hits.size(), 40u) << "both triangles of the 20 squares in its row";
   EXPECT_TRUE(extreme::is_miss(stage.ray({-5, 7.5, 0x1p-1074}, {1, 0, 0})));
 }

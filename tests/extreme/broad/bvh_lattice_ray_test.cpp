@@ -45,8 +45,8 @@ TEST(ExtremeBvhLatticeRay, RaysInTheCuttingPlanesEqualBruteForce) {
       rays.insert(rays.end(), {-6, -6, -6 + y, 1, 1, 1, extreme::kEndless});    // through corners
     }
   }
-  extreme::expect_like_brute_force(stage.world, wire_contract::QueryKind::ray, rays);
-  extreme::expect_like_brute_force(stage.world, wire_contract::QueryKind::ray, rays, wire_contract::RayMode::all);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::ray, rays);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::ray, rays, HitMode::all);
 }
 
 }  // namespace

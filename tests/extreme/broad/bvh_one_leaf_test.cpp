@@ -35,7 +35,7 @@ TEST(ExtremeBvhOneLeaf, TheLowestNumberWinsAndAllAreCounted) {
   EXPECT_EQ(closest.hits[0].distance_m, 1);
   EXPECT_LT(seconds, 1) << "a leaf of 100,000 exact tests and ties";
   Questions questions;
-  questions.mode = wire_contract::RayMode::all;
+  questions.mode = HitMode::all;
   questions.max_hits = 200'000;
   const std::vector<double> down{0.25, 0.25, 1, 0, 0, -1, extreme::kEndless};
   questions.numbers = down;

@@ -38,9 +38,9 @@ TEST(ExtremeBvhSlivers, AnswersAreThoseOfTestingEachOne) {
     rays.insert(rays.end(), {-1, i * 0x1p-17 - 1, -1, 1, 1, 1, extreme::kEndless});
     balls.insert(balls.end(), {t, t, t, 0x1p-12});
   }
-  extreme::expect_like_brute_force(stage.world, wire_contract::QueryKind::ray, rays);
-  extreme::expect_like_brute_force(stage.world, wire_contract::QueryKind::sphere, balls);
-  extreme::expect_like_brute_force(stage.world, wire_contract::QueryKind::near, balls);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::ray, rays);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::sphere, balls);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::near, balls);
 }
 
 // At its root edge sliver i covers y from i to i + 1 steps: the ray in the middle of it meets that one.

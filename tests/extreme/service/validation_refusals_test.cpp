@@ -10,8 +10,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -19,36 +17,36 @@ constexpr double kTiniest = std::numeric_limits<double>::denorm_min();
 
 struct Malformed {
   const char* why;
-  QueryKind kind;
+  QuestionKind kind;
   std::vector<double> numbers;
 };
 
 const Malformed kMalformed[] = {
-    {"a direction of zero", QueryKind::ray, {0, 0, 0, 0, 0, 0, 1}},
-    {"a direction of minus zero", QueryKind::ray, {0, 0, 0, -0.0, 0, -0.0, 1}},
-    {"NaN in the origin", QueryKind::ray, {kNaN, 0, 0, 1, 0, 0, 1}},
-    {"infinity in the origin", QueryKind::ray, {0, -kInfinite, 0, 1, 0, 0, 1}},
-    {"NaN in the direction", QueryKind::ray, {0, 0, 0, 0, kNaN, 1, 1}},
-    {"infinity in the direction", QueryKind::ray, {0, 0, 0, kInfinite, 0, 0, 1}},
-    {"a length of NaN", QueryKind::ray, {0, 0, 0, 1, 0, 0, kNaN}},
-    {"a length below zero", QueryKind::ray, {0, 0, 0, 1, 0, 0, -kTiniest}},
-    {"a length of minus infinity", QueryKind::ray, {0, 0, 0, 1, 0, 0, -kInfinite}},
-    {"NaN in the centre", QueryKind::sphere, {0, 0, kNaN, 1}},
-    {"infinity in the centre", QueryKind::sphere, {kInfinite, 0, 0, 1}},
-    {"a radius below zero", QueryKind::sphere, {0, 0, 0, -kTiniest}},
-    {"a radius of NaN", QueryKind::sphere, {0, 0, 0, kNaN}},
-    {"a radius without end", QueryKind::sphere, {0, 0, 0, kInfinite}},
-    {"a half size below zero", QueryKind::box, {0, 0, 0, 1, -1, 1, 1, 0, 0, 0}},
-    {"a half size of NaN", QueryKind::box, {0, 0, 0, 1, 1, kNaN, 1, 0, 0, 0}},
-    {"a half size without end", QueryKind::box, {0, 0, 0, kInfinite, 1, 1, 1, 0, 0, 0}},
-    {"a quaternion of zeros", QueryKind::box, {0, 0, 0, 1, 1, 1, 0, 0, 0, 0}},
-    {"a quaternion of length 2", QueryKind::box, {0, 0, 0, 1, 1, 1, 2, 0, 0, 0}},
-    {"a quaternion of NaN", QueryKind::box, {0, 0, 0, 1, 1, 1, kNaN, 0, 0, 0}},
-    {"a quaternion that overflows", QueryKind::box, {0, 0, 0, 1, 1, 1, 1e200, 0, 0, 0}},
-    {"NaN in the box's centre", QueryKind::box, {kNaN, 0, 0, 1, 1, 1, 1, 0, 0, 0}},
-    {"NaN in the asked point", QueryKind::near, {0, kNaN, 0, 1}},
-    {"a reach below zero", QueryKind::near, {0, 0, 0, -1}},
-    {"a reach of NaN", QueryKind::near, {0, 0, 0, kNaN}},
+    {"a direction of zero", QuestionKind::ray, {0, 0, 0, 0, 0, 0, 1}},
+    {"a direction of minus zero", QuestionKind::ray, {0, 0, 0, -0.0, 0, -0.0, 1}},
+    {"NaN in the origin", QuestionKind::ray, {kNaN, 0, 0, 1, 0, 0, 1}},
+    {"infinity in the origin", QuestionKind::ray, {0, -kInfinite, 0, 1, 0, 0, 1}},
+    {"NaN in the direction", QuestionKind::ray, {0, 0, 0, 0, kNaN, 1, 1}},
+    {"infinity in the direction", QuestionKind::ray, {0, 0, 0, kInfinite, 0, 0, 1}},
+    {"a length of NaN", QuestionKind::ray, {0, 0, 0, 1, 0, 0, kNaN}},
+    {"a length below zero", QuestionKind::ray, {0, 0, 0, 1, 0, 0, -kTiniest}},
+    {"a length of minus infinity", QuestionKind::ray, {0, 0, 0, 1, 0, 0, -kInfinite}},
+    {"NaN in the centre", QuestionKind::sphere, {0, 0, kNaN, 1}},
+    {"infinity in the centre", QuestionKind::sphere, {kInfinite, 0, 0, 1}},
+    {"a radius below zero", QuestionKind::sphere, {0, 0, 0, -kTiniest}},
+    {"a radius of NaN", QuestionKind::sphere, {0, 0, 0, kNaN}},
+    {"a radius without end", QuestionKind::sphere, {0, 0, 0, kInfinite}},
+    {"a half size below zero", QuestionKind::box, {0, 0, 0, 1, -1, 1, 1, 0, 0, 0}},
+    {"a half size of NaN", QuestionKind::box, {0, 0, 0, 1, 1, kNaN, 1, 0, 0, 0}},
+    {"a half size without end", QuestionKind::box, {0, 0, 0, kInfinite, 1, 1, 1, 0, 0, 0}},
+    {"a quaternion of zeros", QuestionKind::box, {0, 0, 0, 1, 1, 1, 0, 0, 0, 0}},
+    {"a quaternion of length 2", QuestionKind::box, {0, 0, 0, 1, 1, 1, 2, 0, 0, 0}},
+    {"a quaternion of NaN", QuestionKind::box, {0, 0, 0, 1, 1, 1, kNaN, 0, 0, 0}},
+    {"a quaternion that overflows", QuestionKind::box, {0, 0, 0, 1, 1, 1, 1e200, 0, 0, 0}},
+    {"NaN in the box's centre", QuestionKind::box, {kNaN, 0, 0, 1, 1, 1, 1, 0, 0, 0}},
+    {"NaN in the asked point", QuestionKind::near, {0, kNaN, 0, 1}},
+    {"a reach below zero", QuestionKind::near, {0, 0, 0, -1}},
+    {"a reach of NaN", QuestionKind::near, {0, 0, 0, kNaN}},
 };
 
 TEST(ExtremeBorderRefusals, EachMalformedQuestionIsInvalidForItself) {
@@ -57,8 +55,8 @@ TEST(ExtremeBorderRefusals, EachMalformedQuestionIsInvalidForItself) {
   stage.step();
   for (const Malformed& bad : kMalformed) {
     // A good question on either side is answered all the same.
-    std::vector<double> good = bad.kind == QueryKind::ray   ? std::vector<double>{-3, 0, 0, 1, 0, 0, kInfinite}
-                               : bad.kind == QueryKind::box ? std::vector<double>{0, 0, 0, 1, 1, 1, 1, 0, 0, 0}
+    std::vector<double> good = bad.kind == QuestionKind::ray   ? std::vector<double>{-3, 0, 0, 1, 0, 0, kInfinite}
+                               : bad.kind == QuestionKind::box ? std::vector<double>{0, 0, 0, 1, 1, 1, 1, 0, 0, 0}
                                                             : std::vector<double>{0, 0, 0, 1};
     std::vector<double> numbers = good;
     numbers.insert(numbers.end(), bad.numbers.begin(), bad.numbers.end());
@@ -105,7 +103,7 @@ TEST(ExtremeBorderRefusals, NamesThatAreNotText) {
 class ExtremeBorderChunk : public testing::Test {
  protected:
   ExtremeBorderChunk() {
-    query.kind = static_cast<std::uint8_t>(QueryKind::ray);
+    query.kind = static_cast<std::uint8_t>(QuestionKind::ray);
     query.chunk_count = 1;
     query.max_hits = 1;
     fill(1);
@@ -203,7 +201,7 @@ TEST(ExtremeBorderRefusals, TheWorldsOwn) {
   EXPECT_EQ(define("b"), "");
   EXPECT_EQ(define("c"), "object 'c' is one more than the limit of 2 objects (max_objects). Nothing was added");
   EXPECT_FALSE(world.move(0xdeadbeef, {}, 1, false)) << "no such object";
-  EXPECT_FALSE(world.remove(0xdeadbeef, wire_contract::EndReason::removed));
+  EXPECT_FALSE(world.remove(0xdeadbeef, EndReason::removed));
 }
 
 }  // namespace

@@ -7,15 +7,14 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::QueryKind;
 
 void expect_nothing(const extreme::Stage& stage) {
   EXPECT_TRUE(extreme::is_miss(stage.ray({0, 0, 0}, {1, 0, 0})));
-  EXPECT_TRUE(extreme::is_miss(stage.ray({0, 0, 0}, {1, 0, 0}, 0, wire_contract::RayMode::all)));
-  EXPECT_TRUE(extreme::is_miss(stage.ask(QueryKind::sphere, {0, 0, 0, 1e308})));
-  EXPECT_TRUE(extreme::is_miss(stage.ask(QueryKind::box, {0, 0, 0, 1, 1, 1, 1, 0, 0, 0})));
-  EXPECT_TRUE(extreme::is_miss(stage.ask(QueryKind::near, {0, 0, 0, extreme::kEndless})));
-  EXPECT_EQ(stage.ask(QueryKind::ray, {}).answers.size(), 0u);
+  EXPECT_TRUE(extreme::is_miss(stage.ray({0, 0, 0}, {1, 0, 0}, 0, HitMode::all)));
+  EXPECT_TRUE(extreme::is_miss(stage.ask(QuestionKind::sphere, {0, 0, 0, 1e308})));
+  EXPECT_TRUE(extreme::is_miss(stage.ask(QuestionKind::box, {0, 0, 0, 1, 1, 1, 1, 0, 0, 0})));
+  EXPECT_TRUE(extreme::is_miss(stage.ask(QuestionKind::near, {0, 0, 0, extreme::kEndless})));
+  EXPECT_EQ(stage.ask(QuestionKind::ray, {}).answers.size(), 0u);
 }
 
 TEST(ExtremeEmpty, AWorldBeforeAndAfterItsFirstStep) {
@@ -42,7 +41,7 @@ TEST(ExtremeEmpty, AWorldThatHasBeenEmptied) {
   std::vector<ObjectId> balls;
   for (int i = 0; i < 100; ++i) balls.push_back(stage.ball("ball" + std::to_string(i), {0, 0, 0}, 1));
   stage.step();
-  for (const ObjectId ball : balls) stage.world.remove(ball, wire_contract::EndReason::removed);
+  for (const ObjectId ball : balls) stage.world.remove(ball, EndReason::removed);
   EXPECT_EQ(stage.step().size(), 4'950u) << "each contact ends";
   expect_nothing(stage);
   EXPECT_TRUE(stage.step().empty());

@@ -11,7 +11,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EventKind;
 
 Shape one(const Primitive& primitive) { return {.primitives = {primitive}, .mesh = nullptr}; }
 

@@ -7,14 +7,13 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EventKind;
 
 // Turning by a third about (1, 1, 1) renames the axes: exact, so that kissing is decided to the step.
 const Quat kThird(0.5, 0.5, 0.5, 0.5);
 
 std::size_t count_of_contacts(const std::vector<Event>& events, EventKind kind) {
   return static_cast<std::size_t>(std::count_if(events.begin(), events.end(), [&](const Event& event) {
-    return event.kind == kind && event.of.doubt == wire_contract::Doubt::none;
+    return event.kind == kind && event.of.doubt == Doubt::none;
   }));
 }
 

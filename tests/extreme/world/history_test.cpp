@@ -17,7 +17,7 @@ struct Body {
 
 std::multiset<std::string> named_hits(const extreme::Stage& stage, const std::vector<double>& ball) {
   std::multiset<std::string> names;
-  for (const AnswerHit& hit : stage.ask(wire_contract::QueryKind::sphere, ball).hits) {
+  for (const AnswerHit& hit : stage.ask(QuestionKind::sphere, ball).hits) {
     names.insert(stage.world.info(hit.object)->name + " " + std::to_string(hit.distance_m));
   }
   return names;
@@ -45,7 +45,7 @@ TEST(ExtremeWorldHistory, AnyOrderOfChangesEqualsAFreshWorld) {
         alive[name] = {lived.add(name, body.shape, body.pose), body};
         moved.insert(name);
       } else if (random() % 3 == 0) {
-        lived.world.remove(found->second.first, wire_contract::EndReason::removed);
+        lived.world.remove(found->second.first, EndReason::removed);
         alive.erase(found);
       } else if (moved.insert(name).second) {
         found->second.second.pose = body_on_lattice(random).pose;
@@ -72,7 +72,7 @@ TEST(ExtremeWorldHistory, UndoneChangesLeaveNoTrace) {
   for (int i = 0; i < 50; ++i) balls.push_back(stage.ball("ball" + std::to_string(i), {1.0 * i, 0, 0}, 0.5));
   stage.step();
   const std::vector<double> along{-9, 0.125, 0.0625, 1, 0, 0, extreme::kEndless};
-  const auto before = extreme::bits_of(stage.ask(wire_contract::QueryKind::ray, along, wire_contract::RayMode::all));
+  const auto before = extreme::bits_of(stage.ask(QuestionKind::ray, along, HitMode::all));
   const auto pairs = extreme::open_pairs(stage.world);
   EXPECT_EQ(pairs.size(), 49u) << "a chain: each touches the next";
   for (const ObjectId ball : balls) stage.move(ball, extreme::at({0, 0, 1e9}));
@@ -81,7 +81,7 @@ TEST(ExtremeWorldHistory, UndoneChangesLeaveNoTrace) {
   for (int i = 49; i >= 0; --i) stage.move(balls[static_cast<std::size_t>(i)], extreme::at({1.0 * i, 0, 0}), true);
   stage.step();
   EXPECT_EQ(extreme::open_pairs(stage.world), pairs);
-  EXPECT_EQ(extreme::bits_of(stage.ask(wire_contract::QueryKind::ray, along, wire_contract::RayMode::all)), before);
+  EXPECT_EQ(extreme::bits_of(stage.ask(QuestionKind::ray, along, HitMode::all)), before);
 }
 
 }  // namespace

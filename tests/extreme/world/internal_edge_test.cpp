@@ -50,7 +50,7 @@ TEST(ExtremeInternalEdge, RaysAndBallsSeeTheSameNormalOnEveryEdgeAndCorner) {
       ASSERT_TRUE(extreme::is_hit(ray)) << x << " " << y;
       ASSERT_EQ(ray.hits[0].distance_m, 2);
       ASSERT_EQ(ray.hits[0].normal, Vec3(0, 0, 1));
-      const Answers ball = stage.ask(wire_contract::QueryKind::sphere, {x, y, 3.5, 0.75});
+      const Answers ball = stage.ask(QuestionKind::sphere, {x, y, 3.5, 0.75});
       ASSERT_NEAR(ball.hits.at(0).normal.z(), -1, 1e-15);
       ASSERT_NEAR(ball.hits[0].distance_m, 0.25, 1e-15);
     }
@@ -61,7 +61,7 @@ TEST(ExtremeInternalEdge, OnTheFloorsOwnBorderTheBallStillStands) {
   extreme::Stage stage;
   stage.load("floor", tiles(16, 0));
   stage.step();
-  const Answers corner = stage.ask(wire_contract::QueryKind::sphere, {8, 8, 0.5, 0.75});
+  const Answers corner = stage.ask(QuestionKind::sphere, {8, 8, 0.5, 0.75});
   ASSERT_TRUE(extreme::is_hit(corner));
   EXPECT_NEAR(corner.hits[0].normal.z(), -1, 1e-15);
   EXPECT_NEAR(corner.hits[0].distance_m, 0.25, 1e-15);

@@ -28,10 +28,10 @@ extreme::Cast moved(extreme::Cast cast, const Motion3& motion) {
   return cast;
 }
 
-std::vector<double> moved(std::vector<double> numbers, wire_contract::QueryKind kind, const Motion3& motion) {
-  const bool ray = kind == wire_contract::QueryKind::ray;
-  const bool box = kind == wire_contract::QueryKind::box;
-  const std::size_t stride = ray ? wire_contract::kRayNumbers : box ? wire_contract::kBoxNumbers : wire_contract::kSphereNumbers;
+std::vector<double> moved(std::vector<double> numbers, QuestionKind kind, const Motion3& motion) {
+  const bool ray = kind == QuestionKind::ray;
+  const bool box = kind == QuestionKind::box;
+  const std::size_t stride = ray ? kRayNumbers : box ? kBoxNumbers : kSphereNumbers;
   for (std::size_t i = 0; i < numbers.size(); i += stride) {
     double* n = numbers.data() + i;
     Eigen::Map<Vec3>{n} = motion.point(Eigen::Map<Vec3>(n));

@@ -24,10 +24,10 @@ extreme::Cast scaled(extreme::Cast cast, const extreme::Scaling& scale) {
 }
 
 /// A box's last four numbers are its rotation.
-std::vector<double> scaled(std::vector<double> numbers, wire_contract::QueryKind kind, const extreme::Scaling& scale) {
-  const bool box = kind == wire_contract::QueryKind::box;
+std::vector<double> scaled(std::vector<double> numbers, QuestionKind kind, const extreme::Scaling& scale) {
+  const bool box = kind == QuestionKind::box;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (!box || i % wire_contract::kBoxNumbers < 6) numbers[i] = scale(numbers[i]);
+    if (!box || i % kBoxNumbers < 6) numbers[i] = scale(numbers[i]);
   }
   return numbers;
 }

@@ -47,8 +47,8 @@ TEST(ExtremeInvarianceShuffle, TheOrderOfDefinitionDoesNotShow) {
       extreme::build(other, cast);
       ASSERT_EQ(extreme::named_contacts(other.world), extreme::named_contacts(first.world));
       for (std::size_t k = 0; k < questions.size(); ++k) {
-        ASSERT_EQ(named(other, other.ask(extreme::kKinds[k], questions[k], wire_contract::RayMode::all)),
-                  named(first, first.ask(extreme::kKinds[k], questions[k], wire_contract::RayMode::all)));
+        ASSERT_EQ(named(other, other.ask(extreme::kKinds[k], questions[k], HitMode::all)),
+                  named(first, first.ask(extreme::kKinds[k], questions[k], HitMode::all)));
       }
     }
   }
@@ -62,8 +62,8 @@ TEST(ExtremeInvarianceShuffle, TiesGoToTheLowerId) {
     stage.ball(swapped ? "a" : "b", {0, 0, 0}, 1);
     stage.step();
     EXPECT_EQ(stage.ray({-5, 0, 0}, {1, 0, 0}).hits.at(0).object, first);
-    EXPECT_EQ(stage.ask(wire_contract::QueryKind::sphere, {0, 0, 0, 1}).hits.at(0).object, first);
-    EXPECT_EQ(stage.ask(wire_contract::QueryKind::near, {5, 0, 0, 9}).hits.at(0).object, first);
+    EXPECT_EQ(stage.ask(QuestionKind::sphere, {0, 0, 0, 1}).hits.at(0).object, first);
+    EXPECT_EQ(stage.ask(QuestionKind::near, {5, 0, 0, 9}).hits.at(0).object, first);
   }
 }
 

@@ -10,20 +10,20 @@
 namespace collided::engine {
 namespace {
 
-std::size_t stride_of(wire_contract::QueryKind kind) {
-  if (kind == wire_contract::QueryKind::ray) return wire_contract::kRayNumbers;
-  return kind == wire_contract::QueryKind::box ? wire_contract::kBoxNumbers : wire_contract::kSphereNumbers;
+std::size_t stride_of(QuestionKind kind) {
+  if (kind == QuestionKind::ray) return kRayNumbers;
+  return kind == QuestionKind::box ? kBoxNumbers : kSphereNumbers;
 }
 
 /// One question after the other, in batches of the given size: the answers' bits of each question.
-std::vector<std::vector<std::uint64_t>> asked(const Snapshot& snapshot, wire_contract::QueryKind kind,
+std::vector<std::vector<std::uint64_t>> asked(const Snapshot& snapshot, QuestionKind kind,
                                               std::span<const double> numbers, std::size_t batch, QueryScratch& scratch) {
   std::vector<std::vector<std::uint64_t>> bits;
   const std::size_t step = batch * stride_of(kind);
   for (std::size_t begin = 0; begin < numbers.size(); begin += step) {
     Questions questions;
     questions.kind = kind;
-    questions.mode = wire_contract::RayMode::all;
+    questions.mode = HitMode::all;
     questions.numbers = numbers.subspan(begin, std::min(step, numbers.size() - begin));
     Answers answers;
     answer(snapshot, questions, answers, scratch);
@@ -116,7 +116,7 @@ TEST(ExtremeInvarianceBuild, TheNumberOfBuildingThreadsDoesNotShow) {
     world.add_scene(scene, World::index_scene(scene, {.threads = threads, .progress = {}, .cancelled = {}}));
     world.step(1, 1, {});
     Questions questions;
-    questions.mode = wire_contract::RayMode::all;
+    questions.mode = HitMode::all;
     questions.numbers = rays;
     Answers answers;
     QueryScratch scratch;

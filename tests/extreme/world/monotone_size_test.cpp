@@ -37,10 +37,10 @@ TEST_P(ExtremeMonotoneSize, ALargerBallNeverLosesAnOverlap) {
     const Vec3 center = mixer.point(5);
     std::set<ObjectId> before;
     for (const double radius : ladder()) {
-      const auto now = met(stage.ask(wire_contract::QueryKind::sphere, {center.x(), center.y(), center.z(), radius}));
+      const auto now = met(stage.ask(QuestionKind::sphere, {center.x(), center.y(), center.z(), radius}));
       ASSERT_TRUE(std::includes(now.begin(), now.end(), before.begin(), before.end())) << radius;
       // Within a distance and overlapping a ball of it are one question.
-      ASSERT_EQ(met(stage.ask(wire_contract::QueryKind::near, {center.x(), center.y(), center.z(), radius})), now) << radius;
+      ASSERT_EQ(met(stage.ask(QuestionKind::near, {center.x(), center.y(), center.z(), radius})), now) << radius;
       before = now;
     }
     EXPECT_EQ(before.size(), 61u) << "60 bodies and the scene";
@@ -53,11 +53,11 @@ TEST_P(ExtremeMonotoneSize, ALargerBoxNeverLosesAnOverlap) {
     const Quat turn = i % 2 == 0 ? Quat::Identity() : Quat(0.5, 0.5, 0.5, 0.5);
     std::set<ObjectId> before;
     for (const double half : ladder()) {
-      const auto now = met(stage.ask(wire_contract::QueryKind::box, {center.x(), center.y(), center.z(), half, half, half,
+      const auto now = met(stage.ask(QuestionKind::box, {center.x(), center.y(), center.z(), half, half, half,
                                                                      turn.w(), turn.x(), turn.y(), turn.z()}));
       ASSERT_TRUE(std::includes(now.begin(), now.end(), before.begin(), before.end())) << half;
       // The ball within the box meets nothing that the box does not.
-      const auto ball = met(stage.ask(wire_contract::QueryKind::sphere, {center.x(), center.y(), center.z(), half}));
+      const auto ball = met(stage.ask(QuestionKind::sphere, {center.x(), center.y(), center.z(), half}));
       ASSERT_TRUE(std::includes(now.begin(), now.end(), ball.begin(), ball.end())) << half;
       before = now;
     }

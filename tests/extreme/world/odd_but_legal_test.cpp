@@ -7,8 +7,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 constexpr double kGreatest = std::numeric_limits<double>::max();
 constexpr double kTiniest = std::numeric_limits<double>::denorm_min();
@@ -44,8 +42,8 @@ TEST(ExtremeOddButLegal, RaysEqualTheOracle) {
       rays.insert(rays.end(), {-1, -1, -1, x == 0 ? 1 : x, 1, kGreatest, length});
     }
   }
-  extreme::expect_like_brute_force(stage.world, QueryKind::ray, rays, RayMode::closest);
-  extreme::expect_like_brute_force(stage.world, QueryKind::ray, rays, RayMode::all);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::ray, rays, HitMode::closest);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::ray, rays, HitMode::all);
 }
 
 TEST(ExtremeOddButLegal, BallsBoxesAndDistancesEqualTheOracle) {
@@ -60,9 +58,9 @@ TEST(ExtremeOddButLegal, BallsBoxesAndDistancesEqualTheOracle) {
       boxes.insert(boxes.end(), {0, 0, x, 1, size, size, 0.5, 0.5, 0.5, 0.5});
     }
   }
-  extreme::expect_like_brute_force(stage.world, QueryKind::sphere, balls);
-  extreme::expect_like_brute_force(stage.world, QueryKind::box, boxes);
-  extreme::expect_like_brute_force(stage.world, QueryKind::near, balls);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::sphere, balls);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::box, boxes);
+  extreme::expect_like_brute_force(stage.world, QuestionKind::near, balls);
 }
 
 TEST(ExtremeOddButLegal, AnEndlessRayReachesTheLastDouble) {
@@ -87,8 +85,8 @@ TEST(ExtremeOddButLegal, MinusZeroIsZeroToTheBit) {
     stage->step();
   }
   const auto bits = [](const extreme::Stage& stage, double zero) {
-    return std::pair(extreme::bits_of(stage.ray({-9, zero, zero}, {1, zero, zero}, 99, RayMode::all)).size(),
-                     stage.ray({-9, zero, zero}, {1, zero, zero}, 99, RayMode::closest).hits.at(0).distance_m);
+    return std::pair(extreme::bits_of(stage.ray({-9, zero, zero}, {1, zero, zero}, 99, HitMode::all)).size(),
+                     stage.ray({-9, zero, zero}, {1, zero, zero}, 99, HitMode::closest).hits.at(0).distance_m);
   };
   EXPECT_EQ(bits(plus, 0.0), bits(minus, -0.0));
   EXPECT_EQ(bits(plus, -0.0), bits(minus, 0.0));

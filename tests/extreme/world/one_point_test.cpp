@@ -17,7 +17,7 @@ TEST(ExtremeOnePoint, EveryPairBeginsOnceAndEndsOnce) {
   EXPECT_EQ(stage.step().size(), 600u * 599 / 2);
   stage.move(balls[0], extreme::at({9, 9, 9}));
   EXPECT_EQ(stage.step().size(), 599u);
-  stage.world.remove(balls[1], wire_contract::EndReason::removed);
+  stage.world.remove(balls[1], EndReason::removed);
   EXPECT_EQ(stage.step().size(), 598u);
   EXPECT_EQ(stage.world.contacts().size(), 598u * 597 / 2);
 }
@@ -56,15 +56,15 @@ TEST(ExtremeOnePoint, AHundredThousandAnswerWithinTheLimitsAsked) {
   EXPECT_EQ(closest.hits[0].distance_m, 2.5);
   EXPECT_EQ(stage.world.info(closest.hits[0].object)->name, "ball0") << "ties go to the lowest";
   Questions questions;
-  questions.kind = wire_contract::QueryKind::sphere;
+  questions.kind = QuestionKind::sphere;
   questions.max_hits = 10;
   const std::vector<double> ball{1, 2, 3, 0.25};
   questions.numbers = ball;
   Answers overlap;
   QueryScratch scratch;
   answer(*stage.world.newest(), questions, overlap, scratch);
-  EXPECT_EQ(overlap.answers.at(0), wire_contract::Verdict::undecided);
-  EXPECT_EQ(overlap.reasons.at(0), wire_contract::UndecidedReason::truncated);
+  EXPECT_EQ(overlap.answers.at(0), Verdict::undecided);
+  EXPECT_EQ(overlap.reasons.at(0), UndecidedReason::truncated);
   ASSERT_EQ(overlap.hits.size(), 10u);
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(stage.world.info(overlap.hits[i].object)->name, "ball" + std::to_string(i));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();

@@ -109,7 +109,7 @@ TEST_F(ExtremePlacing, DistancesHoldForTheNumbersGiven) {
         const PairReport report = report_pair(*stage.world.newest(), a, b, {});
         ASSERT_EQ(report.touches, Decision::no);
         ASSERT_LE(abs(truth - Wide(report.separation.distance_m)), Wide(report.separation.error_m)) << kind.name << " at " << far_m;
-        const Answers near = stage.ask(wire_contract::QueryKind::near, {from.x(), from.y(), from.z(), extreme::kEndless});
+        const Answers near = stage.ask(QuestionKind::near, {from.x(), from.y(), from.z(), extreme::kEndless});
         ASSERT_TRUE(extreme::is_hit(near));
         for (const AnswerHit& hit : near.hits) {
           if (hit.object != a) continue;
@@ -163,7 +163,7 @@ TEST_F(ExtremePlacing, DepthsHoldForTheNumbersGiven) {
       const ObjectId b = stage.add("b", extreme::ball_shape(0.5), extreme::at(middle));
       const std::vector<Event>& events = stage.step();
       const Wide truth = Wide(0.5) - kinds()[0].distance(given.seen(middle));
-      const Answers answers = stage.ask(wire_contract::QueryKind::sphere, {middle.x(), middle.y(), middle.z(), 0.5});
+      const Answers answers = stage.ask(QuestionKind::sphere, {middle.x(), middle.y(), middle.z(), 0.5});
       for (const AnswerHit& hit : answers.hits) {
         if (hit.object != a) continue;
         ASSERT_LE(abs(truth - Wide(hit.distance_m)), Wide(hit.error_m)) << far_m;

@@ -7,7 +7,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EventKind;
 
 /// Both fly by `speed`; b, one radius sum and a bit behind a in y, closes by `closing`.
 std::size_t events_of_a_flight(double speed, double gap, double closing) {

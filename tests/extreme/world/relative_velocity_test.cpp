@@ -6,7 +6,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EventKind;
 
 const Event& began_of(const extreme::Stage& stage) {
   const std::vector<Event>& events = stage.world.events();

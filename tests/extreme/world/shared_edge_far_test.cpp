@@ -26,9 +26,9 @@ void expect_tight(const extreme::Stage& stage, const TriangleMesh& mesh, const V
       aim(a + part(random) * (b - a));
     }
   }
-  const Answers answers = stage.ask(wire_contract::QueryKind::ray, rays);
+  const Answers answers = stage.ask(QuestionKind::ray, rays);
   std::size_t lost = 0;
-  for (const auto answer : answers.answers) lost += answer == wire_contract::Verdict::hit ? 0 : 1;
+  for (const auto answer : answers.answers) lost += answer == Verdict::hit ? 0 : 1;
   EXPECT_EQ(lost, 0u) << "of " << answers.answers.size();
 }
 

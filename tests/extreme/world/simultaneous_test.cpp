@@ -6,7 +6,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EventKind;
 
 TEST(ExtremeSimultaneous, AThousandPairsBeginInOrderOfTheirIds) {
   extreme::Stage stage;

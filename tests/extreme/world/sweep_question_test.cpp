@@ -11,8 +11,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
 
 std::vector<double> numbers_of_way(const Pose& from, const Pose& to) {
   std::vector<double> numbers;
@@ -29,7 +27,7 @@ Answers sweep_of(const extreme::Stage& stage, const ObjectInfo* mover, const Pos
   Answers answers;
   QueryScratch scratch;
   Questions questions;
-  questions.kind = QueryKind::sweep;
+  questions.kind = QuestionKind::sweep;
   questions.numbers = numbers;
   questions.skip = skip;
   questions.mover = mover;
@@ -102,9 +100,9 @@ TEST(ExtremeSweepQuestion, OverlapQuestionsAlongTheWayAgree) {
     const auto touches = [&](double t) {
       const Frame frame = motion.at(t);
       const Quat q(frame.rotation);
-      return extreme::is_hit(stage.ask(QueryKind::box, {frame.position.x(), frame.position.y(), frame.position.z(), half.x(),
+      return extreme::is_hit(stage.ask(QuestionKind::box, {frame.position.x(), frame.position.y(), frame.position.z(), half.x(),
                                                         half.y(), half.z(), q.w(), q.x(), q.y(), q.z()},
-                                       wire_contract::RayMode::any));
+                                       HitMode::any));
     };
     if (is_hit) {
       EXPECT_TRUE(touches(found.hits[0].distance_m)) << i;

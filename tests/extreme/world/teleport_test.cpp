@@ -7,8 +7,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EndReason;
-using wire_contract::EventKind;
 
 TEST(ExtremeTeleport, AJumpThroughAWallMeetsNothingAndAMotionDoes) {
   for (const double reach : {1.0, 1e3, 1e12, 1e150}) {

@@ -43,16 +43,16 @@ void whole_life(double scale, double offset) {
   }
   for (const double x : {-2.0, -0.0, 0.0, 1.0}) {
     const Vec3 from = place(x, 0, 5);
-    for (const auto mode : {wire_contract::RayMode::closest, wire_contract::RayMode::all}) {
+    for (const auto mode : {HitMode::closest, HitMode::all}) {
       stage.ray(from, {0, 0, -1}, extreme::kEndless, mode);
       stage.ray(from, {-0.0, 0.0, -scale}, 4 * scale, mode);
       stage.ray(place(-9, x, 0), {1, 0, 0}, extreme::kEndless, mode);
       stage.ray(place(0, 0, x), {1e-300, -1e-300, 1}, 0, mode);
     }
-    stage.ask(wire_contract::QueryKind::sphere, {from.x(), from.y(), from.z(), std::abs(x) * scale});
-    stage.ask(wire_contract::QueryKind::box, {from.x(), from.y(), from.z(), scale, 0, 9 * scale, 1, 0, 0, 0});
-    stage.ask(wire_contract::QueryKind::near, {from.x(), from.y(), from.z(), extreme::kEndless});
-    stage.ask(wire_contract::QueryKind::near, {from.x(), from.y(), from.z(), 0});
+    stage.ask(QuestionKind::sphere, {from.x(), from.y(), from.z(), std::abs(x) * scale});
+    stage.ask(QuestionKind::box, {from.x(), from.y(), from.z(), scale, 0, 9 * scale, 1, 0, 0, 0});
+    stage.ask(QuestionKind::near, {from.x(), from.y(), from.z(), extreme::kEndless});
+    stage.ask(QuestionKind::near, {from.x(), from.y(), from.z(), 0});
   }
 }
 

@@ -216,16 +216,15 @@ TEST(IntakeVertexBuffer, AllSixKindsAreCollidable) {
     object.shape = std::get<Shape>(shape);
     world.define(object);
     world.step(0, 1, {});
-    using wire_contract::QueryKind;
-    int hits = 0;
-    for (const QueryKind query : {QueryKind::ray, QueryKind::sphere, QueryKind::near}) {
+        int hits = 0;
+    for (const QuestionKind query : {QuestionKind::ray, QuestionKind::sphere, QuestionKind::near}) {
       std::vector<double> numbers;
       for (int i = 0; i < 200; ++i) {
         for (int k = 0; k < 3; ++k) numbers.push_back(2 * coordinate(random));
-        if (query == QueryKind::ray) {
+        if (query == QuestionKind::ray) {
           for (int k = 0; k < 3; ++k) numbers.push_back(-numbers[numbers.size() - 3] + 0.5 * coordinate(random));
         }
-        numbers.push_back(query == QueryKind::sphere ? 0.2 : 100);
+        numbers.push_back(query == QuestionKind::sphere ? 0.2 : 100);
       }
       const Questions questions{.kind = query, .numbers = numbers};
       Answers fast;

@@ -12,7 +12,6 @@
 namespace collided::engine::service {
 namespace {
 
-using wire_contract::Verdict;
 using wire_contract::QueryKind;
 
 class ServiceBackgroundAudit : public testing::Test {

@@ -47,14 +47,14 @@ class ServiceFrames : public testing::Test {
 TEST_F(ServiceFrames, AnEventTravelsWithEveryFieldInItsPlace) {
   const ObjectId a = define("left", {0, 0, 0});
   const ObjectId b = define("right", {3, 0, 0});
-  const Event event{.kind = wire_contract::EventKind::ended, .reason = wire_contract::EndReason::teleported, .sequence = 21,
+  const Event event{.kind = EventKind::ended, .reason = EndReason::teleported, .sequence = 21,
                     .of = contact_of(a, b), .bracket_low_s = 9, .bracket_high_s = 10, .relative_velocity = {11, 12, 13}, .velocity_error = 14};
   book.note(event.of, world);
   EventColumns columns;
   columns.add(event, book);
   Event second = event;
   second.sequence = 22;
-  second.kind = wire_contract::EventKind::began;
+  second.kind = EventKind::began;
   columns.add(second, book);
   columns.named.fill([&](ObjectId id) { return book.name(id); });
   EXPECT_EQ(columns.first_sequence, 21U);
@@ -102,7 +102,7 @@ TEST_F(ServiceFrames, ANameIsKnownAsLongAsAContactOfItsObjectIsToldOf) {
   const ObjectId c = define("third", {6, 0, 0});
   book.note(contact_of(a, b), world);
   book.note(contact_of(a, c), world);
-  world.remove(a, wire_contract::EndReason::removed);
+  world.remove(a, EndReason::removed);
   world.step(1, 1, {});
   book.forget(contact_of(a, b));
   EXPECT_EQ(book.name(a), "left");
@@ -123,8 +123,8 @@ TEST_F(ServiceFrames, AHitOnWhatIsNotInTheStateHasNoNameBesideIt) {
   const auto state = world.newest();
   const ObjectId beyond = state->objects->size();
   Answers answers;
-  answers.answers = {wire_contract::Verdict::hit};
-  answers.reasons = {wire_contract::UndecidedReason::none};
+  answers.answers = {Verdict::hit};
+  answers.reasons = {UndecidedReason::none};
   answers.levels = {0};
   answers.hit_counts = {1};
   answers.nodes = answers.exact_tests = {0};
@@ -144,16 +144,16 @@ TEST_F(ServiceFrames, AReadingTravelsWithEveryFieldInItsPlace) {
   const ObjectId head = define("head", {0, 0, 3});
   const ObjectId wall = define("wall", {0, 0, 0});
   ProbeColumns columns;
-  columns.add("nozzle", {.object = head, .state = wire_contract::ProbeState::collision, .clearance_m = 1, .error_m = 2, .met = wall,
+  columns.add("nozzle", {.object = head, .state = ProbeState::collision, .clearance_m = 1, .error_m = 2, .met = wall,
                          .triangle = 5, .point = {3, 4, 5}, .normal = {6, 7, 8}});
-  columns.add("other", {.object = head, .state = wire_contract::ProbeState::nothing});
-  columns.add("none", {.state = wire_contract::ProbeState::absent});
+  columns.add("other", {.object = head, .state = ProbeState::nothing});
+  columns.add("none", {.state = ProbeState::absent});
   columns.named.fill([&](ObjectId id) { return world.info(id)->name; });
   EXPECT_EQ(columns.states, (std::vector<std::uint8_t>{4, 1, 0}));
   EXPECT_EQ(columns.objects, (std::vector<std::uint64_t>{head, head, 0}));
   EXPECT_EQ(columns.met, (std::vector<std::uint64_t>{wall, 0, 0}));
   EXPECT_EQ(columns.triangles[0], 5U);
-  EXPECT_EQ(columns.triangles[1], wire_contract::kNoTriangle);
+  EXPECT_EQ(columns.triangles[1], kNoTriangle);
   EXPECT_EQ(std::vector<double>(columns.numbers.begin(), columns.numbers.begin() + 8), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
   EXPECT_EQ(columns.numbers.size(), 24U);
   EXPECT_EQ(split(columns.probe_names), (Names{"nozzle", "other", "none"}));
@@ -166,19 +166,17 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
   const ObjectId a = define("left", {0, 0, 0});
   const ObjectId b = define("right", {3, 0, 0});
   world.step(1, 1, {});
-  using wire_contract::Verdict;
-  using wire_contract::UndecidedReason;
-  Answers answers;
+      Answers answers;
   answers.answers = {Verdict::hit, Verdict::miss, Verdict::undecided, Verdict::invalid};
   answers.reasons = {UndecidedReason::none, UndecidedReason::none, UndecidedReason::not_covered, UndecidedReason::none};
   answers.levels = {2, 0, 1, 0};
   answers.hit_counts = {2, 0, 2, 0};
   answers.nodes = {10, 11, 12, 13};
   answers.exact_tests = {20, 21, 22, 23};
-  const AnswerHit hit{.object = b, .triangle = 5, .flags = wire_contract::kInside, .distance_m = 1, .error_m = 2, .exit_m = 3,
+  const AnswerHit hit{.object = b, .triangle = 5, .flags = kInside, .distance_m = 1, .error_m = 2, .exit_m = 3,
                       .point = {4, 5, 6}, .point_error_m = 13, .normal = {7, 8, 9}, .weights = {10, 11, 12}};
-  answers.hits = {hit, {.object = a, .distance_m = 4}, {.object = b, .flags = wire_contract::kStale},
-                  {.flags = wire_contract::kUncovered, .distance_m = 6}};
+  answers.hits = {hit, {.object = a, .distance_m = 4}, {.object = b, .flags = kStale},
+                  {.flags = kUncovered, .distance_m = 6}};
   std::vector<std::uint64_t> named_in;
   std::uint64_t reply_number = 0;
   for (int reply = 0; reply < 2; ++reply) {
@@ -196,7 +194,7 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
     EXPECT_EQ(columns.exact_tests, (std::vector<std::uint32_t>{20, 21, 22, 23}));
     EXPECT_EQ(columns.objects, (std::vector<std::uint64_t>{b, a, b}));
     EXPECT_EQ(columns.triangles[0], 5U);
-    EXPECT_EQ(columns.hit_flags, (std::vector<std::uint8_t>{wire_contract::kInside, 0, wire_contract::kStale}));
+    EXPECT_EQ(columns.hit_flags, (std::vector<std::uint8_t>{kInside, 0, kStale}));
     ASSERT_EQ(columns.numbers.size(), 3U * wire_contract::kHitNumbers);
     for (std::size_t i = 0; i < wire_contract::kHitNumbers; ++i) EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
     EXPECT_EQ(columns.numbers[wire_contract::kHitNumbers], 4);

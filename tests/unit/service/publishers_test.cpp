@@ -8,9 +8,6 @@
 namespace collided::engine::service {
 namespace {
 
-using wire_contract::EndReason;
-using wire_contract::EventKind;
-using wire_contract::LostPolicy;
 using wire_contract::PublisherState;
 
 constexpr std::uint64_t kPublisher = 7;

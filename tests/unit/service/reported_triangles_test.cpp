@@ -37,12 +37,12 @@ class ServiceToldTriangles : public testing::Test {
 
 TEST_F(ServiceToldTriangles, RepliesNameThePieceOfATriangleByItsNumberInTheFile) {
   Answers answers;
-  answers.answers = {wire_contract::Verdict::hit};
-  answers.reasons = {wire_contract::UndecidedReason::none};
+  answers.answers = {Verdict::hit};
+  answers.reasons = {UndecidedReason::none};
   answers.levels = {0};
   answers.hit_counts = {3};
   answers.nodes = answers.exact_tests = {0};
-  for (const std::uint32_t triangle : {0u, 1u, wire_contract::kNoTriangle}) {
+  for (const std::uint32_t triangle : {0u, 1u, kNoTriangle}) {
     AnswerHit hit{};
     hit.object = panel_;
     hit.triangle = triangle;
@@ -53,7 +53,7 @@ TEST_F(ServiceToldTriangles, RepliesNameThePieceOfATriangleByItsNumberInTheFile)
   ReplyColumns columns;
   ReplyFiller filler(*world_.newest(), answers, named_in, reply_number);
   ASSERT_TRUE(filler.fill(columns));
-  EXPECT_EQ(columns.triangles, (std::vector<std::uint32_t>{0, 0, wire_contract::kNoTriangle}));
+  EXPECT_EQ(columns.triangles, (std::vector<std::uint32_t>{0, 0, kNoTriangle}));
 }
 
 TEST_F(ServiceToldTriangles, EventsAndContactsDoTheSame) {

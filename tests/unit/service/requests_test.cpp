@@ -342,7 +342,7 @@ class ReplyFilling : public ::testing::Test {
       hits += columns.objects.size();
       ++replies;
       for (const std::uint8_t reason : columns.reasons)
-        truncated += reason == static_cast<std::uint8_t>(wire_contract::UndecidedReason::truncated);
+        truncated += reason == static_cast<std::uint8_t>(UndecidedReason::truncated);
     }
   }
   World world{WorldOptions{}};

@@ -16,7 +16,6 @@
 namespace collided::engine::service {
 namespace {
 
-using wire_contract::EventKind;
 using wire_contract::ServerState;
 
 /// Keeps the books that a subscriber would keep.
@@ -212,7 +211,7 @@ TEST_F(WorldLoopTest, StoppingEndsWhatHolds) {
   EXPECT_TRUE(books.wait([&] { return books.began_count == 1; }));
   stop();
   EXPECT_EQ(books.ended_count, 1U);
-  EXPECT_EQ(books.reasons[static_cast<std::uint8_t>(wire_contract::EndReason::server_stopping)], 1U);
+  EXPECT_EQ(books.reasons[static_cast<std::uint8_t>(EndReason::server_stopping)], 1U);
   EXPECT_EQ(books.status.state, ServerState::stopping);
   EXPECT_EQ(books.status.contact_count, 0U);
 }

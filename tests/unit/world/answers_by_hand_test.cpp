@@ -16,10 +16,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
-using wire_contract::UndecidedReason;
 
 class WorldByHand : public testing::Test {
  protected:
@@ -81,9 +77,9 @@ TriangleMesh square(double half_m, double z) {
 TEST_F(WorldByHand, ARayMeetsNothingOfASceneThatMayNotAnswer) {
   load(square(4, 0), {.layers = 2});
   step();
-  for (const RayMode mode : {RayMode::any, RayMode::closest, RayMode::all}) {
+  for (const HitMode mode : {HitMode::any, HitMode::closest, HitMode::all}) {
     const std::vector<double> down{0.5, 0.25, 3, 0, 0, -1, INFINITY};
-    Questions question{.kind = QueryKind::ray, .mode = mode, .mask = 1, .numbers = {}};
+    Questions question{.kind = QuestionKind::ray, .mode = mode, .mask = 1, .numbers = {}};
     EXPECT_EQ(ask(question, down).answers[0], Verdict::miss);
     question.mask = 2;
     EXPECT_EQ(ask(question, down).answers[0], Verdict::hit);
@@ -144,12 +140,12 @@ TEST_F(WorldByHand, ShortRaysOfACameraMeetWhatIsNear) {
   for (const double length_m : {1.5, 30.0, double{INFINITY}}) {
     std::vector<double> rays;
     for (int i = 0; i < 64; ++i) rays.insert(rays.end(), {0.5, 0.25, 1, 0.01 * (i % 8), 0.01 * (i / 8), -1, length_m});
-    for (const RayMode mode : {RayMode::closest, RayMode::any}) {
-      const Answers answers = ask({.kind = QueryKind::ray, .mode = mode, .numbers = {}}, rays);
+    for (const HitMode mode : {HitMode::closest, HitMode::any}) {
+      const Answers answers = ask({.kind = QuestionKind::ray, .mode = mode, .numbers = {}}, rays);
       ASSERT_EQ(answers.answers.size(), 64U);
       for (std::size_t i = 0; i < 64; ++i) {
         EXPECT_EQ(answers.answers[i], Verdict::hit) << i << ", " << length_m << " m";
-        if (mode == RayMode::any) continue;
+        if (mode == HitMode::any) continue;
         const Vec3 direction(rays[7 * i + 3], rays[7 * i + 4], rays[7 * i + 5]);
         EXPECT_NEAR(answers.hits.at(i).distance_m, direction.norm(), 1e-12) << i;
       }
@@ -157,7 +153,7 @@ TEST_F(WorldByHand, ShortRaysOfACameraMeetWhatIsNear) {
   }
   std::vector<double> shorter;
   for (int i = 0; i < 64; ++i) shorter.insert(shorter.end(), {0.5, 0.25, 1, 0, 0, -1, i % 2 == 0 ? 0.5 : 1.5});
-  const Answers answers = ask({.kind = QueryKind::ray, .numbers = {}}, shorter);
+  const Answers answers = ask({.kind = QuestionKind::ray, .numbers = {}}, shorter);
   for (std::size_t i = 0; i < 64; ++i) EXPECT_EQ(answers.answers[i], i % 2 == 0 ? Verdict::miss : Verdict::hit) << i;
 }
 
@@ -179,13 +175,13 @@ TEST_F(WorldByHand, WhatAHitNamesIsFoundWhereItIs) {
     });
     return found;
   };
-  const std::vector<Vec3> of_solids = middles(solids, wire_contract::kNoTriangle);
+  const std::vector<Vec3> of_solids = middles(solids, kNoTriangle);
   ASSERT_EQ(of_solids.size(), 2U);
   EXPECT_NEAR((of_solids[0] - Vec3(3, 0, 0)).norm() + (of_solids[1] - Vec3(3, 0, 1)).norm(), 0, 1e-12);
   const std::vector<Vec3> of_stone = middles(stone, 2);
   ASSERT_EQ(of_stone.size(), 1U);
   EXPECT_NEAR((of_stone[0] - Vec3(0, 3, 0)).norm(), 0.5, 0.3);
-  const Answers down = ask({.kind = QueryKind::ray, .numbers = {}}, {-0.5, 0.5, 3, 0, 0, -1, INFINITY});
+  const Answers down = ask({.kind = QuestionKind::ray, .numbers = {}}, {-0.5, 0.5, 3, 0, 0, -1, INFINITY});
   ASSERT_EQ(down.hits.size(), 1U);
   EXPECT_EQ(down.hits[0].triangle, 1U);
   const std::vector<Vec3> of_floor = middles(down.hits[0].object, down.hits[0].triangle);
@@ -205,7 +201,7 @@ TEST_F(WorldByHand, ANewWorldIsEmptyAndNoTimeHasPassed) {
 // The most exact of all tests is the one that is told, in whichever order they come.
 TEST_F(WorldByHand, AQuestionCountsEveryTestAndKeepsTheHighestLevel) {
   const SnapshotRing::Lease state = world.newest();
-  const Questions asked{.kind = QueryKind::ray, .numbers = {}};
+  const Questions asked{.kind = QuestionKind::ray, .numbers = {}};
   const std::vector<std::uint8_t> nobody;
   std::vector<AnswerHit> found;
   Question question{.snapshot = *state, .asked = asked, .allowed = nobody, .open_scenes = nobody, .found = found};
@@ -224,11 +220,11 @@ TEST_F(WorldByHand, NothingIsNearerThanWhatHoldsThePointWhateverErrorIsAsked) {
   define("ball", {0, 0, 0}, ball(1));
   define("other", {5, 0, 0}, ball(1));
   step();
-  const Answers inside = ask({.kind = QueryKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {0.25, 0, 0, 9});
+  const Answers inside = ask({.kind = QuestionKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {0.25, 0, 0, 9});
   ASSERT_EQ(inside.hits.size(), 1U);
   EXPECT_TRUE(inside.hits[0].is_at_start());
   EXPECT_TRUE(std::isfinite(inside.hits[0].point_error_m));
-  const Answers outside = ask({.kind = QueryKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {2.25, 0, 0, 9});
+  const Answers outside = ask({.kind = QuestionKind::near, .max_hits = 1, .error_m = 0.01, .numbers = {}}, {2.25, 0, 0, 9});
   ASSERT_EQ(outside.hits.size(), 1U);
   EXPECT_NEAR(outside.hits[0].distance_m, 1.25, outside.hits[0].error_m);
   EXPECT_GT(outside.hits[0].error_m, 1e-3) << "half of it may lie nearer";
@@ -247,10 +243,10 @@ TEST_F(WorldByHand, AnOverlapSaysWhichObjectsAreStale) {
     }
     return -1;
   };
-  const Answers sphere = ask({.kind = QueryKind::sphere, .numbers = {}}, {0.5, 0, 0, 0.25});
-  const Answers box = ask({.kind = QueryKind::box, .numbers = {}}, {0.5, 0, 0, 0.25, 0.25, 0.25, 0, 0, 0, 1});
+  const Answers sphere = ask({.kind = QuestionKind::sphere, .numbers = {}}, {0.5, 0, 0, 0.25});
+  const Answers box = ask({.kind = QuestionKind::box, .numbers = {}}, {0.5, 0, 0, 0.25, 0.25, 0.25, 0, 0, 0, 1});
   for (const Answers* answers : {&sphere, &box}) {
-    EXPECT_EQ(flags_of(*answers, stale), wire_contract::kStale);
+    EXPECT_EQ(flags_of(*answers, stale), kStale);
     EXPECT_EQ(flags_of(*answers, fresh), 0);
   }
 }
@@ -261,17 +257,17 @@ TEST_F(WorldByHand, BoxesAloneAnswerForTheirBoxes) {
   const ObjectId one = define("ball", {1, 1, 2}, ball(0.5));
   step();
   const SnapshotRing::Lease lease = world.newest();
-  const auto by_boxes = [&](QueryKind kind, const std::vector<double>& numbers) {
+  const auto by_boxes = [&](QuestionKind kind, const std::vector<double>& numbers) {
     return answer_by_boxes(*lease, Questions{.kind = kind, .numbers = numbers});
   };
   // Past the ball through a corner of its box; past both; along an axis within a slab and beside it.
-  EXPECT_NEAR(by_boxes(QueryKind::ray, {1.45, 1.45, 5, 0, 0, -2, INFINITY}).distance_m.value_or(-1), 2.5, 1e-9);
-  EXPECT_NEAR(by_boxes(QueryKind::ray, {-1, -1, 5, 0, 0, -2, INFINITY}).distance_m.value_or(-1), 5, 1e-9);
-  EXPECT_NEAR(by_boxes(QueryKind::ray, {-3, 1, 2, 1, 0, 0, INFINITY}).distance_m.value_or(-1), 3.5, 1e-9);
-  EXPECT_FALSE(by_boxes(QueryKind::ray, {-3, 1, 2, 1, 0, 0, 3.25}).distance_m.has_value()) << "too short";
-  EXPECT_FALSE(by_boxes(QueryKind::ray, {-3, 2, 2, 1, 0, 0, INFINITY}).distance_m.has_value());
-  EXPECT_NEAR(by_boxes(QueryKind::near, {1.25, 1.25, 4, 9}).distance_m.value_or(-1), 1.5, 1e-9);
-  const std::set<ObjectId> met = by_boxes(QueryKind::sphere, {1.5, 1.5, 2.5, 0.1}).objects;
+  EXPECT_NEAR(by_boxes(QuestionKind::ray, {1.45, 1.45, 5, 0, 0, -2, INFINITY}).distance_m.value_or(-1), 2.5, 1e-9);
+  EXPECT_NEAR(by_boxes(QuestionKind::ray, {-1, -1, 5, 0, 0, -2, INFINITY}).distance_m.value_or(-1), 5, 1e-9);
+  EXPECT_NEAR(by_boxes(QuestionKind::ray, {-3, 1, 2, 1, 0, 0, INFINITY}).distance_m.value_or(-1), 3.5, 1e-9);
+  EXPECT_FALSE(by_boxes(QuestionKind::ray, {-3, 1, 2, 1, 0, 0, 3.25}).distance_m.has_value()) << "too short";
+  EXPECT_FALSE(by_boxes(QuestionKind::ray, {-3, 2, 2, 1, 0, 0, INFINITY}).distance_m.has_value());
+  EXPECT_NEAR(by_boxes(QuestionKind::near, {1.25, 1.25, 4, 9}).distance_m.value_or(-1), 1.5, 1e-9);
+  const std::set<ObjectId> met = by_boxes(QuestionKind::sphere, {1.5, 1.5, 2.5, 0.1}).objects;
   EXPECT_EQ(met, std::set<ObjectId>{one}) << "of another than " << part;
 }
 
@@ -282,7 +278,7 @@ TEST_F(WorldByHand, AnAnswerSaysHowExactlyItHadToBeDecided) {
   define("box", {0, 0, 0}, box);
   step();
   const double k = 0.5 + 0x1p-31;
-  const auto level_of = [&](double x) { return ask({.kind = QueryKind::sphere, .numbers = {}}, {x, 4 * k, 0, 5 * k}).levels.at(0); };
+  const auto level_of = [&](double x) { return ask({.kind = QuestionKind::sphere, .numbers = {}}, {x, 4 * k, 0, 5 * k}).levels.at(0); };
   EXPECT_GT(level_of(3 * k), 0) << "exactly";
   EXPECT_EQ(level_of(0.125), 0) << "far inside";
   EXPECT_EQ(level_of(2), 0) << "far outside";
@@ -321,7 +317,7 @@ TEST_F(WorldByHand, ThePriceListSaysThatBoxesComeWithoutABound) {
     ++boxes;
     EXPECT_EQ(row.worst_bound_m, INFINITY) << "no bound comes with a box";
     // A box holds its ball: it says yes too often and never no; and the nearest corner of space is a way from its ball.
-    if (row.kind == QueryKind::near) {
+    if (row.kind == QuestionKind::near) {
       EXPECT_GT(row.worst_error_m, 0.01);
       EXPECT_LT(row.worst_error_m, 1.4);
     } else {
@@ -379,7 +375,7 @@ TEST_F(WorldByHand, APieceOfAPlacedObjectsTriangleHasTheNumberOfTheFile) {
   step();
   const auto told = [&](double x, double y) {
     const SnapshotRing::Lease lease = world.newest();
-    const Answers answers = ask({.kind = QueryKind::ray, .numbers = {}}, {x, y, 1, 0, 0, -1, INFINITY});
+    const Answers answers = ask({.kind = QuestionKind::ray, .numbers = {}}, {x, y, 1, 0, 0, -1, INFINITY});
     const AnswerHit& hit = answers.hits.at(0);
     return lease->objects->at(slot_of(hit.object))->reported_triangle(hit.triangle);
   };
@@ -424,12 +420,12 @@ TEST_F(WorldByHand, OneSureHitIsEnoughForWhoAsksForAnyAlone) {
   define("wall", {0, 0, 0}, wall);
   step();
   const std::vector<double> ray{origin.x(), origin.y(), origin.z(), direction.x(), direction.y(), direction.z(), INFINITY};
-  const auto asked = [&](RayMode mode, Level highest) {
-    return ask({.kind = QueryKind::ray, .mode = mode, .highest = highest, .numbers = {}}, ray);
+  const auto asked = [&](HitMode mode, Level highest) {
+    return ask({.kind = QuestionKind::ray, .mode = mode, .highest = highest, .numbers = {}}, ray);
   };
-  EXPECT_EQ(asked(RayMode::any, Level::filter).answers.at(0), Verdict::hit);
-  EXPECT_EQ(asked(RayMode::any, Level::filter).reasons.at(0), UndecidedReason::none);
-  for (const RayMode mode : {RayMode::closest, RayMode::all}) {
+  EXPECT_EQ(asked(HitMode::any, Level::filter).answers.at(0), Verdict::hit);
+  EXPECT_EQ(asked(HitMode::any, Level::filter).reasons.at(0), UndecidedReason::none);
+  for (const HitMode mode : {HitMode::closest, HitMode::all}) {
     EXPECT_EQ(asked(mode, Level::filter).answers.at(0), Verdict::undecided) << "the wall may be the nearest";
     EXPECT_EQ(asked(mode, Level::filter).reasons.at(0), UndecidedReason::numeric);
     EXPECT_EQ(asked(mode, Level::rational).answers.at(0), Verdict::hit);

@@ -12,8 +12,6 @@ namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 bool are_same(const AnswerHit& a, const AnswerHit& b) {
   return a.object == b.object && a.triangle == b.triangle && a.flags == b.flags && a.distance_m == b.distance_m &&
@@ -28,16 +26,16 @@ bool are_same(const Answers& a, const Answers& b) {
                     [](const AnswerHit& x, const AnswerHit& y) { return are_same(x, y); });
 }
 
-std::vector<double> numbers_of(QueryKind kind, MixedWorld& mixed, int count) {
+std::vector<double> numbers_of(QuestionKind kind, MixedWorld& mixed, int count) {
   std::vector<double> numbers;
   for (int i = 0; i < count; ++i) {
     const Vec3 at = mixed.point(3);
     numbers.insert(numbers.end(), at.begin(), at.end());
-    if (kind == QueryKind::ray) {
+    if (kind == QuestionKind::ray) {
       const Vec3 direction = mixed.point(3) - at;
       numbers.insert(numbers.end(), direction.begin(), direction.end());
       numbers.push_back(INFINITY);
-    } else if (kind == QueryKind::box) {
+    } else if (kind == QuestionKind::box) {
       numbers.insert(numbers.end(), {1, 0.5, 0.25, 0.6, 0, 0.8, 0});
     } else {
       numbers.push_back(1);
@@ -61,7 +59,7 @@ struct Asked {
   }
 };
 
-class WorldAskedAgain : public testing::TestWithParam<QueryKind> {
+class WorldAskedAgain : public testing::TestWithParam<QuestionKind> {
  protected:
   std::mt19937_64 random = oracle::seeded(71);
   MixedWorld mixed{random};
@@ -69,7 +67,7 @@ class WorldAskedAgain : public testing::TestWithParam<QueryKind> {
 };
 
 TEST_P(WorldAskedAgain, EachFilterIsThatOfItsOwnQuestion) {
-  const Questions plain{.kind = GetParam(), .mode = RayMode::all, .numbers = numbers};
+  const Questions plain{.kind = GetParam(), .mode = HitMode::all, .numbers = numbers};
   std::vector<std::pair<const char*, Questions>> filters(7, {"", plain});
   filters[0] = {"none", plain};
   filters[1].first = "mask 1", filters[1].second.mask = 1;
@@ -93,8 +91,8 @@ TEST_P(WorldAskedAgain, EachFilterIsThatOfItsOwnQuestion) {
 TEST_P(WorldAskedAgain, EveryOtherWordIsThatOfItsOwnQuestion) {
   const Questions plain{.kind = GetParam(), .numbers = numbers};
   std::vector<Questions> all(7, plain);
-  all[1].mode = RayMode::any;
-  all[2].mode = RayMode::all;
+  all[1].mode = HitMode::any;
+  all[2].mode = HitMode::all;
   all[3].max_hits = 1;
   all[4].error_m = 0.1;
   all[5].highest = Level::filter;
@@ -111,7 +109,7 @@ TEST_P(WorldAskedAgain, EveryOtherWordIsThatOfItsOwnQuestion) {
 
 // Objects come, go and take each other's slots; scenes come and go. What may answer is worked out anew.
 TEST_P(WorldAskedAgain, WhatCameOrWentSinceIsSeen) {
-  const Questions questions{.kind = GetParam(), .mode = RayMode::all, .only = "[gs]*", .numbers = numbers};
+  const Questions questions{.kind = GetParam(), .mode = HitMode::all, .only = "[gs]*", .numbers = numbers};
   Asked asked;
   std::optional<ObjectId> giant;
   std::int64_t time_ns = 1;
@@ -122,7 +120,7 @@ TEST_P(WorldAskedAgain, WhatCameOrWentSinceIsSeen) {
       definition.shape.primitives.push_back(Sphere{Vec3::Zero(), 2.5});
       giant = std::get<ObjectId>((*mixed).define(definition));
     } else if (giant) {
-      (*mixed).remove(*giant, wire_contract::EndReason::removed);
+      (*mixed).remove(*giant, EndReason::removed);
     }
     (*mixed).step(++time_ns, 1, {});
     ASSERT_TRUE(asked.agrees(*(*mixed).newest(), questions));
@@ -146,7 +144,7 @@ TEST_P(WorldAskedAgain, AnotherWorldIsAnotherOne) {
   definition.name = "more";
   (*mixed).define(definition);
   (*mixed).step(2, 1, {});
-  const Questions questions{.kind = GetParam(), .mode = RayMode::all, .only = "object*", .numbers = numbers};
+  const Questions questions{.kind = GetParam(), .mode = HitMode::all, .only = "object*", .numbers = numbers};
   const auto one = (*mixed).newest();
   const auto two = (*other).newest();
   ASSERT_EQ(one->table_version, two->table_version);
@@ -156,7 +154,7 @@ TEST_P(WorldAskedAgain, AnotherWorldIsAnotherOne) {
 
 // A state that is still held is not changed by what came after it, nor by who asked about that.
 TEST_P(WorldAskedAgain, AnOlderStateIsAnsweredAsItWas) {
-  const Questions questions{.kind = GetParam(), .mode = RayMode::all, .skip = "many*", .numbers = numbers};
+  const Questions questions{.kind = GetParam(), .mode = HitMode::all, .skip = "many*", .numbers = numbers};
   Asked asked;
   const auto before = (*mixed).newest();
   ASSERT_TRUE(asked.agrees(*before, questions));
@@ -173,8 +171,8 @@ TEST_P(WorldAskedAgain, AnOlderStateIsAnsweredAsItWas) {
   EXPECT_TRUE(are_same(first, asked.last));
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryKind, WorldAskedAgain, testing::Values(QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near),
-                         [](const auto& kind) { return std::string(wire_contract::name_of(kind.param)); });
+INSTANTIATE_TEST_SUITE_P(EveryKind, WorldAskedAgain, testing::Values(QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near),
+                         [](const auto& kind) { return std::string(name_of(kind.param)); });
 
 }  // namespace
 }  // namespace collided::engine

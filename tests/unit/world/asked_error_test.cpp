@@ -12,9 +12,6 @@ namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 constexpr double kErrors_m[] = {1e-12, 1e-6, 1e-3, 0.1, 2, 1e9};
 
@@ -57,7 +54,7 @@ TEST(WorldAskedError, RaysAreNeverOffByMoreThanAsked) {
   }
   const auto state = (*mixed).newest();
   for (const double error_m : kErrors_m) {
-    expect_promise_kept(ask_both(*state, {.kind = QueryKind::ray, .numbers = numbers}, error_m), error_m);
+    expect_promise_kept(ask_both(*state, {.kind = QuestionKind::ray, .numbers = numbers}, error_m), error_m);
   }
 }
 
@@ -72,7 +69,7 @@ TEST(WorldAskedError, NearestDistancesAreNeverOffByMoreThanAskedAndCostLess) {
   const auto state = (*mixed).newest();
   for (const std::uint32_t nearest : {1u, 4u}) {
     for (const double error_m : kErrors_m) {
-      const Asked asked = ask_both(*state, {.kind = QueryKind::near, .max_hits = nearest, .numbers = numbers}, error_m);
+      const Asked asked = ask_both(*state, {.kind = QuestionKind::near, .max_hits = nearest, .numbers = numbers}, error_m);
       expect_promise_kept(asked, error_m);
       EXPECT_LE(asked.loose_nodes, asked.exact_nodes);
       if (error_m >= 2) {
@@ -91,7 +88,7 @@ TEST(WorldAskedError, OverlapsKeepEveryDecision) {
     numbers.insert(numbers.end(), {center.x(), center.y(), center.z(), mixed.uniform(0, 1)});
   }
   const auto state = (*mixed).newest();
-  const Questions questions{.kind = QueryKind::sphere, .numbers = numbers};
+  const Questions questions{.kind = QuestionKind::sphere, .numbers = numbers};
   for (const double error_m : kErrors_m) {
     const Asked asked = ask_both(*state, questions, error_m);
     ASSERT_EQ(asked.exact.answers, asked.loose.answers);
@@ -116,7 +113,7 @@ TEST(WorldAskedError, AGrazingDistanceIsSharpenedOnlyForWhoNeedsIt) {
   const Vec3 direction = along - 1e-9 * normal;
   const Vec3 origin = target - 100 * direction;
   const std::vector<double> numbers{origin.x(), origin.y(), origin.z(), direction.x(), direction.y(), direction.z(), INFINITY};
-  const Asked asked = ask_both(*world.newest(), {.kind = QueryKind::ray, .numbers = numbers}, 1e-2);
+  const Asked asked = ask_both(*world.newest(), {.kind = QuestionKind::ray, .numbers = numbers}, 1e-2);
   ASSERT_EQ(asked.exact.answers[0], Verdict::hit);
   expect_promise_kept(asked, 1e-2);
   EXPECT_LT(asked.exact.hits[0].error_m, 1e-7);
@@ -134,7 +131,7 @@ TEST(WorldAskedError, ALadderThatEndsAtDoubleSaysUndecidedAndNeverMiss) {
   const std::vector<double> numbers{0.3, 0.4, 0, 0.25};
   Answers exact, capped;
   QueryScratch scratch;
-  Questions questions{.kind = QueryKind::sphere, .numbers = numbers};
+  Questions questions{.kind = QuestionKind::sphere, .numbers = numbers};
   answer(*world.newest(), questions, exact, scratch);
   ASSERT_EQ(exact.answers[0], Verdict::miss);
   questions.highest = Level::filter;

@@ -11,25 +11,22 @@ namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 class WorldAudit : public ::testing::Test {
  protected:
-  std::vector<double> numbers(QueryKind kind) {
+  std::vector<double> numbers(QuestionKind kind) {
     const Vec3 p = mixed_.point(3);
     const Vec3 d = mixed_.point(3) - p;
     switch (kind) {
-      case QueryKind::ray: return {p.x(), p.y(), p.z(), d.x(), d.y(), d.z(), INFINITY};
-      case QueryKind::sphere: return {p.x(), p.y(), p.z(), 1};
-      case QueryKind::box: return {p.x(), p.y(), p.z(), 1, 0.5, 0.7, 1, 0, 0, 0};
+      case QuestionKind::ray: return {p.x(), p.y(), p.z(), d.x(), d.y(), d.z(), INFINITY};
+      case QuestionKind::sphere: return {p.x(), p.y(), p.z(), 1};
+      case QuestionKind::box: return {p.x(), p.y(), p.z(), 1, 0.5, 0.7, 1, 0, 0, 0};
       default: return {p.x(), p.y(), p.z(), INFINITY};
     }
   }
-  void ask(QueryKind kind, RayMode mode = RayMode::closest) {
+  void ask(QuestionKind kind, HitMode mode = HitMode::closest) {
     numbers_ = numbers(kind);
-    question_ = {.kind = kind, .mode = mode, .max_hits = kind == QueryKind::near ? 3U : 1'000U, .numbers = numbers_};
+    question_ = {.kind = kind, .mode = mode, .max_hits = kind == QuestionKind::near ? 3U : 1'000U, .numbers = numbers_};
     state_ = (*mixed_).newest();
     answer(*state_, question_, given_, scratch_);
   }
@@ -46,19 +43,19 @@ class WorldAudit : public ::testing::Test {
 
 TEST_F(WorldAudit, RightAnswersPass) {
   for (int i = 0; i < 60; ++i) {
-    for (const QueryKind kind : wire_contract::kWorldQuestions) {
+    for (const QuestionKind kind : kPlainQuestions) {
       ask(kind);
       ASSERT_EQ(verdict(), "");
     }
-    for (const RayMode mode : {RayMode::any, RayMode::all}) {
-      ask(QueryKind::ray, mode);
+    for (const HitMode mode : {HitMode::any, HitMode::all}) {
+      ask(QuestionKind::ray, mode);
       ASSERT_EQ(verdict(), "");
     }
   }
 }
 
 TEST_F(WorldAudit, AMissThatIsAHitIsSeen) {
-  for (const QueryKind kind : wire_contract::kWorldQuestions) {
+  for (const QuestionKind kind : kPlainQuestions) {
     do ask(kind);
     while (given_.hits.empty());
     given_.answers[0] = Verdict::miss;
@@ -68,11 +65,11 @@ TEST_F(WorldAudit, AMissThatIsAHitIsSeen) {
 }
 
 TEST_F(WorldAudit, AHitThatIsNoneIsSeen) {
-  for (const QueryKind kind : wire_contract::kWorldQuestions) {
+  for (const QuestionKind kind : kPlainQuestions) {
     do ask(kind);
     while (given_.hits.empty());
     const AnswerHit stolen = given_.hits[0];
-    if (kind == QueryKind::near) {
+    if (kind == QuestionKind::near) {
       // Nearest of all there is; what it can't be is far.
       given_.hits[0].distance_m += 1;
     } else {
@@ -87,10 +84,10 @@ TEST_F(WorldAudit, AHitThatIsNoneIsSeen) {
 }
 
 TEST_F(WorldAudit, ADistanceOutsideItsBoundIsSeen) {
-  for (const QueryKind kind : {QueryKind::ray, QueryKind::near}) {
+  for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::near}) {
     for (const bool is_solid : {true, false}) {
       do ask(kind);
-      while (given_.hits.empty() || given_.hits[0].is_at_start() || is_solid != (given_.hits[0].triangle == wire_contract::kNoTriangle));
+      while (given_.hits.empty() || given_.hits[0].is_at_start() || is_solid != (given_.hits[0].triangle == kNoTriangle));
       const double told_m = given_.hits[0].distance_m;
       for (const double side : {1.0, -1.0}) {
         given_.hits[0].distance_m = told_m + side * (3 * given_.hits[0].error_m + 1e-14 * told_m);
@@ -101,23 +98,23 @@ TEST_F(WorldAudit, ADistanceOutsideItsBoundIsSeen) {
 }
 
 TEST_F(WorldAudit, AnotherTriangleOrObjectIsSeen) {
-  do ask(QueryKind::ray);
-  while (given_.hits.empty() || given_.hits[0].triangle == wire_contract::kNoTriangle);
+  do ask(QuestionKind::ray);
+  while (given_.hits.empty() || given_.hits[0].triangle == kNoTriangle);
   given_.hits[0].triangle ^= 1;
   EXPECT_NE(verdict(), "");
 }
 
 TEST_F(WorldAudit, AnObjectTooFewIsSeen) {
-  do ask(QueryKind::sphere);
+  do ask(QuestionKind::sphere);
   while (given_.hits.size() < 2);
   given_.hits.pop_back();
   EXPECT_NE(verdict(), "");
 }
 
 TEST_F(WorldAudit, UndecidedClaimsNothing) {
-  ask(QueryKind::ray);
+  ask(QuestionKind::ray);
   given_.answers[0] = Verdict::undecided;
-  given_.reasons[0] = wire_contract::UndecidedReason::deadline;
+  given_.reasons[0] = UndecidedReason::deadline;
   given_.hits.clear();
   EXPECT_EQ(verdict(), "");
 }

@@ -20,8 +20,6 @@ namespace {
 
 using oracle::Instant;
 using oracle::MovingBody;
-using wire_contract::EndReason;
-using wire_contract::EventKind;
 
 constexpr std::int64_t kStart = 1'000'000'000'000;
 constexpr std::int64_t kMs = 1'000'000;

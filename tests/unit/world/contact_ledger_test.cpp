@@ -5,8 +5,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EndReason;
-using wire_contract::EventKind;
 
 FoundContact pair_of(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
 
@@ -255,16 +253,16 @@ TEST(ContactLedger, ACorrectedContactIsToldInItsBeginningAndNoOther) {
 TEST(ContactLedger, ADoubtBeganWhereTheUndecidedSpanBeginsAndTellsNoPlace) {
   ContactLedger ledger;
   ledger.begin_step(10'000'000'000, false);
-  ledger.doubts(told_in_full(1, 2), wire_contract::Doubt::cost_limit);
+  ledger.doubts(told_in_full(1, 2), Doubt::cost_limit);
   ledger.finish_step();
   ASSERT_EQ(ledger.open().size(), 1u);
   const OpenContact& open = ledger.open()[0];
   EXPECT_EQ(open.began_ns, 9'250'000'000);
-  EXPECT_EQ(open.doubt, wire_contract::Doubt::cost_limit);
-  EXPECT_EQ(open.a_triangle, wire_contract::kNoTriangle);
-  EXPECT_EQ(open.b_triangle, wire_contract::kNoTriangle);
+  EXPECT_EQ(open.doubt, Doubt::cost_limit);
+  EXPECT_EQ(open.a_triangle, kNoTriangle);
+  EXPECT_EQ(open.b_triangle, kNoTriangle);
   EXPECT_EQ(open.contact.point, Vec3(0, 0, 0));
-  EXPECT_EQ(open.doubt, wire_contract::Doubt::cost_limit);
+  EXPECT_EQ(open.doubt, Doubt::cost_limit);
   EXPECT_EQ(open.contact.depth_m, 0);
   EXPECT_EQ(ledger.events().at(0).bracket_low_s, 0.75);
   EXPECT_EQ(ledger.events()[0].bracket_high_s, 0.5);

@@ -17,10 +17,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
-using wire_contract::UndecidedReason;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kSecond = 1'000'000'000;
@@ -29,7 +25,7 @@ ObjectDefinition ball(const std::string& name, const Vec3& position, double radi
   Shape shape;
   shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = radius_m});
   return {.name = name, .scene = {}, .shape = shape, .pose = {.position = position}, .filter = {}, .moving = false,
-          .lost_policy = wire_contract::LostPolicy::freeze, .publisher = 0};
+          .lost_policy = LostPolicy::freeze, .publisher = 0};
 }
 
 Aabb box(const Vec3& low, const Vec3& high) { return {.low = low, .high = high}; }
@@ -43,13 +39,13 @@ struct Covered {
     step();
   }
   void step() { ASSERT_TRUE(world.step(++seconds * kSecond, 1, {})); }
-  Answers ask(QueryKind kind, std::vector<double> numbers, RayMode mode = RayMode::closest, const ObjectInfo* mover = nullptr,
+  Answers ask(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest, const ObjectInfo* mover = nullptr,
               std::uint32_t max_hits = 1'000) {
     Answers answers;
     answer(*world.newest(), {.kind = kind, .mode = mode, .max_hits = max_hits, .numbers = numbers, .mover = mover}, answers, scratch);
     return answers;
   }
-  Verdict verdict(QueryKind kind, std::vector<double> numbers, RayMode mode = RayMode::closest) { return ask(kind, std::move(numbers), mode).answers[0]; }
+  Verdict verdict(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest) { return ask(kind, std::move(numbers), mode).answers[0]; }
   World world{WorldOptions{}};
   QueryScratch scratch;
   std::int64_t seconds = 0;
@@ -61,44 +57,44 @@ void expect_not_covered(const Answers& answers, const Vec3& point, std::size_t h
   EXPECT_EQ(answers.reasons[0], UndecidedReason::not_covered);
   ASSERT_EQ(answers.hits.size(), hits + 1);
   EXPECT_EQ(answers.hit_counts[0], hits + 1);
-  EXPECT_EQ(answers.hits.back().flags, wire_contract::kUncovered);
+  EXPECT_EQ(answers.hits.back().flags, kUncovered);
   EXPECT_EQ(answers.hits.back().object, 0U);
   EXPECT_LT((answers.hits.back().point - point).norm(), 1e-9) << answers.hits.back().point.transpose();
 }
 
 TEST(Covered, AMissIsOneOnlyWhereAllThatWasAskedIsCovered) {
   Covered world;
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 5, 0, 0, 0, 1, 9}), Verdict::miss);
-  expect_not_covered(world.ask(QueryKind::ray, {0, 5, 0, 0, 0, 2, 11}), {0, 5, 10});
-  EXPECT_NEAR(world.ask(QueryKind::ray, {0, 5, 0, 0, 0, 2, 11}).hits[0].distance_m, 10, 1e-9);
-  expect_not_covered(world.ask(QueryKind::ray, {0, 5, 0, 3, 4, 0, kInfinity}), {3.75, 10, 0});
-  expect_not_covered(world.ask(QueryKind::ray, {0, 50, 0, 0, 1, 0, 1}), {0, 50, 0});
-  EXPECT_EQ(world.verdict(QueryKind::sphere, {5, 5, 5, 4}), Verdict::miss);
-  expect_not_covered(world.ask(QueryKind::sphere, {5, 5, -7, 4}), {5, 5, -10});
-  EXPECT_EQ(world.verdict(QueryKind::box, {5, 5, 5, 1, 2, 5, 1, 0, 0, 0}), Verdict::miss);
-  expect_not_covered(world.ask(QueryKind::box, {5, 5, 5, 1, 6, 5, 1, 0, 0, 0}), {5, 10, 5});
-  expect_not_covered(world.ask(QueryKind::box, {8, 5, 5, 1, 4, 1, 0.6, 0, 0, 0.8}), {10, 5, 5});
-  expect_not_covered(world.ask(QueryKind::near, {5, 0, 0, 6}, RayMode::closest, nullptr, 2), {10, 0, 0}, 1);
+  EXPECT_EQ(world.verdict(QuestionKind::ray, {0, 5, 0, 0, 0, 1, 9}), Verdict::miss);
+  expect_not_covered(world.ask(QuestionKind::ray, {0, 5, 0, 0, 0, 2, 11}), {0, 5, 10});
+  EXPECT_NEAR(world.ask(QuestionKind::ray, {0, 5, 0, 0, 0, 2, 11}).hits[0].distance_m, 10, 1e-9);
+  expect_not_covered(world.ask(QuestionKind::ray, {0, 5, 0, 3, 4, 0, kInfinity}), {3.75, 10, 0});
+  expect_not_covered(world.ask(QuestionKind::ray, {0, 50, 0, 0, 1, 0, 1}), {0, 50, 0});
+  EXPECT_EQ(world.verdict(QuestionKind::sphere, {5, 5, 5, 4}), Verdict::miss);
+  expect_not_covered(world.ask(QuestionKind::sphere, {5, 5, -7, 4}), {5, 5, -10});
+  EXPECT_EQ(world.verdict(QuestionKind::box, {5, 5, 5, 1, 2, 5, 1, 0, 0, 0}), Verdict::miss);
+  expect_not_covered(world.ask(QuestionKind::box, {5, 5, 5, 1, 6, 5, 1, 0, 0, 0}), {5, 10, 5});
+  expect_not_covered(world.ask(QuestionKind::box, {8, 5, 5, 1, 4, 1, 0.6, 0, 0, 0.8}), {10, 5, 5});
+  expect_not_covered(world.ask(QuestionKind::near, {5, 0, 0, 6}, HitMode::closest, nullptr, 2), {10, 0, 0}, 1);
 }
 
 // A nearest hit says that nothing is nearer; that something is there needs no more than the hit.
 TEST(Covered, AHitStaysWhereNothingUnknownCouldBeBeforeIt) {
   Covered world;
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 0, 5, 0, 0, -1, kInfinity}), Verdict::hit);
-  expect_not_covered(world.ask(QueryKind::ray, {0, 0, 15, 0, 0, -1, kInfinity}), {0, 0, 15}, 1);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 0, 15, 0, 0, -1, kInfinity}, RayMode::any), Verdict::hit);
-  expect_not_covered(world.ask(QueryKind::ray, {0, 2, 0, 0, 1, 0, kInfinity}), {0, 10, 0}, 1);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 2, 0, 0, 1, 0, kInfinity}, RayMode::any), Verdict::hit);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 0, 5, 0, 0, -1, 15}, RayMode::all), Verdict::hit);
-  expect_not_covered(world.ask(QueryKind::ray, {0, 0, 5, 0, 0, -1, 16}, RayMode::all), {0, 0, -10}, 1);
-  EXPECT_EQ(world.verdict(QueryKind::sphere, {9, 0, 0, 8.5}), Verdict::hit);
-  EXPECT_EQ(world.ask(QueryKind::near, {5, 0, 0, kInfinity}, RayMode::closest, nullptr, 1).answers[0], Verdict::hit);
-  EXPECT_EQ(world.ask(QueryKind::near, {8, 0, 0, kInfinity}, RayMode::closest, nullptr, 1).answers[0], Verdict::undecided);
+  EXPECT_EQ(world.verdict(QuestionKind::ray, {0, 0, 5, 0, 0, -1, kInfinity}), Verdict::hit);
+  expect_not_covered(world.ask(QuestionKind::ray, {0, 0, 15, 0, 0, -1, kInfinity}), {0, 0, 15}, 1);
+  EXPECT_EQ(world.verdict(QuestionKind::ray, {0, 0, 15, 0, 0, -1, kInfinity}, HitMode::any), Verdict::hit);
+  expect_not_covered(world.ask(QuestionKind::ray, {0, 2, 0, 0, 1, 0, kInfinity}), {0, 10, 0}, 1);
+  EXPECT_EQ(world.verdict(QuestionKind::ray, {0, 2, 0, 0, 1, 0, kInfinity}, HitMode::any), Verdict::hit);
+  EXPECT_EQ(world.verdict(QuestionKind::ray, {0, 0, 5, 0, 0, -1, 15}, HitMode::all), Verdict::hit);
+  expect_not_covered(world.ask(QuestionKind::ray, {0, 0, 5, 0, 0, -1, 16}, HitMode::all), {0, 0, -10}, 1);
+  EXPECT_EQ(world.verdict(QuestionKind::sphere, {9, 0, 0, 8.5}), Verdict::hit);
+  EXPECT_EQ(world.ask(QuestionKind::near, {5, 0, 0, kInfinity}, HitMode::closest, nullptr, 1).answers[0], Verdict::hit);
+  EXPECT_EQ(world.ask(QuestionKind::near, {8, 0, 0, kInfinity}, HitMode::closest, nullptr, 1).answers[0], Verdict::undecided);
   Shape shape;
   shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 1});
   const ObjectInfo mover = without_world(shape);
   const auto sweep = [&](double from, double to) {
-    return world.ask(QueryKind::sweep, {from, 0, 0, 1, 0, 0, 0, to, 0, 0, 1, 0, 0, 0}, RayMode::closest, &mover);
+    return world.ask(QuestionKind::sweep, {from, 0, 0, 1, 0, 0, 0, to, 0, 0, 1, 0, 0, 0}, HitMode::closest, &mover);
   };
   EXPECT_EQ(sweep(8, 3).answers[0], Verdict::miss);
   EXPECT_EQ(sweep(8, -50).answers[0], Verdict::hit) << "what comes after the contact is not asked about";
@@ -111,19 +107,19 @@ TEST(Covered, TheBorderIsExact) {
   Covered world({box({-1, -1, 0.25}, {tenth * 3, 5, 1})});
   const double length = 5 - 1.5;
   const auto up = [](double x) { return std::nextafter(x, kInfinity); };
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 1.5, 0.3, 0, 1, 0, length}), Verdict::miss);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0, 1.5, 0.3, 0, 1, 0, up(length)}), Verdict::undecided);
+  EXPECT_EQ(world.verdict(QuestionKind::ray, {0, 1.5, 0.3, 0, 1, 0, length}), Verdict::miss);
+  EXPECT_EQ(world.verdict(QuestionKind::ray, {0, 1.5, 0.3, 0, 1, 0, up(length)}), Verdict::undecided);
   // 0.1 + 0.2 rounds to 0.3 and a bit, which is 3 * 0.1; the exact sum lies below it.
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0.1, 2, 0.3, 1, 0, 0, 0.2}), Verdict::miss);
-  EXPECT_EQ(world.verdict(QueryKind::ray, {0.1, 2, 0.3, 1, 0, 0, up(up(0.2))}), Verdict::undecided);
-  EXPECT_EQ(world.verdict(QueryKind::sphere, {0.2, 2, 0.3, 0.3 - 0.25}), Verdict::miss);
-  EXPECT_EQ(world.verdict(QueryKind::sphere, {0.2, 2, 0.3, up(0.3 - 0.25)}), Verdict::undecided);
+  EXPECT_EQ(world.verdict(QuestionKind::ray, {0.1, 2, 0.3, 1, 0, 0, 0.2}), Verdict::miss);
+  EXPECT_EQ(world.verdict(QuestionKind::ray, {0.1, 2, 0.3, 1, 0, 0, up(up(0.2))}), Verdict::undecided);
+  EXPECT_EQ(world.verdict(QuestionKind::sphere, {0.2, 2, 0.3, 0.3 - 0.25}), Verdict::miss);
+  EXPECT_EQ(world.verdict(QuestionKind::sphere, {0.2, 2, 0.3, up(0.3 - 0.25)}), Verdict::undecided);
   // Where a direction's own length is rounded coarsely, or overflows.
   Covered slim({box({0, -9, -9}, {0.1, 9, 9})});
   const double least = std::numeric_limits<double>::denorm_min();
-  EXPECT_EQ(slim.verdict(QueryKind::ray, {0, 5, 0, 3 * least, 2 * least, 0, 0.123}), Verdict::undecided) << "it ends at 0.102";
-  EXPECT_EQ(slim.verdict(QueryKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.25}), Verdict::undecided) << "it ends at 0.144";
-  EXPECT_EQ(slim.verdict(QueryKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.09}), Verdict::miss);
+  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 3 * least, 2 * least, 0, 0.123}), Verdict::undecided) << "it ends at 0.102";
+  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.25}), Verdict::undecided) << "it ends at 0.144";
+  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.09}), Verdict::miss);
 }
 
 TEST(Covered, NothingIsStatedByDefaultAndUnsaidByTakingAway) {
@@ -134,7 +130,7 @@ TEST(Covered, NothingIsStatedByDefaultAndUnsaidByTakingAway) {
     EXPECT_TRUE(world.step(++time_ns, 1, {}));
     const std::vector<double> numbers{0, 5, 0, 0, aside, 1, 9};
     Answers answers;
-    answer(*world.newest(), {.kind = QueryKind::ray, .numbers = numbers}, answers, scratch);
+    answer(*world.newest(), {.kind = QuestionKind::ray, .numbers = numbers}, answers, scratch);
     return answers.answers[0];
   };
   EXPECT_EQ(verdict(), Verdict::miss);
@@ -168,23 +164,23 @@ TEST(Covered, AProbeThatLooksOutOfItIsUndecided) {
     probes.read(*world.world.newest(), [&](std::string_view name) { return world.world.find(name); }, readings);
     return readings.at(0).state;
   };
-  EXPECT_EQ(state(3, {1, 0, 0}), wire_contract::ProbeState::nothing);
-  EXPECT_EQ(state(5, {1, 0, 0}), wire_contract::ProbeState::undecided);
-  EXPECT_EQ(state(100, {-1, 0, 0}), wire_contract::ProbeState::gap);
+  EXPECT_EQ(state(3, {1, 0, 0}), ProbeState::nothing);
+  EXPECT_EQ(state(5, {1, 0, 0}), ProbeState::undecided);
+  EXPECT_EQ(state(100, {-1, 0, 0}), ProbeState::gap);
 }
 
 /// Numbers of a question near the origin.
-std::vector<double> any_question(QueryKind kind, std::mt19937_64& random) {
+std::vector<double> any_question(QuestionKind kind, std::mt19937_64& random) {
   std::uniform_real_distribution<double> coordinate(-12, 12);
   std::uniform_real_distribution<double> size(0, 5);
   const auto point = [&] { return Vec3(coordinate(random), coordinate(random), coordinate(random)); };
   const Vec3 p = point();
   const Vec3 q = point();
   switch (kind) {
-    case QueryKind::ray: return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), 4 * size(random)};
-    case QueryKind::sphere: return {p.x(), p.y(), p.z(), size(random)};
-    case QueryKind::box: return {p.x(), p.y(), p.z(), size(random), size(random), size(random), 0.6, 0, 0.8, 0};
-    case QueryKind::near: return {p.x(), p.y(), p.z(), 4 * size(random)};
+    case QuestionKind::ray: return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), 4 * size(random)};
+    case QuestionKind::sphere: return {p.x(), p.y(), p.z(), size(random)};
+    case QuestionKind::box: return {p.x(), p.y(), p.z(), size(random), size(random), size(random), 0.6, 0, 0.8, 0};
+    case QuestionKind::near: return {p.x(), p.y(), p.z(), 4 * size(random)};
     default: return {p.x(), p.y(), p.z(), 1, 0, 0, 0, q.x(), q.y(), q.z(), 0.6, 0, 0.8, 0};
   }
 }
@@ -221,19 +217,19 @@ TEST(Covered, PiecesThatTouchAreAsGoodAsTheWhole) {
   const ObjectInfo mover = without_world(shape);
   Covered whole;
   int covered = 0, not_covered = 0;
-  constexpr QueryKind kKinds[] = {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep};
+  constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep};
   for (int cut = 0; cut < 30; ++cut) {
     Covered parts(pieces(random, true));
     for (int i = 0; i < 200; ++i) {
-      const QueryKind kind = kKinds[i % 5];
+      const QuestionKind kind = kKinds[i % 5];
       const std::vector<double> numbers = any_question(kind, random);
-      const Answers of_whole = whole.ask(kind, numbers, RayMode::closest, &mover, 1);
-      const Answers of_parts = parts.ask(kind, numbers, RayMode::closest, &mover, 1);
+      const Answers of_whole = whole.ask(kind, numbers, HitMode::closest, &mover, 1);
+      const Answers of_parts = parts.ask(kind, numbers, HitMode::closest, &mover, 1);
       ASSERT_EQ(of_parts.reasons[0], of_whole.reasons[0]) << "cut " << cut << ", question " << i;
       const bool is_covered = of_whole.reasons[0] != UndecidedReason::not_covered;
       covered += is_covered ? 1 : 0;
       not_covered += is_covered ? 0 : 1;
-      if (!is_covered && kind == QueryKind::ray) {
+      if (!is_covered && kind == QuestionKind::ray) {
         EXPECT_NEAR(of_parts.hits.back().distance_m, of_whole.hits.back().distance_m, 1e-9);
       }
     }
@@ -252,15 +248,15 @@ TEST(Covered, SeamsLetNothingThroughAndHoldNothingUp) {
   Covered world(tiles);
   const std::vector<double> within[] = {{0, 0, 0, 4, 4, 4, 6.928}, {0.5, 2, 1.5, 3, 0, 0.25, 3}, {2, 2, 0, 0, 0, 1, 4},
                                         {0.25, 1, 0.5, 0.3, 0, 0.4, 3}, {0.1, 0.2, 0.3, 1, 1, 1, 6}, {4, 4, 0.5, -1, -1, 0, 5.6}};
-  for (const std::vector<double>& ray : within) EXPECT_EQ(world.ask(QueryKind::ray, ray, RayMode::all).reasons[0], UndecidedReason::none) << ray[3] << ' ' << ray[4];
-  EXPECT_EQ(world.verdict(QueryKind::sphere, {2, 2, 2, 0.99999}), world.verdict(QueryKind::sphere, {2, 2, 2, 0.5}));
+  for (const std::vector<double>& ray : within) EXPECT_EQ(world.ask(QuestionKind::ray, ray, HitMode::all).reasons[0], UndecidedReason::none) << ray[3] << ' ' << ray[4];
+  EXPECT_EQ(world.verdict(QuestionKind::sphere, {2, 2, 2, 0.99999}), world.verdict(QuestionKind::sphere, {2, 2, 2, 0.5}));
   // Without one of them.
   tiles.erase(tiles.begin() + 21);  // from 1, 1, 1
   Covered holed(tiles);
-  EXPECT_EQ(holed.ask(QueryKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, RayMode::all).reasons[0], UndecidedReason::not_covered);
-  EXPECT_NEAR(holed.ask(QueryKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, RayMode::all).hits.back().distance_m, std::sqrt(3.0), 1e-9);
-  EXPECT_EQ(holed.ask(QueryKind::near, {1.5, 1.5, 3, 0.9}).reasons[0], UndecidedReason::none);
-  expect_not_covered(holed.ask(QueryKind::sphere, {2.5, 2.5, 1.5, 0.75}), {2, 2, 1.5}, 0);
+  EXPECT_EQ(holed.ask(QuestionKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, HitMode::all).reasons[0], UndecidedReason::not_covered);
+  EXPECT_NEAR(holed.ask(QuestionKind::ray, {0, 0, 0, 4, 4, 4, 6.928}, HitMode::all).hits.back().distance_m, std::sqrt(3.0), 1e-9);
+  EXPECT_EQ(holed.ask(QuestionKind::near, {1.5, 1.5, 3, 0.9}).reasons[0], UndecidedReason::none);
+  expect_not_covered(holed.ask(QuestionKind::sphere, {2.5, 2.5, 1.5, 0.75}), {2, 2, 1.5}, 0);
 }
 
 // The slow twin puts something to many places outside of what is covered: wherever that changes an answer, the answer given
@@ -282,18 +278,18 @@ TEST(Covered, NothingOutsideContradictsWhatWasAnswered) {
       if (std::none_of(covers.begin(), covers.end(), [&](const Aabb& cover) { return overlaps(around, cover); })) return center;
     }
   };
-  constexpr QueryKind kKinds[] = {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep};
+  constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep};
   int contradicted = 0, doubted = 0, sure = 0, changed = 0;
   for (int place = 0; place < 1'000; ++place) {
     there.world.move(stranger, {.position = outside()}, (place + 1) * kSecond, true);
     there.step();
     for (int i = 0; i < 40; ++i) {
-      const QueryKind kind = kKinds[i % 5];
+      const QuestionKind kind = kKinds[i % 5];
       const std::vector<double> numbers = any_question(kind, random);
-      const Answers given = world.ask(kind, numbers, RayMode::closest, &mover, 1);
-      const Answers truth = there.ask(kind, numbers, RayMode::closest, &mover, 1);
+      const Answers given = world.ask(kind, numbers, HitMode::closest, &mover, 1);
+      const Answers truth = there.ask(kind, numbers, HitMode::closest, &mover, 1);
       const bool is_of_stranger = !truth.hits.empty() && truth.hits[0].object == stranger;
-      const bool is_overlap = kind == QueryKind::sphere || kind == QueryKind::box;
+      const bool is_overlap = kind == QuestionKind::sphere || kind == QuestionKind::box;
       const bool differs = truth.answers[0] == Verdict::hit && is_of_stranger && (!is_overlap || given.hits.empty() || given.answers[0] != Verdict::hit);
       changed += differs ? 1 : 0;
       doubted += given.reasons[0] == UndecidedReason::not_covered ? 1 : 0;

@@ -11,9 +11,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Doubt;
-using wire_contract::EndReason;
-using wire_contract::EventKind;
 
 FoundContact pair_of(ObjectId a, ObjectId b) { return {.a = a, .b = b, .contact = {}}; }
 

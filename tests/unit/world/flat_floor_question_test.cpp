@@ -49,10 +49,10 @@ TEST(FlatFloorQuestion, GivesOnlyTheFloorsNormal) {
       if (i % 4 == 0) at = floor.vertices[static_cast<std::size_t>(220 + i % 17)];
       const double depth_m = 0.01 + 0.005 * any(generator);
       const double radius_m = 0.6 + 0.4 * any(generator);
-      expect_floor(stage.ask(wire_contract::QueryKind::sphere, {at.x(), at.y(), radius_m - depth_m, radius_m}), depth_m);
+      expect_floor(stage.ask(QuestionKind::sphere, {at.x(), at.y(), radius_m - depth_m, radius_m}), depth_m);
       const double half = any(generator);
       const Quat turn = Quat(1, 0, 0, half).normalized();
-      expect_floor(stage.ask(wire_contract::QueryKind::box, {at.x(), at.y(), 0.5 - depth_m, radius_m, 0.3, 0.5, turn.w(), 0, 0, turn.z()}), depth_m);
+      expect_floor(stage.ask(QuestionKind::box, {at.x(), at.y(), 0.5 - depth_m, radius_m, 0.3, 0.5, turn.w(), 0, 0, turn.z()}), depth_m);
       if (testing::Test::HasFatalFailure()) FAIL() << "at " << at.transpose() << " question " << i;
     }
   }

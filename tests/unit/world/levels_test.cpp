@@ -17,7 +17,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::QueryKind;
 
 struct Surface {
   TriangleMesh mesh;
@@ -152,7 +151,7 @@ struct LevelledWorld {
 Answers asked_near(const LevelledWorld& levelled, const std::vector<double>& numbers, std::uint32_t nearest, double error_m) {
   Answers answers;
   QueryScratch scratch;
-  answer(*levelled.world.newest(), {.kind = QueryKind::near, .max_hits = nearest, .error_m = error_m, .numbers = numbers}, answers, scratch);
+  answer(*levelled.world.newest(), {.kind = QuestionKind::near, .max_hits = nearest, .error_m = error_m, .numbers = numbers}, answers, scratch);
   return answers;
 }
 
@@ -222,7 +221,7 @@ TEST(WorldLevels, TheAuditAgrees) {
   std::uniform_real_distribution<double> coordinate(-11, 11);
   for (int i = 0; i < 30; ++i) {
     const std::vector<double> numbers{coordinate(random), coordinate(random), coordinate(random), i % 2 == 0 ? INFINITY : 2.0};
-    const Questions question{.kind = QueryKind::near, .max_hits = 2, .error_m = 4.1 * levelled.coarsest_m, .numbers = numbers};
+    const Questions question{.kind = QuestionKind::near, .max_hits = 2, .error_m = 4.1 * levelled.coarsest_m, .numbers = numbers};
     Answers answers;
     QueryScratch scratch;
     answer(*levelled.world.newest(), question, answers, scratch);

@@ -39,7 +39,7 @@ TEST(WorldManyPoses, LeaveTheSameStateAsOneAfterTheOther) {
   std::uniform_real_distribution<double> place(-20, 20);
   std::normal_distribution<double> turn;
   const ObjectId gone = together.ids[5];
-  for (Bodies* bodies : {&together, &single}) bodies->world.remove(gone, wire_contract::EndReason::removed);
+  for (Bodies* bodies : {&together, &single}) bodies->world.remove(gone, EndReason::removed);
   for (int round = 0; round < 5; ++round) {
     std::vector<Pose> poses;
     std::vector<ObjectId> ids = together.ids;

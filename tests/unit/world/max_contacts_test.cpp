@@ -9,8 +9,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EndReason;
-using wire_contract::EventKind;
 
 class WorldMaxContacts : public ::testing::Test {
  protected:

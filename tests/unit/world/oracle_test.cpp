@@ -14,9 +14,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EventKind;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 using oracle::MixedWorld;
 
@@ -52,9 +49,9 @@ TEST(WorldOracle, EveryQuestionEqualsBruteForceBitForBit) {
   MixedWorld mixed(random);
   mixed.add_half_spaces();
   const SnapshotRing::Lease lease = mixed.world.newest();
-  for (const RayMode mode : {RayMode::closest, RayMode::all}) {
+  for (const HitMode mode : {HitMode::closest, HitMode::all}) {
     Questions questions;
-    questions.kind = QueryKind::ray;
+    questions.kind = QuestionKind::ray;
     questions.mode = mode;
     std::vector<double> numbers;
     for (int i = 0; i < 2'000; ++i) {
@@ -66,26 +63,26 @@ TEST(WorldOracle, EveryQuestionEqualsBruteForceBitForBit) {
       }
     }
     questions.numbers = numbers;
-    questions.mask = mode == RayMode::all ? 2 : 0xffffffff;
+    questions.mask = mode == HitMode::all ? 2 : 0xffffffff;
     expect_equal(*lease, questions);
   }
-  for (const QueryKind kind : {QueryKind::sphere, QueryKind::box, QueryKind::near}) {
+  for (const QuestionKind kind : {QuestionKind::sphere, QuestionKind::box, QuestionKind::near}) {
     Questions questions;
     questions.kind = kind;
     std::vector<double> numbers;
     for (int i = 0; i < 500; ++i) {
       const Pose pose = mixed.pose();
       for (int k = 0; k < 3; ++k) numbers.push_back(pose.position[k]);
-      if (kind == QueryKind::near) numbers.push_back(i % 2 == 0 ? INFINITY : mixed.uniform(0, 3));
-      if (kind == QueryKind::sphere) numbers.push_back(mixed.uniform(0, 1.5));
-      if (kind != QueryKind::box) continue;
+      if (kind == QuestionKind::near) numbers.push_back(i % 2 == 0 ? INFINITY : mixed.uniform(0, 3));
+      if (kind == QuestionKind::sphere) numbers.push_back(mixed.uniform(0, 1.5));
+      if (kind != QuestionKind::box) continue;
       for (int k = 0; k < 3; ++k) numbers.push_back(mixed.uniform(0, 1));
       for (const double x : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()}) {
         numbers.push_back(x);
       }
     }
     questions.numbers = numbers;
-    questions.max_hits = kind == QueryKind::near ? 3 : 1000;
+    questions.max_hits = kind == QuestionKind::near ? 3 : 1000;
     expect_equal(*lease, questions);
   }
 }

@@ -191,7 +191,7 @@ TEST(PairReports, AreAsEveryPairOfPartsSays) {
         ASSERT_LE(found.manifold.size(), 4u);
         if (!first.mesh || !second.mesh) continue;
         std::erase_if(twin.triangles, [](const auto& pair) {
-          return pair.first == wire_contract::kNoTriangle || pair.second == wire_contract::kNoTriangle;
+          return pair.first == kNoTriangle || pair.second == kNoTriangle;
         });
         std::set<std::pair<std::uint32_t, std::uint32_t>> told;
         for (const TriangleCrossing& c : found.crossings) told.emplace(c.a, c.b);
@@ -224,10 +224,10 @@ TEST(PairReports, NormalsPointsAndTrianglesAreThoseOfTheFirstAndTheSecondAsked) 
     EXPECT_NEAR((touching.contact.normal - Vec3::UnitZ()).norm(), 0, 1e-12);
     EXPECT_NEAR(touching.contact.depth_m, 0.25, touching.contact.depth_error_m + 1e-15);
     EXPECT_EQ(touching.a_triangle, 1u) << "the half of the floor where x > y";
-    EXPECT_EQ(touching.b_triangle, wire_contract::kNoTriangle);
+    EXPECT_EQ(touching.b_triangle, kNoTriangle);
     ASSERT_EQ(touching.manifold.size(), 1u);
     EXPECT_EQ(touching.manifold[0].a_triangle, 1u);
-    EXPECT_EQ(touching.manifold[0].b_triangle, wire_contract::kNoTriangle);
+    EXPECT_EQ(touching.manifold[0].b_triangle, kNoTriangle);
     expect_turned(touching, report(stage.world, low, ground));
   }
 }

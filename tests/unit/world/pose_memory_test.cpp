@@ -12,9 +12,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::UndecidedReason;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kStart = 1'000 * kSecond;
@@ -51,7 +48,7 @@ class WorldPoseMemory : public testing::Test {
     const std::vector<double> numbers{x, 0, 10, 0, 0, -1, INFINITY};
     Answers answers;
     QueryScratch scratch;
-    answer(*world.memory().at(time_ns), {.kind = QueryKind::ray, .numbers = numbers}, answers, scratch);
+    answer(*world.memory().at(time_ns), {.kind = QuestionKind::ray, .numbers = numbers}, answers, scratch);
     return answers;
   }
 
@@ -146,7 +143,7 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
       truths[id] = {.name = "ball" + std::to_string(named - 1), .born_ns = time_ns, .first = pose.position, .moves = {}};
       ASSERT_TRUE(world.step(now_ns, 1, {}));
     } else if (objects.size() > 2 && random() % 20 == 0) {
-      ASSERT_TRUE(world.remove(objects.back(), wire_contract::EndReason::removed));
+      ASSERT_TRUE(world.remove(objects.back(), EndReason::removed));
       ASSERT_TRUE(world.step(now_ns, 1, {}));
       truths[objects.back()].gone_ns = std::min(now_ns, last[publisher] + 1);
       objects.pop_back();
@@ -188,7 +185,7 @@ TEST_F(WorldPoseMemory, WhatIsGoneWasThereAndWhatCameLaterWasNot) {
   const ObjectId other = ball("other", 1, at(50));
   say(1, kStart, {{a, at(0)}});
   say(1, kStart + kTick, {{other, at(51)}});
-  ASSERT_TRUE(world.remove(a, wire_contract::EndReason::removed));
+  ASSERT_TRUE(world.remove(a, EndReason::removed));
   now_ns = kStart + 5 * kTick;
   ASSERT_TRUE(world.step(now_ns, 1, {}));
   say(1, kStart + 3 * kTick, {{other, at(52)}});

@@ -9,7 +9,6 @@ namespace collided::engine {
 namespace {
 
 using extreme::Stage;
-using wire_contract::ProbeState;
 
 std::vector<ProbeReading> read(Probes& probes, const World& world) {
   std::vector<ProbeReading> readings;
@@ -194,7 +193,7 @@ TEST(Probes, WaitForTheirObject) {
   const ObjectId car = stage.ball("car", {0, 0, 2}, 0.1);
   stage.step();
   EXPECT_EQ(read(probes, stage.world).at(0).state, ProbeState::gap);
-  stage.world.remove(car, wire_contract::EndReason::removed);
+  stage.world.remove(car, EndReason::removed);
   stage.step();
   EXPECT_EQ(read(probes, stage.world).at(0).state, ProbeState::absent);
   EXPECT_EQ(probes.remove("d*"), std::vector<std::string>{"down"});
@@ -211,7 +210,7 @@ TEST(Probes, RefuseWhatIsNoRay) {
   EXPECT_TRUE(probes.set({.name = "p", .object = "o", .reach_m = nan}));
   EXPECT_TRUE(probes.set({.name = "p", .object = "o", .back_m = extreme::kEndless}));
   EXPECT_TRUE(probes.empty());
-  for (std::uint32_t i = 0; i < wire_contract::kMaxProbes; ++i) {
+  for (std::uint32_t i = 0; i < kMaxProbes; ++i) {
     ASSERT_FALSE(probes.set({.name = std::to_string(i), .object = "o"}));
   }
   EXPECT_TRUE(probes.set({.name = "one more", .object = "o"}));

@@ -16,26 +16,25 @@ namespace collided::engine {
 namespace {
 
 using oracle::MixedWorld;
-using wire_contract::QueryKind;
 
 constexpr std::size_t kQuestions = 400;
 
-std::vector<double> random_numbers(MixedWorld& mixed, QueryKind kind) {
+std::vector<double> random_numbers(MixedWorld& mixed, QuestionKind kind) {
   std::vector<double> numbers;
   for (std::size_t i = 0; i < kQuestions; ++i) {
     const Vec3 p = mixed.point(5);
     const Vec3 d = mixed.point(3) - p;
     numbers.insert(numbers.end(), {p.x(), p.y(), p.z()});
-    if (kind == QueryKind::ray) numbers.insert(numbers.end(), {d.x(), d.y(), d.z(), INFINITY});
-    if (kind == QueryKind::sphere) numbers.push_back(0.8);
-    if (kind == QueryKind::box) numbers.insert(numbers.end(), {0.5, 0.7, 0.3, 1, 0, 0, 0});
-    if (kind == QueryKind::near) numbers.push_back(INFINITY);
+    if (kind == QuestionKind::ray) numbers.insert(numbers.end(), {d.x(), d.y(), d.z(), INFINITY});
+    if (kind == QuestionKind::sphere) numbers.push_back(0.8);
+    if (kind == QuestionKind::box) numbers.insert(numbers.end(), {0.5, 0.7, 0.3, 1, 0, 0, 0});
+    if (kind == QuestionKind::near) numbers.push_back(INFINITY);
   }
   return numbers;
 }
 
-Questions question_of(QueryKind kind, std::span<const double> numbers) {
-  return {.kind = kind, .max_hits = kind == QueryKind::near ? 4U : 1'000U, .numbers = numbers};
+Questions question_of(QuestionKind kind, std::span<const double> numbers) {
+  return {.kind = kind, .max_hits = kind == QuestionKind::near ? 4U : 1'000U, .numbers = numbers};
 }
 
 /// FNV-1a over everything that an answer says; what it cost is left out.
@@ -66,7 +65,7 @@ std::uint64_t digest_of_all(const Snapshot& snapshot, const std::vector<std::vec
   Answers answers;
   QueryScratch scratch;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
-    answer(snapshot, question_of(wire_contract::kWorldQuestions[k], numbers[k]), answers, scratch);
+    answer(snapshot, question_of(kPlainQuestions[k], numbers[k]), answers, scratch);
     digest.add(answers);
   }
   return digest.value();
@@ -75,7 +74,7 @@ std::uint64_t digest_of_all(const Snapshot& snapshot, const std::vector<std::vec
 class WorldSameBits : public ::testing::Test {
  protected:
   WorldSameBits() {
-    for (const QueryKind kind : wire_contract::kWorldQuestions) numbers_.push_back(random_numbers(mixed_, kind));
+    for (const QuestionKind kind : kPlainQuestions) numbers_.push_back(random_numbers(mixed_, kind));
   }
   const Snapshot& state() { return *lease_; }
 
@@ -114,7 +113,7 @@ TEST_F(WorldSameBits, FromAnyNumberOfThreads) {
 TEST_F(WorldSameBits, AloneOrInAnyBatch) {
   QueryScratch scratch;
   for (std::size_t k = 0; k < numbers_.size(); ++k) {
-    const QueryKind kind = wire_contract::kWorldQuestions[k];
+    const QuestionKind kind = kPlainQuestions[k];
     const std::span<const double> all = numbers_[k];
     const std::size_t stride = all.size() / kQuestions;
     Answers whole;
@@ -162,16 +161,16 @@ TEST_P(WorldRaysTogether, GiveTheBitsOfEachAlone) {
     // Some are no questions, some end early.
     numbers.insert(numbers.end(), {p.x(), p.y(), i % 97 == 0 ? NAN : p.z(), d.x(), d.y(), d.z(), i % 5 == 0 ? 10 : INFINITY});
   }
-  for (const auto mode : {wire_contract::RayMode::closest, wire_contract::RayMode::any, wire_contract::RayMode::all}) {
+  for (const auto mode : {HitMode::closest, HitMode::any, HitMode::all}) {
     Answers together, alone;
     QueryScratch scratch;
-    Questions questions{.kind = QueryKind::ray, .mode = mode, .numbers = numbers};
+    Questions questions{.kind = QuestionKind::ray, .mode = mode, .numbers = numbers};
     answer(*state, questions, together, scratch);
     Digest expected, given;
     given.add(together);
     Answers joined;
     for (std::size_t i = 0; i < 1'000; ++i) {
-      questions.numbers = std::span(numbers).subspan(i * wire_contract::kRayNumbers, wire_contract::kRayNumbers);
+      questions.numbers = std::span(numbers).subspan(i * kRayNumbers, kRayNumbers);
       answer(*state, questions, alone, scratch);
       joined.answers.push_back(alone.answers[0]);
       joined.hit_counts.push_back(alone.hit_counts[0]);

@@ -52,7 +52,7 @@ ObjectId added(World& world, const std::string& name, const Shape& shape, bool m
   return std::get<ObjectId>(defined);
 }
 
-Answers asked(const World& world, wire_contract::QueryKind kind, const std::vector<double>& numbers) {
+Answers asked(const World& world, QuestionKind kind, const std::vector<double>& numbers) {
   Answers answers;
   QueryScratch scratch;
   Questions questions;
@@ -87,7 +87,7 @@ TEST(VertexBuffers, AreShapesOnTheWire) {
   World world({});
   added(world, "sheet", *buffers_of({format::BufferKind::strip}, 12).shape);
   world.step(0, 1, {});
-  const Answers answers = asked(world, wire_contract::QueryKind::ray, {0.5, 0.25, 3, 0, 0, -1, 9});
+  const Answers answers = asked(world, QuestionKind::ray, {0.5, 0.25, 3, 0, 0, -1, 9});
   ASSERT_EQ(answers.hits.size(), 1u);
   EXPECT_EQ(answers.hits[0].distance_m, 2);
   EXPECT_NE(buffers_of({format::BufferKind::strip}, 11).refusal.find("buffer 0: stride 11"), std::string::npos);
@@ -110,7 +110,7 @@ TEST(PointCloud, AHundredThousandPointsAnswerThroughTheirIndex) {
   for (int i = 0; i < 200; ++i) {
     for (const double x : {place(random), place(random), -1.0, place(random) - 0.5, place(random) - 0.5, 1.0, 10.0}) rays.push_back(x);
   }
-  const Answers answers = asked(world, wire_contract::QueryKind::ray, rays);
+  const Answers answers = asked(world, QuestionKind::ray, rays);
   std::size_t hits = 0;
   for (std::size_t i = 0, at = 0; i < 200; ++i) {
     const Vec3 from(rays[7 * i], rays[7 * i + 1], -1);
@@ -150,7 +150,7 @@ TEST(HeightField, BecomesTheSurfaceOverItsGrid) {
   added(world, "hill", *field.shape);
   world.step(0, 1, {});
   // The plane z = x / 2 + 3 y / 5 goes through all of them.
-  const Answers down = asked(world, wire_contract::QueryKind::ray, {3, 2.5, 100, 0, 0, -1, INFINITY});
+  const Answers down = asked(world, QuestionKind::ray, {3, 2.5, 100, 0, 0, -1, INFINITY});
   ASSERT_EQ(down.hits.size(), 1u);
   EXPECT_NEAR(down.hits[0].distance_m, 100 - (1.5 + 1.5), down.hits[0].error_m + 1e-13);
   EXPECT_EQ(field_of(3, 2, 5, {0, 1, 2, 3}).refusal, "height field of 4 heights in 3 columns, needed are whole rows, 2 of 2 at least");

@@ -12,8 +12,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 class WorldSplitIndex : public testing::Test {
  protected:
@@ -66,14 +64,14 @@ TEST_F(WorldSplitIndex, EveryQuestionHasTheSameAnswer) {
   const auto three = [&](std::vector<double>& to, double scale) {
     for (int k = 0; k < 3; ++k) to.push_back(scale * number(random));
   };
-  for (const RayMode mode : {RayMode::closest, RayMode::all}) {
+  for (const HitMode mode : {HitMode::closest, HitMode::all}) {
     std::vector<double> rays;
     for (int i = 0; i < 2000; ++i) {
       three(rays, 1.5);
       three(rays, 1);
       rays.push_back(INFINITY);
     }
-    Questions questions{.kind = QueryKind::ray, .max_hits = 1000, .numbers = rays};
+    Questions questions{.kind = QuestionKind::ray, .max_hits = 1000, .numbers = rays};
     questions.mode = mode;
     expect_same(questions);
   }
@@ -88,9 +86,9 @@ TEST_F(WorldSplitIndex, EveryQuestionHasTheSameAnswer) {
     three(points, 1);
     points.push_back(INFINITY);
   }
-  expect_same({.kind = QueryKind::sphere, .max_hits = 1000, .numbers = spheres});
-  expect_same({.kind = QueryKind::box, .max_hits = 1000, .numbers = boxes});
-  expect_same({.kind = QueryKind::near, .max_hits = 2, .numbers = points});
+  expect_same({.kind = QuestionKind::sphere, .max_hits = 1000, .numbers = spheres});
+  expect_same({.kind = QuestionKind::box, .max_hits = 1000, .numbers = boxes});
+  expect_same({.kind = QuestionKind::near, .max_hits = 2, .numbers = points});
 }
 
 TEST_F(WorldSplitIndex, AMovingMeshMeetsTheSameParts) {

@@ -13,10 +13,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
-using wire_contract::UndecidedReason;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
@@ -24,7 +20,7 @@ ObjectDefinition ball(const std::string& name, const Vec3& position, double radi
   Shape shape;
   shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = radius_m});
   return {.name = name, .scene = {}, .shape = shape, .pose = {.position = position}, .filter = {}, .moving = true,
-          .lost_policy = wire_contract::LostPolicy::freeze, .publisher = 1};
+          .lost_policy = LostPolicy::freeze, .publisher = 1};
 }
 
 /// A ball that went from `from` to `to` within a second, and whose publisher was lost then.
@@ -38,7 +34,7 @@ struct LostBall {
     step(11 * kSecond);
   }
   void step(std::int64_t time_ns) { ASSERT_TRUE(world.step(time_ns, 1, {})); }
-  Answers ask(QueryKind kind, std::vector<double> numbers, RayMode mode = RayMode::closest, const ObjectInfo* mover = nullptr) {
+  Answers ask(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest, const ObjectInfo* mover = nullptr) {
     Answers answers;
     answer(*world.newest(), {.kind = kind, .mode = mode, .numbers = numbers, .mover = mover}, answers, scratch);
     return answers;
@@ -57,16 +53,16 @@ void expect_stale(const Answers& answers) {
 TEST(StaleReach, AMissWithinReachIsUndecidedAndOneBeyondIsNot) {
   LostBall lost({0, 0, 0}, {1, 0, 0});
   lost.step(21 * kSecond);
-  expect_stale(lost.ask(QueryKind::ray, {-11.5 + 2, 5, -50, 0, 0, 1, 100}));
-  EXPECT_EQ(lost.ask(QueryKind::ray, {12.6, 0, -50, 0, 0, 1, 100}).answers[0], Verdict::miss);
-  expect_stale(lost.ask(QueryKind::ray, {0, 0, -50, 0, 0, 1, 40}));
-  EXPECT_EQ(lost.ask(QueryKind::ray, {0, 0, -50, 0, 0, 1, 38}).answers[0], Verdict::miss) << "the ray ends before";
-  expect_stale(lost.ask(QueryKind::sphere, {0, 0, 12, 1}));
-  EXPECT_EQ(lost.ask(QueryKind::sphere, {0, 0, 13, 1}).answers[0], Verdict::miss);
-  expect_stale(lost.ask(QueryKind::box, {0, 0, 12, 1, 1, 1, 1, 0, 0, 0}));
-  EXPECT_EQ(lost.ask(QueryKind::box, {0, 0, 13, 1, 1, 1, 1, 0, 0, 0}).answers[0], Verdict::miss);
-  expect_stale(lost.ask(QueryKind::near, {0, 0, 20, 9.1}));
-  EXPECT_EQ(lost.ask(QueryKind::near, {0, 0, 20, 8.9}).answers[0], Verdict::miss);
+  expect_stale(lost.ask(QuestionKind::ray, {-11.5 + 2, 5, -50, 0, 0, 1, 100}));
+  EXPECT_EQ(lost.ask(QuestionKind::ray, {12.6, 0, -50, 0, 0, 1, 100}).answers[0], Verdict::miss);
+  expect_stale(lost.ask(QuestionKind::ray, {0, 0, -50, 0, 0, 1, 40}));
+  EXPECT_EQ(lost.ask(QuestionKind::ray, {0, 0, -50, 0, 0, 1, 38}).answers[0], Verdict::miss) << "the ray ends before";
+  expect_stale(lost.ask(QuestionKind::sphere, {0, 0, 12, 1}));
+  EXPECT_EQ(lost.ask(QuestionKind::sphere, {0, 0, 13, 1}).answers[0], Verdict::miss);
+  expect_stale(lost.ask(QuestionKind::box, {0, 0, 12, 1, 1, 1, 1, 0, 0, 0}));
+  EXPECT_EQ(lost.ask(QuestionKind::box, {0, 0, 13, 1, 1, 1, 1, 0, 0, 0}).answers[0], Verdict::miss);
+  expect_stale(lost.ask(QuestionKind::near, {0, 0, 20, 9.1}));
+  EXPECT_EQ(lost.ask(QuestionKind::near, {0, 0, 20, 8.9}).answers[0], Verdict::miss);
 }
 
 // Apart is where it cannot have come to the other; where it was when it was heard of last shows, and is marked.
@@ -102,23 +98,23 @@ TEST(StaleReach, APairIsApartOnlyWhereTheLostOneCannotHaveComeToTheOther) {
 TEST(StaleReach, TheReachGrowsWithTheAge) {
   LostBall lost({0, 0, 0}, {1, 0, 0});
   const std::vector<double> ray{5, 0, -50, 0, 0, 1, 100};
-  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Verdict::miss);
+  EXPECT_EQ(lost.ask(QuestionKind::ray, ray).answers[0], Verdict::miss);
   lost.step(12 * kSecond);
-  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Verdict::miss);
+  EXPECT_EQ(lost.ask(QuestionKind::ray, ray).answers[0], Verdict::miss);
   lost.step(15 * kSecond);
-  expect_stale(lost.ask(QueryKind::ray, ray));
+  expect_stale(lost.ask(QuestionKind::ray, ray));
   lost.world.set_stale(lost.id, false);
   lost.step(15 * kSecond);
-  EXPECT_EQ(lost.ask(QueryKind::ray, ray).answers[0], Verdict::miss) << "its publisher is back";
+  EXPECT_EQ(lost.ask(QuestionKind::ray, ray).answers[0], Verdict::miss) << "its publisher is back";
 }
 
 TEST(StaleReach, WhatStoodStillIsWhereItWas) {
   LostBall lost({1, 0, 0}, {1, 0, 0});
   lost.step(1'000 * kSecond);
-  EXPECT_EQ(lost.ask(QueryKind::ray, {5, 0, -50, 0, 0, 1, 100}).answers[0], Verdict::miss);
-  const Answers hit = lost.ask(QueryKind::ray, {1, 0, -50, 0, 0, 1, 100});
+  EXPECT_EQ(lost.ask(QuestionKind::ray, {5, 0, -50, 0, 0, 1, 100}).answers[0], Verdict::miss);
+  const Answers hit = lost.ask(QuestionKind::ray, {1, 0, -50, 0, 0, 1, 100});
   EXPECT_EQ(hit.answers[0], Verdict::hit);
-  EXPECT_EQ(hit.hits[0].flags & wire_contract::kStale, wire_contract::kStale);
+  EXPECT_EQ(hit.hits[0].flags & kStale, kStale);
 }
 
 // Hits stay where nothing could be nearer, or any will do; the nearest one is in doubt where it lies behind.
@@ -126,13 +122,13 @@ TEST(StaleReach, OnlyWhatCouldChangeIsInDoubt) {
   LostBall lost({0, 0, 0}, {1, 0, 0});
   static_cast<void>(lost.world.define(ball("wall", {0, 0, 30})));
   lost.step(21 * kSecond);
-  EXPECT_EQ(lost.ask(QueryKind::ray, {0, 0, 50, 0, 0, -1, 100}).answers[0], Verdict::hit) << "the wall comes first";
-  const Answers behind = lost.ask(QueryKind::ray, {6, 0, -50, -6, 0, 80, 1'000});
+  EXPECT_EQ(lost.ask(QuestionKind::ray, {0, 0, 50, 0, 0, -1, 100}).answers[0], Verdict::hit) << "the wall comes first";
+  const Answers behind = lost.ask(QuestionKind::ray, {6, 0, -50, -6, 0, 80, 1'000});
   expect_stale(behind);
   ASSERT_EQ(behind.hit_counts[0], 1U) << "what is known is told";
-  EXPECT_EQ(lost.ask(QueryKind::ray, {6, 0, -50, -6, 0, 80, 1'000}, RayMode::any).answers[0], Verdict::hit);
-  EXPECT_EQ(lost.ask(QueryKind::sphere, {0, 0, 30, 25}).answers[0], Verdict::hit) << "it meets something in any case";
-  Questions masked{.kind = QueryKind::ray, .skip = "lost", .numbers = {}};
+  EXPECT_EQ(lost.ask(QuestionKind::ray, {6, 0, -50, -6, 0, 80, 1'000}, HitMode::any).answers[0], Verdict::hit);
+  EXPECT_EQ(lost.ask(QuestionKind::sphere, {0, 0, 30, 25}).answers[0], Verdict::hit) << "it meets something in any case";
+  Questions masked{.kind = QuestionKind::ray, .skip = "lost", .numbers = {}};
   const std::vector<double> ray{3, 0, -50, 0, 0, 1, 100};
   masked.numbers = ray;
   Answers answers;
@@ -141,17 +137,17 @@ TEST(StaleReach, OnlyWhatCouldChangeIsInDoubt) {
 }
 
 /// Numbers of a question near the origin.
-std::vector<double> any_question(QueryKind kind, std::mt19937_64& random) {
+std::vector<double> any_question(QuestionKind kind, std::mt19937_64& random) {
   std::uniform_real_distribution<double> coordinate(-30, 30);
   std::uniform_real_distribution<double> size(0, 5);
   const auto point = [&] { return Vec3(coordinate(random), coordinate(random), coordinate(random)); };
   const Vec3 p = point();
   const Vec3 q = point();
   switch (kind) {
-    case QueryKind::ray: return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), 40 * size(random)};
-    case QueryKind::sphere: return {p.x(), p.y(), p.z(), size(random)};
-    case QueryKind::box: return {p.x(), p.y(), p.z(), size(random), size(random), size(random), 0.6, 0, 0.8, 0};
-    case QueryKind::near: return {p.x(), p.y(), p.z(), 4 * size(random)};
+    case QuestionKind::ray: return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), 40 * size(random)};
+    case QuestionKind::sphere: return {p.x(), p.y(), p.z(), size(random)};
+    case QuestionKind::box: return {p.x(), p.y(), p.z(), size(random), size(random), size(random), 0.6, 0, 0.8, 0};
+    case QuestionKind::near: return {p.x(), p.y(), p.z(), 4 * size(random)};
     default: return {p.x(), p.y(), p.z(), 1, 0, 0, 0, q.x(), q.y(), q.z(), 0.6, 0, 0.8, 0};
   }
 }
@@ -164,7 +160,7 @@ TEST(StaleReach, NoPlaceWithinReachContradictsWhatWasAnswered) {
   Shape shape;
   shape.primitives.emplace_back(Sphere{.center = {0, 0, 0}, .radius_m = 1});
   const ObjectInfo mover = without_world(shape);
-  constexpr QueryKind kKinds[] = {QueryKind::ray, QueryKind::sphere, QueryKind::box, QueryKind::near, QueryKind::sweep};
+  constexpr QuestionKind kKinds[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::sweep};
   int doubted = 0;
   int changed = 0;
   for (int round = 0; round < 300; ++round) {
@@ -179,18 +175,18 @@ TEST(StaleReach, NoPlaceWithinReachContradictsWhatWasAnswered) {
     const ObjectId elsewhere = there.id;
     there.world.set_stale(elsewhere, false);
     static_cast<void>(there.world.define(ball("wall", {0, 0, 20}, 3)));
-    for (const QueryKind kind : kKinds) {
+    for (const QuestionKind kind : kKinds) {
       const std::vector<double> numbers = any_question(kind, random);
-      const Answers given = lost.ask(kind, numbers, RayMode::closest, &mover);
+      const Answers given = lost.ask(kind, numbers, HitMode::closest, &mover);
       doubted += given.reasons[0] == UndecidedReason::stale_object ? 1 : 0;
       for (int place = 0; place < 20; ++place) {
         const Vec3 out = Vec3(normal(random), normal(random), normal(random)).normalized() * reach_m;
         there.world.move(elsewhere, {.position = to + out * std::cbrt(std::uniform_real_distribution<double>()(random))}, 12 * kSecond, true);
         there.step(12 * kSecond);
-        const Answers truth = there.ask(kind, numbers, RayMode::closest, &mover);
+        const Answers truth = there.ask(kind, numbers, HitMode::closest, &mover);
         const bool names_it = !given.hits.empty() && given.hits[0].object == lost.id;
         const bool differs = truth.answers[0] != given.answers[0] ||
-                             (!truth.hits.empty() && kind != QueryKind::sphere && kind != QueryKind::box &&
+                             (!truth.hits.empty() && kind != QuestionKind::sphere && kind != QuestionKind::box &&
                               truth.hits[0].distance_m + truth.hits[0].error_m < given.hits[0].distance_m - given.hits[0].error_m);
         if (given.answers[0] == Verdict::undecided || names_it || !differs) continue;
         ++changed;

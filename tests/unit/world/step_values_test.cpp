@@ -9,9 +9,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::EndReason;
-using wire_contract::EventKind;
-using wire_contract::kNoTriangle;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
@@ -239,14 +236,14 @@ TEST_F(WorldStepValues, AnAnswerIsAsOldAsTheOldestPoseThatDecidedIt) {
   post.moving = false;
   define(post);
   step(7);
-  const auto oldest_ns = [&](wire_contract::RayMode mode, double length_m, const std::string& skip = {}) {
+  const auto oldest_ns = [&](HitMode mode, double length_m, const std::string& skip = {}) {
     const std::vector<double> ray{0, 0, 0, 0, 0, 1, length_m};
     Answers answers;
     QueryScratch scratch;
-    answer(*world.newest(), {.kind = wire_contract::QueryKind::ray, .mode = mode, .skip = skip, .numbers = ray}, answers, scratch);
+    answer(*world.newest(), {.kind = QuestionKind::ray, .mode = mode, .skip = skip, .numbers = ray}, answers, scratch);
     return answers.oldest_pose_ns;
   };
-  using enum wire_contract::RayMode;
+  using enum HitMode;
   EXPECT_EQ(oldest_ns(all, 9), 7) << "a definition is of the step that shows it";
   world.move(low, at(0, 0, 1), 20, false);
   world.move(high, at(0, 0, 3), 10, false);

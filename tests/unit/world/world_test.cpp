@@ -8,11 +8,6 @@
 namespace collided::engine {
 namespace {
 
-using wire_contract::Verdict;
-using wire_contract::EndReason;
-using wire_contract::EventKind;
-using wire_contract::QueryKind;
-using wire_contract::RayMode;
 
 Scene floor_scene(const std::string& name, double height_m) {
   Scene scene;
@@ -44,7 +39,7 @@ ObjectId define(World& world, const ObjectDefinition& definition) {
 
 Pose at(const Vec3& position) { return {.position = position, .rotation = Quat::Identity()}; }
 
-Answers ask(const World& world, QueryKind kind, std::vector<double> numbers, RayMode mode = RayMode::closest,
+Answers ask(const World& world, QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest,
             const std::string& only = "") {
   Answers answers;
   QueryScratch scratch;
@@ -76,7 +71,7 @@ TEST_F(WorldTest, AScenesPartHasNothingOfAMoverThatWasThereBefore) {
   define(world, ball("ball", {2, 0, 0.125}, 0.25));
   step(1'012'000'000);
   EXPECT_EQ(slot_of(*world.find("floor")), slot_of(mover)) << "the scene must be worth testing";
-  const Answers down = ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, INFINITY});
+  const Answers down = ask(world, QuestionKind::ray, {3, 0, 5, 0, 0, -1, INFINITY});
   ASSERT_EQ(down.answers[0], Verdict::hit);
   EXPECT_EQ(down.oldest_pose_ns, -1) << "nothing that moves decided";
   ASSERT_EQ(world.events().size(), 1u);
@@ -116,16 +111,16 @@ TEST_F(WorldTest, ARayMeetsTheNearerOfFloorAndBall) {
   load(world, floor_scene("floor", 0));
   define(world, ball("ball", {0, 0, 1}, 0.25));
   step(1);
-  const Answers down = ask(world, QueryKind::ray, {0, 0, 5, 0, 0, -2, INFINITY});
+  const Answers down = ask(world, QuestionKind::ray, {0, 0, 5, 0, 0, -2, INFINITY});
   ASSERT_EQ(down.answers[0], Verdict::hit);
   EXPECT_EQ(world.info(down.hits[0].object)->name, "ball");
   EXPECT_NEAR(down.hits[0].distance_m, 3.75, down.hits[0].error_m + 1e-15);
-  const Answers summand = ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, INFINITY});
+  const Answers summand = ask(world, QuestionKind::ray, {3, 0, 5, 0, 0, -1, INFINITY});
   EXPECT_EQ(world.info(summand.hits[0].object)->name, "floor");
   EXPECT_EQ(summand.hits[0].distance_m, 5);
-  EXPECT_EQ(ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, 4.5}).answers[0], Verdict::miss);
-  EXPECT_EQ(ask(world, QueryKind::ray, {3, 0, 5, 0, 0, -1, 5}).answers[0], Verdict::hit) << "both ends count";
-  EXPECT_EQ(ask(world, QueryKind::ray, {0, 0, 5, 0, 0, 0, 1}).answers[0], Verdict::invalid);
+  EXPECT_EQ(ask(world, QuestionKind::ray, {3, 0, 5, 0, 0, -1, 4.5}).answers[0], Verdict::miss);
+  EXPECT_EQ(ask(world, QuestionKind::ray, {3, 0, 5, 0, 0, -1, 5}).answers[0], Verdict::hit) << "both ends count";
+  EXPECT_EQ(ask(world, QuestionKind::ray, {0, 0, 5, 0, 0, 0, 1}).answers[0], Verdict::invalid);
 }
 
 TEST_F(WorldTest, AllHitsComeInOrderAndFiltersHide) {
@@ -133,12 +128,12 @@ TEST_F(WorldTest, AllHitsComeInOrderAndFiltersHide) {
   define(world, ball("low", {0.5, 0.25, 1}, 0.25));
   define(world, ball("high", {0.5, 0.25, 3}, 0.25));
   step(1);
-  const Answers all = ask(world, QueryKind::ray, {0.5, 0.25, 5, 0, 0, -1, INFINITY}, RayMode::all);
+  const Answers all = ask(world, QuestionKind::ray, {0.5, 0.25, 5, 0, 0, -1, INFINITY}, HitMode::all);
   ASSERT_EQ(all.hits.size(), 3u);
   EXPECT_EQ(world.info(all.hits[0].object)->name, "high");
   EXPECT_EQ(world.info(all.hits[1].object)->name, "low");
   EXPECT_EQ(world.info(all.hits[2].object)->name, "floor");
-  const Answers filtered = ask(world, QueryKind::ray, {0.5, 0.25, 5, 0, 0, -1, INFINITY}, RayMode::closest, "l*");
+  const Answers filtered = ask(world, QuestionKind::ray, {0.5, 0.25, 5, 0, 0, -1, INFINITY}, HitMode::closest, "l*");
   EXPECT_EQ(world.info(filtered.hits[0].object)->name, "low");
 }
 
@@ -146,20 +141,20 @@ TEST_F(WorldTest, SphereBoxAndNearSeeStaticAndMoving) {
   load(world, floor_scene("floor", 0));
   define(world, ball("ball", {1, 1, 0.5}, 0.25));
   step(1);
-  const Answers sphere = ask(world, QueryKind::sphere, {1, 1, 0.2, 0.3});
+  const Answers sphere = ask(world, QuestionKind::sphere, {1, 1, 0.2, 0.3});
   ASSERT_EQ(sphere.hits.size(), 2u);
   EXPECT_NEAR(sphere.hits[0].distance_m, 0.25, 1e-12) << "deepest first: the ball by 0.55 - 0.3";
   EXPECT_NEAR(sphere.hits[1].distance_m, 0.1, 1e-12);
   EXPECT_NEAR(sphere.hits[1].normal.z(), -1, 1e-12) << "from the asked sphere to the floor";
-  EXPECT_EQ(ask(world, QueryKind::box, {5, 5, 1, 0.5, 0.5, 0.5, 1, 0, 0, 0}).answers[0], Verdict::miss);
-  EXPECT_EQ(ask(world, QueryKind::box, {5, 5, 0.5, 0.5, 0.5, 0.5, 1, 0, 0, 0}).answers[0], Verdict::hit)
+  EXPECT_EQ(ask(world, QuestionKind::box, {5, 5, 1, 0.5, 0.5, 0.5, 1, 0, 0, 0}).answers[0], Verdict::miss);
+  EXPECT_EQ(ask(world, QuestionKind::box, {5, 5, 0.5, 0.5, 0.5, 0.5, 1, 0, 0, 0}).answers[0], Verdict::hit)
       << "touching is overlap";
-  const Answers near = ask(world, QueryKind::near, {1, 1, 5, INFINITY});
+  const Answers near = ask(world, QuestionKind::near, {1, 1, 5, INFINITY});
   ASSERT_EQ(near.hits.size(), 2u);
   EXPECT_EQ(world.info(near.hits[0].object)->name, "ball");
   EXPECT_NEAR(near.hits[0].distance_m, 4.25, 1e-12);
   EXPECT_NEAR(near.hits[1].distance_m, 5, 1e-12);
-  EXPECT_EQ(ask(world, QueryKind::near, {1, 1, 5, 4.0}).answers[0], Verdict::miss);
+  EXPECT_EQ(ask(world, QuestionKind::near, {1, 1, 5, 4.0}).answers[0], Verdict::miss);
 }
 
 TEST_F(WorldTest, EventsBeginAndEndOnce) {
@@ -257,10 +252,10 @@ TEST_F(WorldTest, FarFromOriginAMovingMeshIsStillFound) {
     const Vec3 aim = placed.a + u * (placed.b - placed.a) + 0.25 * (placed.c - placed.a);
     const Vec3 from = aim + Vec3(3, 1 + u, 2);
     const Vec3 d = aim - from;
-    const Answers answers = ask(world, QueryKind::ray, {from.x(), from.y(), from.z(), d.x(), d.y(), d.z(), INFINITY});
+    const Answers answers = ask(world, QuestionKind::ray, {from.x(), from.y(), from.z(), d.x(), d.y(), d.z(), INFINITY});
     EXPECT_EQ(answers.answers[0], Verdict::hit) << i;
   }
-  const Answers corner = ask(world, QueryKind::sphere, {placed.a.x(), placed.a.y(), placed.a.z(), 0});
+  const Answers corner = ask(world, QuestionKind::sphere, {placed.a.x(), placed.a.y(), placed.a.z(), 0});
   EXPECT_EQ(corner.answers[0], Verdict::hit) << "the placed corner is a point of the exact input";
 }
 
@@ -285,7 +280,7 @@ TEST_F(WorldTest, LoadingASceneFindsWhatAlreadyTouchesIt) {
   step(2);
   ASSERT_EQ(world.events().size(), 1u);
   EXPECT_EQ(world.events()[0].reason, EndReason::geometry_changed);
-  EXPECT_EQ(ask(world, QueryKind::ray, {3, 3, 5, 0, 0, -1, INFINITY}).answers[0], Verdict::miss);
+  EXPECT_EQ(ask(world, QuestionKind::ray, {3, 3, 5, 0, 0, -1, INFINITY}).answers[0], Verdict::miss);
 }
 
 }  // namespace

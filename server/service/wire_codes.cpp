@@ -1,0 +1,68 @@
+// Codes travel as the engine has them, so the wire's and the engine's are the same numbers.
+#include "idl/topics.hpp"
+#include "server/world/events/events.hpp"
+#include "server/world/query/probes.hpp"
+
+namespace collided::engine::service {
+namespace {
+
+template <class Own, class Wire>
+constexpr bool same(Own own, Wire wire) {
+  return static_cast<std::uint8_t>(own) == static_cast<std::uint8_t>(wire);
+}
+
+#define COLLIDED_SAME(Own, Wire, name) static_assert(same(Own::name, wire_contract::Wire::name))
+COLLIDED_SAME(QuestionKind, QueryKind, ray);
+COLLIDED_SAME(QuestionKind, QueryKind, sphere);
+COLLIDED_SAME(QuestionKind, QueryKind, box);
+COLLIDED_SAME(QuestionKind, QueryKind, near);
+COLLIDED_SAME(QuestionKind, QueryKind, sweep);
+COLLIDED_SAME(HitMode, RayMode, closest);
+COLLIDED_SAME(HitMode, RayMode, any);
+COLLIDED_SAME(HitMode, RayMode, all);
+COLLIDED_SAME(Verdict, Verdict, miss);
+COLLIDED_SAME(Verdict, Verdict, hit);
+COLLIDED_SAME(Verdict, Verdict, undecided);
+COLLIDED_SAME(Verdict, Verdict, invalid);
+COLLIDED_SAME(UndecidedReason, UndecidedReason, none);
+COLLIDED_SAME(UndecidedReason, UndecidedReason, numeric);
+COLLIDED_SAME(UndecidedReason, UndecidedReason, stale_object);
+COLLIDED_SAME(UndecidedReason, UndecidedReason, recovering);
+COLLIDED_SAME(UndecidedReason, UndecidedReason, truncated);
+COLLIDED_SAME(UndecidedReason, UndecidedReason, deadline);
+COLLIDED_SAME(UndecidedReason, UndecidedReason, not_covered);
+COLLIDED_SAME(EventKind, EventKind, began);
+COLLIDED_SAME(EventKind, EventKind, persisted);
+COLLIDED_SAME(EventKind, EventKind, ended);
+COLLIDED_SAME(EndReason, EndReason, none);
+COLLIDED_SAME(EndReason, EndReason, separated);
+COLLIDED_SAME(EndReason, EndReason, removed);
+COLLIDED_SAME(EndReason, EndReason, publisher_lost);
+COLLIDED_SAME(EndReason, EndReason, teleported);
+COLLIDED_SAME(EndReason, EndReason, geometry_changed);
+COLLIDED_SAME(EndReason, EndReason, server_stopping);
+COLLIDED_SAME(EndReason, EndReason, server_restarted);
+COLLIDED_SAME(EndReason, EndReason, decided);
+COLLIDED_SAME(Doubt, Doubt, none);
+COLLIDED_SAME(Doubt, Doubt, numeric);
+COLLIDED_SAME(Doubt, Doubt, cost_limit);
+COLLIDED_SAME(Doubt, Doubt, publisher_lost);
+COLLIDED_SAME(LostPolicy, LostPolicy, remove);
+COLLIDED_SAME(LostPolicy, LostPolicy, freeze);
+COLLIDED_SAME(LostPolicy, LostPolicy, hold);
+COLLIDED_SAME(ProbeState, ProbeState, absent);
+COLLIDED_SAME(ProbeState, ProbeState, nothing);
+COLLIDED_SAME(ProbeState, ProbeState, gap);
+COLLIDED_SAME(ProbeState, ProbeState, touching);
+COLLIDED_SAME(ProbeState, ProbeState, collision);
+COLLIDED_SAME(ProbeState, ProbeState, deeper);
+COLLIDED_SAME(ProbeState, ProbeState, undecided);
+#undef COLLIDED_SAME
+static_assert(kRayNumbers == wire_contract::kRayNumbers && kSphereNumbers == wire_contract::kSphereNumbers &&
+              kBoxNumbers == wire_contract::kBoxNumbers && kNearNumbers == wire_contract::kNearNumbers &&
+              kSweepNumbers == wire_contract::kSweepNumbers && kPoseNumbers == wire_contract::kPoseNumbers);
+static_assert(kInside == static_cast<int>(wire_contract::kInside) && kStale == static_cast<int>(wire_contract::kStale));
+static_assert(kNoTriangle == wire_contract::kNoTriangle);
+
+}  // namespace
+}  // namespace collided::engine::service
