@@ -11,6 +11,7 @@
 #include "server/exact_phase/distance/simplex_search.hpp"
 #include "server/exact_phase/part_convex.hpp"
 #include "server/geometry/mesh.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
@@ -243,7 +244,7 @@ bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& 
   if (set.ball_m > 0) {
     for (int i = 0; i < set.carrier_count; ++i) {
       const Vec3 out = ground.normal.normalized();
-      candidates.push_back({at(set.point(i) - set.ball_m * (1 - 0x1p-50) * out)});
+      candidates.push_back({at(set.point(i) - set.ball_m * (1 - kFewSlack) * out)});
       candidates.push_back({at(set.point(i) - set.ball_m * out)});
     }
   }
@@ -295,7 +296,8 @@ void append_nearest(const Convex& a, const Convex& b, std::vector<Vec3>& points)
 /// the sets share more than a point.
 std::vector<Vec3> likely_points(const Convex& a, const Convex& b) {
   std::vector<Vec3> points;
-  for (const double share : {0x1p-5, 0x1p-10, 0x1p-20, 0x1p-40, 0.0}) {
+  constexpr double kDrawnIn[] = {0x1p-5, 0x1p-10, 0x1p-20, 0x1p-40, 0.0};
+  for (const double share : kDrawnIn) {
     append_nearest(DrawnIn(a, share).set(), DrawnIn(b, share).set(), points);
   }
   return points;

@@ -7,6 +7,7 @@
 
 #include "server/geometry/mesh.hpp"
 #include "server/geometry/pose.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
@@ -35,7 +36,7 @@ double sum_down(double a, double b) { return -sum_up(-a, -b); }
 double product_up(double a, double b) {
   if (a == 0 || b == 0) return 0;
   const double product = a * b;
-  const bool exact = product > 0x1p-960 && std::fma(a, b, -product) <= 0;
+  const bool exact = product > kSmallestExactProduct && std::fma(a, b, -product) <= 0;
   return exact || product == kInfinity ? product : next_up(product);
 }
 
@@ -70,7 +71,7 @@ Aabb bounds(const Capsule& capsule) {
 namespace {
 
 /// Ten roundings of a root of squares, outward, and what underflows.
-double root_up(double squares) { return std::sqrt(squares) * (1 + 0x1p-48) + 0x1p-500; }
+double root_up(double squares) { return std::sqrt(squares) * (1 + kChainSlack) + 0x1p-500; }
 
 /// How far a disc of that radius reaches along each axis.
 Vec3 disc_reach(const Vec3& a, const Vec3& b, double radius_m) {
@@ -142,14 +143,14 @@ Aabb bounds_within(const HalfSpace& half_space, const Aabb& box) {
     const double nearest = n > 0 ? box.low[k] : box.high[k];
     // Two roundings of the difference and the product, upward.
     room[k] = n == 0 ? 0 : -n * (nearest - half_space.point[k]);
-    room[k] += 4 * 0x1p-53 * std::abs(n) * (std::abs(nearest) + std::abs(half_space.point[k])) + 0x1p-1000;
+    room[k] += 4 * kRoundoff * std::abs(n) * (std::abs(nearest) + std::abs(half_space.point[k])) + kUnderflow;
   }
   for (int k = 0; k < 3; ++k) {
     const double n = half_space.normal[k];
     const double others = room[(k + 1) % 3] + room[(k + 2) % 3];
     if (n == 0) continue;
     const double reach = others / std::abs(n);
-    const double slack = 8 * 0x1p-53 * (std::abs(reach) + std::abs(half_space.point[k])) + 0x1p-1000;
+    const double slack = 8 * kRoundoff * (std::abs(reach) + std::abs(half_space.point[k])) + kUnderflow;
     if (!std::isfinite(reach + slack)) continue;
     if (n > 0) rest.high[k] = std::min(rest.high[k], half_space.point[k] + reach + slack);
     else rest.low[k] = std::max(rest.low[k], half_space.point[k] - reach - slack);

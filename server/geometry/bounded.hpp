@@ -109,7 +109,7 @@ inline Traced operator*(const Traced& a, const Traced& b) {
   // Too large to split, the lost part is not a number and neither is the bound; too small, it may underflow itself. So
   // may the product of an error with anything: beside a half, 2^-1074 was lost, and times a quarter it looks like zero.
   const bool error_underflows = error < kUnderflow && a.error + b.error != 0;
-  const double underflow = std::abs(value) < 0x1p-900 || error_underflows ? kUnderflow : 0.0;
+  const double underflow = std::abs(value) < kSmallestPlain || error_underflows ? kUnderflow : 0.0;
   return {value, (error + std::abs(lost)) + underflow};
 }
 

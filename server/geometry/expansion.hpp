@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "server/geometry/tolerance.hpp"
+
 namespace collided::engine {
 
 /// An exact sum of doubles that do not overlap, smallest first, without zeros. When it would need more than kCapacity
@@ -100,7 +102,7 @@ class Expansion {
     for (int i = 0; i < a.count_ && !result.lost_; ++i) {
       const double product = a.part_[i] * factor;
       // Outside these bounds the low half of the product is not a double.
-      if (!(std::abs(product) >= 0x1p-960 && std::abs(product) <= 0x1p990)) result.lost_ = true;
+      if (!(std::abs(product) >= kSmallestExactProduct && std::abs(product) <= kLargestExactProduct)) result.lost_ = true;
       const double product_low = std::fma(a.part_[i], factor, -product);
       double middle;
       double low;

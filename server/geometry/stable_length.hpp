@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/geometry/tolerance.hpp"
 #include "server/geometry/vector.hpp"
 
 namespace collided::engine {
@@ -10,7 +11,7 @@ namespace collided::engine {
 /// square is far from both ends of it. Within 3 units of roundoff of the true length, 6 where it is scaled.
 inline double stable_length(const Vec3& v) {
   const double square = v.squaredNorm();
-  return square > 0x1p-900 && square < 0x1p900 ? std::sqrt(square) : v.stableNorm();
+  return square > kSmallestPlain && square < kLargestPlain ? std::sqrt(square) : v.stableNorm();
 }
 
 }  // namespace collided::engine

@@ -12,6 +12,19 @@ inline constexpr double kRoundoff = 0x1p-53;
 /// At zero, ExactBounded.TheBoundHoldsForLongChains fails.
 inline constexpr double kBoundSlack = 0x1p-40;
 
+/// The same where a bound passes few operations: 2^-48 covers 31 roundings in a row, 2^-50 seven. No unit.
+inline constexpr double kChainSlack = 0x1p-48;
+inline constexpr double kFewSlack = 0x1p-50;
+
+/// Magnitudes between these may be multiplied by one more of a plain scene's without leaving the range of double; beyond
+/// them the exact test takes over. Of whatever unit. It chooses the test and decides nothing.
+inline constexpr double kSmallestPlain = 0x1p-900;
+inline constexpr double kLargestPlain = 0x1p900;
+
+/// A product of a magnitude between these has an error term that is a double: fma(a, b, -ab) is exact. Of whatever unit.
+inline constexpr double kSmallestExactProduct = 0x1p-960;
+inline constexpr double kLargestExactProduct = 0x1p990;
+
 /// Absolute error of one product whose result or error underflows (at most 2^-1074 each), as a normal number because
 /// denormal operands are slow. Unit: that of the product.
 /// At zero, ExactBounded.UnderflowIsNeverSure fails.

@@ -1,5 +1,6 @@
 // Codes travel as the engine has them, so the wire's and the engine's are the same numbers.
 #include "idl/topics.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/events/events.hpp"
 #include "server/world/query/probes.hpp"
 
@@ -62,6 +63,7 @@ static_assert(kRayNumbers == wire_contract::kRayNumbers && kSphereNumbers == wir
               kBoxNumbers == wire_contract::kBoxNumbers && kNearNumbers == wire_contract::kNearNumbers &&
               kSweepNumbers == wire_contract::kSweepNumbers && kPoseNumbers == wire_contract::kPoseNumbers);
 static_assert(kInside == static_cast<int>(wire_contract::kInside) && kStale == static_cast<int>(wire_contract::kStale));
+static_assert(kUnitNormSlack == wire_contract::kUnitQuaternionSlack);
 static_assert(kNoTriangle == wire_contract::kNoTriangle);
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "server/broad_phase/grid/grid.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/float_environment.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/contact_search.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 
@@ -20,7 +21,7 @@ namespace {
 
 /// How far products of the matrix's columns may be from a rotation's: as for the quaternions of the service.
 /// At zero, VCollide.TakesARotationRoundedToSixDigits fails.
-constexpr double kRotationSlack = 1e-6;
+constexpr double kRotationSlack = kUnitNormSlack;
 
 struct Object {
   ObjectInfo info;

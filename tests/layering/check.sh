@@ -86,6 +86,12 @@ door '#include <assimp/' '^server/programs/import/' Assimp
 while IFS= read -r line; do
   say "$line: a callback is a FunctionRef (server/geometry/function_ref.hpp)"
 done < <(grep -rnwE 'void ?\* ?context' server client idl tests --include='*.hpp' --include='*.cpp' || true)
+# A tolerance has a name: a bare power of two stands in the definition of a constant only, or in the broad phase, whose
+# kernels derive the bound of each float operation where it is made.
+while IFS= read -r line; do
+  say "$line: a bare tolerance; name it, in server/geometry/tolerance.hpp where others use it"
+done < <(grep -rnE '0x1(\.[0-9a-f]+)?p[-+]?[0-9]+' server client idl --include='*.hpp' --include='*.cpp' |
+         grep -vE '^server/broad_phase/|constexpr|^[^:]+:[0-9]+: *//|//[^"]*0x1' || true)
 # A file that a comment or the server's README names must be there; what cmake generates is not in the tree.
 named=$(grep -rhoE '//.*' server client idl tests --include='*.hpp' --include='*.cpp' | grep -oE '[A-Za-z0-9_.-]+\.(cpp|hpp|idl|fbs)\b'
         grep -oE '[A-Za-z0-9_.-]+\.(cpp|hpp|idl|csv|sh)\b' server/README.md)

@@ -23,7 +23,8 @@ std::uint64_t next_random(std::uint64_t& state) {
 
 /// Uniform in [low, high): the same numbers on every machine, unlike std's distributions.
 double uniform(std::uint64_t& state, double low, double high) {
-  const double unit = static_cast<double>(next_random(state) >> 11) * 0x1p-53;
+  constexpr double kStep = 0x1p-53;  // of 53 random bits, as a number in [0, 1)
+  const double unit = static_cast<double>(next_random(state) >> 11) * kStep;
   return low + (high - low) * unit;
 }
 

@@ -34,8 +34,8 @@ class ExactSum {
     for (const double x : a.terms_) {
       for (const double y : b.terms_) {
         const double product = x * y;
-        // Below this, what the product rounds off may be no double.
-        result.lost_ = result.lost_ || !(std::abs(product) > 0x1p-960);
+        constexpr double kSmallestExactProduct = 0x1p-960;  // below, what a product rounds off may be no double
+        result.lost_ = result.lost_ || !(std::abs(product) > kSmallestExactProduct);
         result.add(std::fma(x, y, -product));
         result.add(product);
       }

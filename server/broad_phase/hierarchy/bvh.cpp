@@ -11,6 +11,7 @@
 #include "server/broad_phase/hierarchy/bvh_saved.hpp"
 #include "server/broad_phase/hierarchy/bvh_threads.hpp"
 #include "server/broad_phase/hierarchy/bvh_walk.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 
@@ -129,7 +130,7 @@ void Bvh::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCand
   ends.limit_scale = layout.frame.scale;
   for (int axis = 0; axis < 3; ++axis) {
     const double center = std::clamp(local[axis], -kFarthest, kFarthest);
-    const double slack = std::min(slack_m * layout.frame.scale * (1 + 0x1p-50), kFarthest);
+    const double slack = std::min(slack_m * layout.frame.scale * (1 + kFewSlack), kFarthest);
     const double around = slack + 0x1p-50 * std::abs(center) + 0x1p-60;
     ends.low[axis] = bvh::round_down(center - around);
     ends.high[axis] = bvh::round_up(center + around);

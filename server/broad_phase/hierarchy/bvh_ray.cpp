@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "server/geometry/tolerance.hpp"
+
 // Slack of the leaf test. u = 2^-24; D, C, E, s: largest components of the direction, of any vertex seen from the
 // start, of the triangle's edges, and the asked slack; h: error of the start. The test forms R = c x d, U = R.e2,
 // V = -R.e1, N = e1 x e2, det = N.d, W = det - U - V, T = N.c with c = corner - start. For a ray that meets the
@@ -96,7 +98,7 @@ bool move_to_scene(const Layout& layout, FarRay& local, double (&moved)[3]) {
       // One rounding for product and sum together: a start a million scenes away still lands sharply.
       const double arrived = std::fma(entry, local.direction[axis], local.origin[axis]);
       local.origin[axis] = arrived + local.origin_rest[axis];
-      local.origin_error[axis] += 0x1p-53 * (std::abs(arrived) + std::abs(local.origin[axis]));
+      local.origin_error[axis] += kRoundoff * (std::abs(arrived) + std::abs(local.origin[axis]));
       local.origin_rest[axis] = 0;
     }
   }
@@ -125,7 +127,7 @@ bool prepare_any_ray(const Layout& layout, const Ray& ray, double slack_m, RayFr
   FarRay local;
   frame.is_moved = true;
   for (double& move : frame.moved) move = 0;
-  local.slack = slack_m * layout.frame.scale * (1 + 0x1p-50);
+  local.slack = slack_m * layout.frame.scale * (1 + kFewSlack);
   const bool has_direction = localize(layout.frame, ray, local, frame);
   if (!has_direction || !local.is_known || !(local.slack < 1)) {
     accept_everything(frame);

@@ -13,6 +13,7 @@
 
 #include "server/broad_phase/hierarchy/bvh.hpp"
 #include "server/broad_phase/hierarchy/bvh_ray.hpp"
+#include "server/geometry/tolerance.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace collided::engine::bvh::HWY_NAMESPACE {
@@ -48,7 +49,7 @@ HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double s
   const auto direction = hn::IfThenElseZero(three, hn::LoadU(axes, &ray.direction[0]));
   const auto largest = hn::MaxOfLanes(axes, hn::Abs(direction));
   const int exponent = exponent_of(hn::GetLane(largest));
-  const double slack = kSlack ? slack_m * frame.scale * (1 + 0x1p-50) : 0;
+  const double slack = kSlack ? slack_m * frame.scale * (1 + kFewSlack) : 0;
   const bool near = hn::AllTrue(axes, hn::Le(hn::Abs(local), hn::Set(axes, kNear)));
   if (!near || !is_usual(exponent, frame.scale_exponent) || !(slack < 1)) return false;
 

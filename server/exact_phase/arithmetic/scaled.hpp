@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/geometry/bounded.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
 
@@ -25,7 +26,10 @@ struct Scaled {
   }
 
   /// Products of two such, and sums of those, are far from both ends of a double's range.
-  static bool is_near_one(double size) { return size >= 0x1p-200 && size <= 0x1p200; }
+  static bool is_near_one(double size) {
+    constexpr double kFarFromOne = 0x1p200;
+    return size >= 1 / kFarFromOne && size <= kFarFromOne;
+  }
 };
 
 inline Bounded shifted(const Bounded& x, long power) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/exact_phase/arithmetic/number.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
 
@@ -40,7 +41,7 @@ inline Bounded plain(const Scaled& x) {
   }
   // Into the denormals ldexp rounds once more: the value, or an error far below it.
   const bool value_cut = std::abs(value) < std::numeric_limits<double>::min() && !x.value.exactly_zero();
-  const bool cut = value_cut || (x.value.error != 0 && std::abs(value) < 0x1p-900);
+  const bool cut = value_cut || (x.value.error != 0 && std::abs(value) < kSmallestPlain);
   const double denormal = cut ? std::numeric_limits<double>::denorm_min() : 0.0;
   return {value, std::ldexp(x.value.error * (1 + kBoundSlack), clipped) + 2 * denormal};
 }

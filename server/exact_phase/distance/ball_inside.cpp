@@ -6,6 +6,7 @@
 
 #include "server/exact_phase/arithmetic/number.hpp"
 #include "server/exact_phase/arithmetic/triple.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
 namespace {
@@ -33,7 +34,8 @@ bool quickly_holds_ball(const Triple* corner, double radius_m) {
     if (!(std::abs(of_corner) > error * largest) || !(inward - error * largest > radius_m * length * (1 + 8 * kRoundoff))) return false;
   }
   // Products of such lengths keep their digits.
-  return largest < 0x1p300 && largest > 0x1p-300;
+  constexpr double kLargest = 0x1p300;  // up to it products of three stay in the range of double
+  return largest < kLargest && largest > 1 / kLargest;
 }
 
 /// At most the radius of the ball about the origin that the tetrahedron holds; not positive: nothing is sure.

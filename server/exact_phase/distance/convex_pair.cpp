@@ -10,6 +10,7 @@
 #include "server/exact_phase/distance/polytope_kernel.hpp"
 #include "server/exact_phase/distance/simplex_search.hpp"
 #include "server/exact_phase/round_solids/round_pair.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
 namespace {
@@ -69,7 +70,8 @@ Vec3 rounded_off(const Vec3& point, double step) { return ((point / step).array(
 /// What no algebra here decides.
 Decision holds_rounded_point(const ConvexPair& pair, const Witnesses& witnesses) {
   for (const Vec3& point : witnesses.point) {
-    for (const double step : {0x1p-24, 1e-9, 1e-6, 0x1p-16, 1e-4, 0x1p-10, 1e-3}) {
+    constexpr double kEverydaySteps_m[] = {0x1p-24, 1e-9, 1e-6, 0x1p-16, 1e-4, 0x1p-10, 1e-3};
+    for (const double step : kEverydaySteps_m) {
       const Vec3 near = rounded_off(point, step);
       if (near.allFinite() && pair.both_hold(near).yes()) return Decision::yes;
     }

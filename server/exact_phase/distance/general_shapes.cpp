@@ -6,6 +6,7 @@
 #include "server/exact_phase/distance/convex_pair.hpp"
 #include "server/exact_phase/distance/polytope_kernel.hpp"
 #include "server/exact_phase/kernels/membership_kernel.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
@@ -88,7 +89,7 @@ Closest closest_in_general(const Vec3& point, const ShapeView& shape) {
   const double distance = apart.distance_m;
   const double error = apart.error_m;
   const double within_m = distance > error ? 2 * std::sqrt(distance) * std::sqrt(error) : distance + error;
-  result.point_error_m = within_m * (1 + 0x1p-48) + apart.point_error_m;
+  result.point_error_m = within_m * (1 + kChainSlack) + apart.point_error_m;
   return result;
 }
 

@@ -233,7 +233,8 @@ template <Rounding N>
 double unit_error(const Vector<N>& v) {
   const double largest = std::max({std::abs(v.x.value), std::abs(v.y.value), std::abs(v.z.value)});
   const double error = v.x.bound() + v.y.bound() + v.z.bound();
-  return largest == 0 ? 0 : error / largest * (1 + 0x1p-20) + kUnitVector;
+  constexpr double kSecondOrder = 0x1p-20;  // of an error that is small beside the largest
+  return largest == 0 ? 0 : error / largest * (1 + kSecondOrder) + kUnitVector;
 }
 inline double unit_error(const Vector<Scaled>& v) { return unit_error(in_range(v)); }
 

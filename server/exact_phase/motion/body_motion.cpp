@@ -35,7 +35,7 @@ BodyMotion::PointVelocity BodyMotion::velocity(const Vec3& point, double t, doub
   const double reach_m = arm.norm();
   const double turned = std::min(slack_s / motion_s, 1.0) * turn_rad;
   const double off_m = 2 * BodyMotion::error_m(reach_m) + turned * (travel.norm() + 2 * turn_rad * reach_m);
-  return {.mps = motion / motion_s, .error_mps = (off_m / motion_s) * (1 + 0x1p-40)};
+  return {.mps = motion / motion_s, .error_mps = (off_m / motion_s) * (1 + kBoundSlack)};
 }
 
 }  // namespace collided::engine

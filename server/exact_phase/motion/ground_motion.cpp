@@ -5,6 +5,7 @@
 
 #include "server/exact_phase/distance/convex.hpp"
 #include "server/exact_phase/motion/swept_convex.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
@@ -20,7 +21,7 @@ class Landing {
   Decision look(const TimeSpan& span) {
     const double length = span.high - span.low;
     const double middle = span.low + length / 2;
-    if (clearance_m(middle) > (motion_m_ * (length / 2) + error_m_) * (1 + 0x1p-40)) return Decision::no;
+    if (clearance_m(middle) > (motion_m_ * (length / 2) + error_m_) * (1 + kBoundSlack)) return Decision::no;
     if (length <= width_ || !(span.low < middle && middle < span.high)) return at_the_end(span);
     const Decision first = look({span.low, middle});
     if (first == Decision::yes) return first;
@@ -79,7 +80,7 @@ bool surely_stays_above(const BodyMotion& motion, double reach_m, const HalfSpac
   const double length = ground.normal.stableNorm();
   const double height_m = ground.normal.dot(motion.at(0.5).position - ground.point) / length;
   const double size_m = motion.to.position.lpNorm<1>() + motion.from.position.lpNorm<1>() + ground.point.lpNorm<1>() + reach_m;
-  return height_m > reach_m + motion.length_m(reach_m) / 2 + motion.error_m(reach_m) + size_m * 0x1p-40;
+  return height_m > reach_m + motion.length_m(reach_m) / 2 + motion.error_m(reach_m) + size_m * kBoundSlack;
 }
 
 }  // namespace collided::engine

@@ -83,7 +83,8 @@ class Advance {
       if (std::min(gap_m, gap_then_m) * kShy > bend_m * step * step) return step < most ? step : kForever;
       // Where the line between the two gaps leaves just enough for the bend.
       const double whole = gap_m > gap_then_m ? step * gap_m / (gap_m - gap_then_m) : step;
-      const double left = std::clamp(4 * bend_m * whole * whole / gap_m, 0x1p-10, 0.5);
+      constexpr double kLeastLeft = 0x1p-10;
+      const double left = std::clamp(4 * bend_m * whole * whole / gap_m, kLeastLeft, 0.5);
       step = std::min(step * 0.75, whole * (1 - left));
     }
     return sure;
@@ -103,8 +104,8 @@ class Advance {
   /// At least how fast the two may close along n, metres in the whole way's time.
   double closing_speed_m(const Vec3& n) const {
     const Vec3 travel = a_.motion->travel - b_.motion->travel;
-    const double straight = n.dot(travel) + 0x1p-48 * travel.cwiseAbs().sum();
-    return straight + (turn_of(n, a_) + turn_of(n, b_)) * (1 + 0x1p-40);
+    const double straight = n.dot(travel) + kChainSlack * travel.cwiseAbs().sum();
+    return straight + (turn_of(n, a_) + turn_of(n, b_)) * (1 + kBoundSlack);
   }
   static double turn_of(const Vec3& n, const PartMotion& part) {
     return part.motion->turn_rad * n.cross(part.motion->axis).norm() * part.reach_m;
@@ -113,7 +114,7 @@ class Advance {
   /// seen from the body n turns, its second derivative is at most turn |n x axis|, reach is convex in n and steeper
   /// than reach_m nowhere, and a curve is off its chord by an eighth of that.
   double bend(const Vec3& n) const {
-    return (turn_of(n, a_) * a_.motion->turn_rad + turn_of(n, b_) * b_.motion->turn_rad) / 8 * (1 + 0x1p-40);
+    return (turn_of(n, a_) * a_.motion->turn_rad + turn_of(n, b_) * b_.motion->turn_rad) / 8 * (1 + kBoundSlack);
   }
 
   const PartMotion& a_;
@@ -244,7 +245,7 @@ ConvexPart part_of(const Primitive& primitive) {
 
 PartMotion::PartMotion(ConvexPart part, const BodyMotion& on) : own(std::move(part)), motion(&on) {
   const Convex set = convex_of(own);
-  reach_m = (set.carrier[0].stableNorm() + set.reach_m + set.ball_m) * (1 + 0x1p-40);
+  reach_m = (set.carrier[0].stableNorm() + set.reach_m + set.ball_m) * (1 + kBoundSlack);
 }
 
 ConvexPart PartMotion::at(double t) const {

@@ -4,6 +4,7 @@
 #include "server/exact_phase/arithmetic/triple.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/exact_phase/overlap/parted_in_projection.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
@@ -16,7 +17,8 @@ int sure_side(const Triple& p, const Triple& q, const Triple& r) {
   const double product = dot(r, cross(p, q));
   const double scale = p.largest() * q.largest() * r.largest();
   // Below, products of differences might underflow; above, overflow.
-  if (!(scale >= 0x1p-300 && scale <= 0x1p900)) return 0;
+  constexpr double kSmallestScale = 0x1p-300;  // its square does not underflow, nor a product of the two
+  if (!(scale >= kSmallestScale && scale <= kLargestPlain)) return 0;
   const double error = kOrientationError * scale;
   return product > error ? 1 : product < -error ? -1 : 0;
 }

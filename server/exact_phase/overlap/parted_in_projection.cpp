@@ -39,7 +39,7 @@ Difference difference(double a, double b) {
 /// Where rounding a product tells what was lost: it is 0 for a factor that is, or far from both ends of the range.
 bool is_in_range(double product, double a, double b) {
   const double size = std::abs(product);
-  return (size >= 0x1p-900 && size <= 0x1p900) || a == 0 || b == 0;
+  return (size >= kSmallestPlain && size <= kLargestPlain) || a == 0 || b == 0;
 }
 
 int sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }

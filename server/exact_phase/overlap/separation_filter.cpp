@@ -49,7 +49,9 @@ class Gaps {
 };
 
 /// Neither over- nor underflow can matter: a gap's bound is at least 2^-50 of a product of three lengths.
-bool in_range(double length) { return length >= 0x1p-100 && length <= 0x1p100; }
+/// Products of four such lengths stay far from both ends of the range of double.
+constexpr double kLongest_m = 0x1p100;
+bool in_range(double length) { return length >= 1 / kLongest_m && length <= kLongest_m; }
 
 }  // namespace
 
@@ -162,7 +164,7 @@ double push_at_most(const Box& a, const Triangle& b, double& reach_m) {
     const double push = half + std::min(std::max({p[0], p[1], p[2]}), -std::min({p[0], p[1], p[2]}));
     const double length2 = dot(axis, axis);
     // Far above what underflows; the error of the products is kSeparationError of A |axis| (D + A H) at most.
-    if (length2 >= 0x1p-400) least = std::min(least, push / std::sqrt(length2) + 4 * kSeparationError * reach);
+    if (length2 >= 1 / kLargestPlain2) least = std::min(least, push / std::sqrt(length2) + 4 * kSeparationError * reach);
   };
   for (const Triple& normal : frame.normal) try_axis(normal);
   try_axis(cross(triple(b.b) - triple(b.a), triple(b.c) - triple(b.a)));
@@ -197,7 +199,7 @@ About sides_about(const Triples& points, const Triples& plane) {
   const double error = kOrientationError * first * second * distance;
   return {{sure_sign(dot(normal, motion[0]), error), sure_sign(dot(normal, motion[1]), error),
            sure_sign(dot(normal, motion[2]), error)},
-          (distance + std::max(first, second)) * (1 + 0x1p-50)};
+          (distance + std::max(first, second)) * (1 + kFewSlack)};
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "server/geometry/tolerance.hpp"
+
 namespace collided::engine::kernel {
 namespace {
 
@@ -71,7 +73,7 @@ Bounded moved(double origin, double t, double direction) {
   const double way_part = sum - origin;
   const double rest = ((origin - (sum - way_part)) + (motion - way_part)) + way_lost;
   const double value = sum + rest;
-  if (rest == 0 && std::abs(motion) > 0x1p-900) return value;
+  if (rest == 0 && std::abs(motion) > kSmallestPlain) return value;
   return {value, 2 * kRoundoff * (std::abs(value) + std::abs(rest)) + kUnderflow};
 }
 
@@ -82,7 +84,8 @@ Shifted shifted(const Ray& ray, const ImplicitSurface& surface) {
   const Shifted as_it_is{0, Vector<Bounded>(ray.origin), Vector<Bounded>(ray.direction)};
   const Vec3 away = middle - ray.origin;
   const double t = away.dot(ray.direction) / ray.direction.squaredNorm();
-  if (!(std::abs(t) > 0x1p-500 && std::abs(t) < 0x1p500)) return as_it_is;
+  constexpr double kLargestToSquare = 0x1p500;
+  if (!(std::abs(t) > 1 / kLargestToSquare && std::abs(t) < kLargestToSquare)) return as_it_is;
   Vector<Bounded> there;
   Bounded* const component[3] = {&there.x, &there.y, &there.z};
   double size_there = 0;

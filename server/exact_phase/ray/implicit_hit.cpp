@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "server/exact_phase/ray/ray_hit_value.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
 namespace {
@@ -23,7 +24,7 @@ Scaled length_of_direction(const Ray& ray) {
     const Bounded c(std::ldexp(component, -power));
     sum = sum + c * c;
   }
-  return {engine::sqrt(sum + Bounded(0, 0x1p-900)), power};
+  return {engine::sqrt(sum + Bounded(0, kSmallestPlain)), power};
 }
 
 }  // namespace

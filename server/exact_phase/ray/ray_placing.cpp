@@ -20,7 +20,10 @@ double placing_error_along(const Ray& ray, const RayHit& hit, double placing_m, 
     const double longest_m = std::max({edge[0].norm(), edge[1].norm(), edge[2].norm()});
     room_m = steepness * edge[0].cross(edge[1]).norm() / longest_m;
   }
-  return along_m * 0x1p12 <= room_m ? along_m * (1 + 0x1p-10) : std::numeric_limits<double>::infinity();
+  // Where the room is this much larger, what is neglected is less than a quarter of the share that is added.
+  constexpr double kMuchLarger = 0x1p12;
+  constexpr double kNeglected = 0x1p-10;
+  return along_m * kMuchLarger <= room_m ? along_m * (1 + kNeglected) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace collided::engine

@@ -6,6 +6,7 @@
 #include "server/exact_phase/round_solids/axial_exact.hpp"
 #include "server/exact_phase/round_solids/disc_exact.hpp"
 #include "server/exact_phase/round_solids/ellipsoid_exact.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
 namespace {
@@ -31,7 +32,7 @@ bool leads_away(const Convex& a, const Vec3& end, const Vec3& other_end) {
   const double within_m = 2 * std::sqrt(apart.distance_m) * std::sqrt(apart.error_m) + apart.error_m + apart.point_error_m;
   const Vec3 displacement = other_end - end;
   const Vec3 to_nearest = apart.on_a - end;
-  return displacement.dot(to_nearest) + displacement.norm() * (2 * within_m + 0x1p-40 * to_nearest.norm()) < 0;
+  return displacement.dot(to_nearest) + displacement.norm() * (2 * within_m + kBoundSlack * to_nearest.norm()) < 0;
 }
 
 /// Yes: the set is nearest to the axis of a cylinder or capsule surely between its ends.
@@ -41,7 +42,7 @@ Decision is_beside(const Convex& set, const Convex& side) {
   const double length = axis.norm();
   const double along = axis.dot(apart.on_b - side.carrier[0]) / length;
   // As in closest_in_general.
-  const double within_m = 4 * (std::sqrt(apart.distance_m) * std::sqrt(apart.error_m) + apart.error_m + apart.point_error_m) + 0x1p-40 * length;
+  const double within_m = 4 * (std::sqrt(apart.distance_m) * std::sqrt(apart.error_m) + apart.error_m + apart.point_error_m) + kBoundSlack * length;
   if (along > within_m && along < length - within_m) return Decision::yes;
   return Decision::undecided;
 }

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/geometry/tolerance.hpp"
 #include "server/intake/mesh/tessellate.hpp"
 
 namespace collided::engine {
@@ -67,7 +68,7 @@ Grid transposed(const Grid& from) {
 double longest(const Grid& grid) {
   double length = 0;
   for (const Vec3& point : grid.points) length = std::max(length, point.norm());
-  return length * (1 + 0x1p-40);
+  return length * (1 + kBoundSlack);
 }
 
 double second_derivative(const Grid& grid, std::size_t degree) {

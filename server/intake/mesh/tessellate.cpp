@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/geometry/surface_tolerance.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/intake/mesh/sphere_mesh.hpp"
 
 namespace collided::engine {
@@ -51,7 +52,7 @@ void check_count(double triangle_count, const Fineness& fineness) {
   }
 }
 
-double with_roundings(double bound_m, double reach_m) { return bound_m * (1 + 0x1p-40) + kVertexRounding * reach_m; }
+double with_roundings(double bound_m, double reach_m) { return bound_m * (1 + kBoundSlack) + kVertexRounding * reach_m; }
 
 /// 1 - cos, without losing the digits of small angles.
 double versine(double angle_rad) {

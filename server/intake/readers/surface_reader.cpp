@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "server/geometry/tolerance.hpp"
 #include "server/intake/limits.hpp"
 #include "server/intake/mesh/tessellate.hpp"
 #include "server/intake/readers/implicit_lines.hpp"
@@ -161,7 +162,7 @@ class SurfaceReader {
     scene_.parts.push_back({.name = name, .first_triangle = first_triangle, .triangle_count = static_cast<std::uint32_t>(surface.mesh.triangles.size())});
     // Moving it rounds each coordinate once more.
     reading_.report.notes.push_back(fmt::format("{}: {} as {} triangles, off by at most {:.3g} of the file's units", quoted(std::string_view(name)), kind,
-                                                surface.mesh.triangles.size(), kRoundedUp * (surface.off_by_m + 0x1p-51 * reach)));
+                                                surface.mesh.triangles.size(), kRoundedUp * (surface.off_by_m + 4 * kRoundoff * reach)));
   }
 
   const Reading& reading_;

@@ -12,7 +12,9 @@ namespace {
 
 /// Below the value, by at most 2^-22 of it: rounding takes back at most half of the 2^-23 that are taken off first.
 float down(double value) {
-  const auto lower = static_cast<float>(value - (std::abs(value) * 0x1p-23 + 0x1p-140));
+  constexpr double kFloatStep = 0x1p-23;
+  constexpr double kBelowFloats = 0x1p-140;
+  const auto lower = static_cast<float>(value - (std::abs(value) * kFloatStep + kBelowFloats));
   return std::min(lower, std::numeric_limits<float>::max());
 }
 float up(double value) { return -down(-value); }

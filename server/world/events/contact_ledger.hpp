@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/exact_phase/motion/body_motion.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/events/events.hpp"
 
 namespace collided::engine {
@@ -27,7 +28,7 @@ struct FoundContact {
 
 inline void set_velocity(FoundContact& found, const BodyMotion::PointVelocity& of_a, const BodyMotion::PointVelocity& of_b) {
   found.relative_velocity = of_b.mps - of_a.mps;
-  found.velocity_error = (of_a.error_mps + of_b.error_mps) * (1 + 0x1p-40) + 0x1p-52 * (of_a.mps.norm() + of_b.mps.norm());
+  found.velocity_error = (of_a.error_mps + of_b.error_mps) * (1 + kBoundSlack) + 2 * kRoundoff * (of_a.mps.norm() + of_b.mps.norm());
 }
 
 /// Why a contact is over and when, in seconds before the step's world time; none: it is not.

@@ -1,6 +1,7 @@
 #include "server/world/objects/object_placing.hpp"
 
 #include "server/geometry/placing_error.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 
@@ -23,7 +24,7 @@ double placing_error_m(const Placed& object, std::uint32_t triangle, const Aabb&
 }
 
 double placing_error_m(const Placed& a, std::uint32_t a_triangle, const Placed& b, std::uint32_t b_triangle) {
-  return (placing_error_m(a, a_triangle, b.bounds) + placing_error_m(b, b_triangle, a.bounds)) * (1 + 0x1p-40);
+  return (placing_error_m(a, a_triangle, b.bounds) + placing_error_m(b, b_triangle, a.bounds)) * (1 + kBoundSlack);
 }
 
 }  // namespace collided::engine

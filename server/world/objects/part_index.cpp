@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "server/geometry/aabb.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
@@ -31,7 +32,7 @@ std::shared_ptr<const IndexedParts> index_parts(std::span<const Primitive> parts
     diagonals.triangles.push_back({first, first + 1, first});
     indexed->radius_m = std::max(indexed->radius_m, box.low.cwiseAbs().cwiseMax(box.high.cwiseAbs()).stableNorm());
   }
-  indexed->radius_m *= 1 + 0x1p-48;
+  indexed->radius_m *= 1 + kChainSlack;
   indexed->tree = Bvh::build(diagonals, {.threads = 1, .progress = {}, .cancelled = {}, .form = BvhForm::fast});
   return indexed;
 }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
@@ -42,8 +43,8 @@ class PartTouches {
 
 /// A square that no distance up to this one exceeds; the distance may be the sum of two.
 inline double square_up(double distance_m) {
-  const double reach_m = distance_m * (1 + 0x1p-50);
-  return reach_m * reach_m * (1 + 0x1p-50) + std::numeric_limits<double>::min();
+  const double reach_m = distance_m * (1 + kFewSlack);
+  return reach_m * reach_m * (1 + kFewSlack) + std::numeric_limits<double>::min();
 }
 
 /// Calls visit(triangle, part, corners) for each static triangle that may lie within sqrt(limit_m2) of the point and

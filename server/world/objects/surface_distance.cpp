@@ -9,6 +9,7 @@
 #include <set>
 
 #include "server/exact_phase/distance/nearest_filter.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/intake/parallel.hpp"
 #include "server/world/objects/surface_cover.hpp"
 
@@ -37,7 +38,7 @@ struct Nearest {
 
 double distance_at_most(const Vec3& point, const Triangle& triangle) {
   // Above the rounding of the root.
-  return std::sqrt(kernel::quick_square_distance(point, triangle).high2_m2) * (1 + 0x1p-50);
+  return std::sqrt(kernel::quick_square_distance(point, triangle).high2_m2) * (1 + kFewSlack);
 }
 
 /// The nearest triangle of a part, and how far it is at most.
@@ -47,7 +48,7 @@ Nearest nearest(const Vec3& point, std::uint32_t part, const PartedSurface& to) 
     if (to.part_of[triangle] != part) return limit_m2;
     const double upper_m = distance_at_most(point, to.mesh.triangle(triangle));
     if (upper_m < best.upper_m) best = {upper_m, triangle};
-    return best.upper_m * best.upper_m * (1 + 0x1p-48);
+    return best.upper_m * best.upper_m * (1 + kChainSlack);
   };
   WalkCost cost;
   to.tree.walk_near(point, kNoBound, 0, look, cost);
@@ -84,7 +85,8 @@ class OneSide {
     // The middles of edges were rounded, each cut by half a unit in the last place of a coordinate.
     double largest = 0;
     for (const Vec3& v : from_.mesh.vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
-    return std::max(upper_m, upper_of_rest_m_) * (1 + 0x1p-40) + 0x1p-44 * largest;
+    constexpr double kCoordinateSlack = 0x1p-44;  // covers 2^9 cuts, each half a unit in the last place
+    return std::max(upper_m, upper_of_rest_m_) * (1 + kBoundSlack) + kCoordinateSlack * largest;
   }
 
  private:
@@ -141,7 +143,7 @@ class OneSide {
       reached_m = std::max(reached_m, found.upper_m);
       double farthest_m = 0;
       for (const Vec3& c : corners) farthest_m = std::max(farthest_m, distance_at_most(c, to_.mesh.triangle(found.triangle)));
-      upper_m = std::min({upper_m, farthest_m, found.upper_m + longest_m * (1 + 0x1p-48)});
+      upper_m = std::min({upper_m, farthest_m, found.upper_m + longest_m * (1 + kChainSlack)});
     }
     const std::lock_guard lock(mutex_);
     reached_m_ = std::max(reached_m_, reached_m);

@@ -7,6 +7,7 @@
 
 #include "server/exact_phase/motion/ground_motion.hpp"
 #include "server/geometry/aabb.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
@@ -18,6 +19,7 @@ constexpr std::size_t kPairsAPiece = 8;
 constexpr std::size_t kMeshPairsAPiece = 24;
 /// Nor is one in which nothing moves farther than this part of the smaller one's size: cutting it parts nothing more.
 constexpr double kShortPiece = 0x1p-4;
+constexpr double kShortestPiece = 0x1p-40;  // of the whole motion; bisecting further gains nothing
 
 /// Two bodies' parts that may meet in a piece of the way.
 struct PartPair {
@@ -87,7 +89,7 @@ void Search::look(const TimeSpan& span, std::size_t few, double motion_m, double
   if (is_exhausted() || (is_one && is_settled(kNoTriangle, span))) return;
   std::vector<PartPair> found;
   const double length = span.high - span.low;
-  const bool is_short = motion_m * length <= kShortPiece * size_m || length < 0x1p-40;
+  const bool is_short = motion_m * length <= kShortPiece * size_m || length < kShortestPiece;
   const bool is_all = near(span, is_short ? options_.most_looks : few, found);
   if (!is_all && !is_short) {
     const double middle = span.low + length / 2;
@@ -122,7 +124,7 @@ struct Listing {
 Vec3 half_motion(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double length) {
   const double turn_m = a.turn_rad * a_reach_m + b.turn_rad * b_reach_m;
   const double error_m = 2 * (a.error_m(a_reach_m) + b.error_m(b_reach_m));
-  return ((a.travel - b.travel).cwiseAbs().array() + turn_m).matrix() * (length / 2 * (1 + 0x1p-40)) + Vec3::Constant(error_m);
+  return ((a.travel - b.travel).cwiseAbs().array() + turn_m).matrix() * (length / 2 * (1 + kBoundSlack)) + Vec3::Constant(error_m);
 }
 
 double size_of(const Aabb& box) { return (box.high - box.low).maxCoeff(); }
@@ -180,7 +182,7 @@ void Search::meshes() {
     const Mat3 back = b.rotation.transpose();
     const Vec3 between = a.position - b.position;
     const double slack_m = 2 * placement_slack(b, between.lpNorm<1>() + a.position.lpNorm<1>(), a_.mesh_reach_m + b_.mesh_reach_m) +
-                           motion.norm() * (1 + 0x1p-40);
+                           motion.norm() * (1 + kBoundSlack);
     b_.tree->walk_pairs(*a_.tree, back * a.rotation, back * between, slack_m, candidate, cost_);
     return listing.is_all;
   };

@@ -6,6 +6,7 @@
 
 #include "server/geometry/box_union.hpp"
 #include "server/geometry/stable_length.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/sweep.hpp"
 #include "server/world/query/question_shapes.hpp"
 
@@ -70,7 +71,7 @@ bool contains(const Aabb& box, const Vec3& point) {
 }
 
 /// Neither rounded coarsely nor overflowing.
-bool is_plain(double length) { return length > 0x1p-900 && length < 0x1p900; }
+bool is_plain(double length) { return length > kSmallestPlain && length < kLargestPlain; }
 
 Extent extent_of(const Ray& ray) {
   Extent extent{.from = ray.origin};
@@ -111,7 +112,7 @@ Extent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const
   Aabb motion;
   motion.extend(from);
   motion.extend(part == 1 ? to : Vec3(from + part * (to - from)));
-  const double roundings_m = kSlack * 0x1p-8 * from.cwiseAbs().cwiseMax(to.cwiseAbs()).maxCoeff();
+  const double roundings_m = kChainSlack * from.cwiseAbs().cwiseMax(to.cwiseAbs()).maxCoeff();
   return extent_of(from, grown(motion, reach_of(mover) * (1 + kSlack) + (part == 1 ? 0 : roundings_m)));
 }
 
@@ -158,7 +159,7 @@ Aabb stretch(const Ray& ray, double from_m, double to_m) {
   points.extend(Vec3(ray.origin + to_m * unit));
   for (int axis = 0; axis < 3; ++axis) {
     if (ray.direction[axis] == 0) continue;
-    const double roundings_m = 0x1p-48 * (std::abs(ray.origin[axis]) + to_m);
+    const double roundings_m = kChainSlack * (std::abs(ray.origin[axis]) + to_m);
     points.low[axis] -= roundings_m;
     points.high[axis] += roundings_m;
   }

@@ -6,6 +6,7 @@
 #include "server/exact_phase/distance/nearest_filter.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/placing_error.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/part_index.hpp"
 #include "server/world/objects/scene_levels.hpp"
 #include "server/world/query/question.hpp"
@@ -43,7 +44,7 @@ struct NearWalk {
 /// How far apart the nearest points of two convex sets may be that are off_m from each other everywhere, as in
 /// closest_in_general: of the true set all that is as near as this lies within it.
 double within_of(double distance_m, double off_m) {
-  return off_m > 0 ? (2 * std::sqrt((distance_m + off_m) * off_m) + off_m) * (1 + 0x1p-40) : 0;
+  return off_m > 0 ? (2 * std::sqrt((distance_m + off_m) * off_m) + off_m) * (1 + kBoundSlack) : 0;
 }
 
 /// Scenes are where they are.

@@ -1,6 +1,7 @@
 #include <limits>
 
 #include "server/exact_phase/distance/closest.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/query/pair_report.hpp"
 
@@ -26,7 +27,7 @@ std::uint32_t nearest_triangle(const Placed& object, const Vec3& point, WalkCost
       best_m2 = m2;
       triangle = number;
     }
-    return best_m2 * (1 + 0x1p-40);
+    return best_m2 * (1 + kBoundSlack);
   };
   mesh.tree.walk_near(local, std::numeric_limits<double>::infinity(),
                       placement_slack(*object.frame, point.lpNorm<1>(), mesh.radius_m), candidate, cost);
@@ -58,7 +59,7 @@ struct Nearest {
     low_m = std::min(low_m, here.distance_m - here.error_m);
     if (here.distance_m < best.distance_m) best = here;
   }
-  double reach_m() const { return (best.distance_m + best.error_m) * (1 + 0x1p-40); }
+  double reach_m() const { return (best.distance_m + best.error_m) * (1 + kBoundSlack); }
 };
 
 /// One triangle of a mesh and those of another one that may be nearer than the nearest so far.
@@ -87,7 +88,7 @@ void search_meshes(const Placed& a, const Placed& b, Nearest& nearest, WalkCost&
   for (std::uint32_t i = 0; i < from.info->mesh->mesh->triangles.size(); ++i) {
     const Triangle triangle = place(*from.frame, from.info->mesh->mesh->triangle(i));
     const Vec3 middle = triangle.a / 3 + triangle.b / 3 + triangle.c / 3;
-    const double radius_m = std::max({(triangle.a - middle).norm(), (triangle.b - middle).norm(), (triangle.c - middle).norm()}) * (1 + 0x1p-40);
+    const double radius_m = std::max({(triangle.a - middle).norm(), (triangle.b - middle).norm(), (triangle.c - middle).norm()}) * (1 + kBoundSlack);
     const TriangleWalk walk{other, triangle, from_a, radius_m, nearest};
     const Vec3 local = other.frame->rotation.transpose() * (middle - other.frame->position);
     mesh.tree.walk_near(local, walk.limit_m2(), placement_slack(*other.frame, middle.lpNorm<1>(), mesh.radius_m),

@@ -84,7 +84,8 @@ class ApartSearch {
   bool keep(const Vec3& normal, const Vec3& point, const Range& a, const Range& b) {
     if (normal.isZero(0) || !normal.allFinite() || !point.allFinite()) return false;
     // Products with a component that is no more than rounding would leave the range of double where the proof is checked.
-    const double least = 0x1p-100 * normal.cwiseAbs().maxCoeff();
+    constexpr double kNothingBeside = 0x1p-100;
+    const double least = kNothingBeside * normal.cwiseAbs().maxCoeff();
     if (((normal.array() != 0) && (normal.array().abs() < least)).any()) {
       return keep(Vec3((normal.array().abs() < least).select(0, normal)), point, a, b);
     }

@@ -7,6 +7,7 @@
 
 #include "server/exact_phase/arithmetic/precision.hpp"
 #include "server/geometry/float_environment.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/query/covered.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/stale_reach.hpp"
@@ -44,7 +45,7 @@ std::int64_t steady_now_ns() {
 
 bool is_rotation(const double* n) {
   const double norm = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3]);
-  return std::abs(norm - 1) <= 1e-6;
+  return std::abs(norm - 1) <= kUnitNormSlack;
 }
 
 /// Whether the numbers make a question: finite (a length may be infinite), a direction, sizes not negative, a unit

@@ -5,6 +5,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/stable_length.hpp"
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/part_index.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/question_shapes.hpp"
@@ -25,7 +26,7 @@ struct RayWalk {
   bool best_is_triangle = false;
   bool is_length_known = true;  // else the limit says nothing of the ray's length
 
-  double rounded_up(double distance_m) const { return distance_m / direction_m * (1 + 0x1p-50); }
+  double rounded_up(double distance_m) const { return distance_m / direction_m * (1 + kFewSlack); }
   bool closest() const { return question.asked.mode == HitMode::closest; }
   bool over() const { return limit < 0; }
 
@@ -164,7 +165,7 @@ void RayWalk::walk_local(const Bvh& tree, double radius_m, std::size_t count, co
   // Only a finite view of the ray can be walked; beyond it everything is a candidate.
   if (local.origin.allFinite() && local.direction.allFinite() && std::isfinite(slack_m)) {
     // The limit is in s, which turning keeps up to the rounding of the matrix.
-    tree.walk_ray(local, limit * (1 + 0x1p-48), slack_m, candidate, question.walk);
+    tree.walk_ray(local, limit * (1 + kChainSlack), slack_m, candidate, question.walk);
     return;
   }
   for (std::uint32_t i = 0; i < count && !over(); ++i) candidate(i, limit);

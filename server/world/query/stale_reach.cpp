@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/sweep.hpp"
 #include "server/world/query/question_shapes.hpp"
 
@@ -20,7 +21,7 @@ Aabb region_of(const StaleObject& object, std::int64_t world_time_ns) {
   Aabb region;
   region.extend(object.position);
   const double slack_m = object.position.cwiseAbs().maxCoeff() + object.reach_m + way_m;
-  return grown(region, object.reach_m + way_m + 0x1p-40 * slack_m);
+  return grown(region, object.reach_m + way_m + kBoundSlack * slack_m);
 }
 
 /// How far along the ray the region begins at least; endless where the ray does not meet it.
@@ -46,14 +47,14 @@ double entry_of(const Ray& ray, const Aabb& region) {
 
 double least_distance(const Vec3& point, const Aabb& region) {
   const Vec3 out = (region.low - point).cwiseMax(point - region.high).cwiseMax(0);
-  return out.norm() * (1 - 0x1p-40);
+  return out.norm() * (1 - kBoundSlack);
 }
 
 Aabb way_of(const ObjectInfo& mover, const double* n) {
   Aabb motion;
   motion.extend(Vec3(n[0], n[1], n[2]));
   motion.extend(Vec3(n[7], n[8], n[9]));
-  return grown(motion, reach_of(mover) * (1 + 0x1p-40));
+  return grown(motion, reach_of(mover) * (1 + kBoundSlack));
 }
 
 /// Distance of the farthest hit that was told, endless where more would have been.

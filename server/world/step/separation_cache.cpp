@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/geometry/tolerance.hpp"
+
 namespace collided::engine {
 namespace {
 
@@ -59,7 +61,7 @@ bool SeparationCache::holds(std::uint32_t slot, std::uint32_t partner) const {
     gone_m += now[i].gone_m - pair->gone_m[i];
   }
   // Two differences and their sum, each off by one rounding. False with anything infinite.
-  return gone_m * (1 + 0x1p-50) < pair->gap_m;
+  return gone_m * (1 + kFewSlack) < pair->gap_m;
 }
 
 void SeparationCache::remember(std::uint32_t slot, std::uint32_t partner, double gap_m) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/contact_search.hpp"
 
 namespace collided::engine {
@@ -137,7 +138,7 @@ void StepMotion::count_way(std::uint32_t slot, SeparationCache& apart) const {
     return;
   }
   const double reach_m = info->mesh->radius_m;
-  apart.moved(slot, longest_displacement_m(slot, reach_m) * (1 + 0x1p-40) + placement_slack(rows_[slot].frame_before, 0, reach_m) +
+  apart.moved(slot, longest_displacement_m(slot, reach_m) * (1 + kBoundSlack) + placement_slack(rows_[slot].frame_before, 0, reach_m) +
                         placement_slack(rows_[slot].frame, 0, reach_m));
 }
 
