@@ -71,7 +71,10 @@ Aabb bounds(const Capsule& capsule) {
 namespace {
 
 /// Ten roundings of a root of squares, outward, and what underflows.
-double root_up(double squares) { return std::sqrt(squares) * (1 + kChainSlack) + 0x1p-500; }
+double root_up(double squares) {
+  constexpr double kRootOfUnderflow = 0x1p-500;
+  return std::sqrt(squares) * (1 + kChainSlack) + kRootOfUnderflow;
+}
 
 /// How far a disc of that radius reaches along each axis.
 Vec3 disc_reach(const Vec3& a, const Vec3& b, double radius_m) {
