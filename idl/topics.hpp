@@ -27,7 +27,7 @@ enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
 /// not_covered: what was asked reaches out of the space in which the loaded geometry was said to be complete.
 enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 enum class ReplyStatus : std::uint8_t { ok, refused, progress };
-/// kInside: the question starts inside a solid. kStale: the object's publisher is lost and its policy is `hold`.
+/// kInside: the ray begins inside the solid, or the point of near is in it or on it. kStale: the object's publisher is lost and its policy is `hold`.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2 };
 enum class EventKind : std::uint8_t { began, persisted, ended };
 /// decided: of a doubt; where no contact begins then, the two are apart.

@@ -21,6 +21,13 @@ bool may_answer(const Snapshot& snapshot, const Questions& questions, ObjectId i
   return ((*snapshot.objects)[slot_of(id)]->filter.layers & questions.mask) != 0;
 }
 
+const std::string& name_of(const Snapshot& snapshot, ObjectId id) { return (*snapshot.objects)[slot_of(id)]->name; }
+
+/// What is equally far or deep stands by name, then by triangle.
+bool precedes(const Snapshot& snapshot, const AnswerHit& a, const AnswerHit& b) {
+  return std::pair(name_of(snapshot, a.object), a.triangle) < std::pair(name_of(snapshot, b.object), b.triangle);
+}
+
 struct RayFound {
   AnswerHit hit;
   const Part* part;
@@ -34,7 +41,7 @@ struct RayFound {
   }
 };
 
-bool earlier(const Ray& ray, const RayFound& a, const RayFound& b) {
+bool earlier(const Snapshot& snapshot, const Ray& ray, const RayFound& a, const RayFound& b) {
   const auto* ta = std::get_if<Triangle>(&a.part->shape);
   const auto* tb = std::get_if<Triangle>(&b.part->shape);
   const bool apart = a.hit.distance_m + a.hit.error_m < b.hit.distance_m - b.hit.error_m ||
@@ -45,7 +52,7 @@ bool earlier(const Ray& ray, const RayFound& a, const RayFound& b) {
   } else if (a.hit.distance_m != b.hit.distance_m) {
     return a.hit.distance_m < b.hit.distance_m;
   }
-  return std::pair(a.hit.object, a.hit.triangle) < std::pair(b.hit.object, b.hit.triangle);
+  return precedes(snapshot, a.hit, b.hit);
 }
 
 std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snapshot, const Questions& questions,
@@ -71,13 +78,13 @@ std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snaps
   std::vector<AnswerHit> hits;
   if (questions.mode == HitMode::closest) {
     const auto first = std::min_element(found.begin(), found.end(),
-                                        [&](const auto& a, const auto& b) { return earlier(asked, a, b); });
+                                        [&](const auto& a, const auto& b) { return earlier(snapshot, asked, a, b); });
     if (first != found.end()) hits.push_back(first->told());
     return hits;
   }
   for (const RayFound& f : found) hits.push_back(f.told());
-  std::sort(hits.begin(), hits.end(), [](const AnswerHit& a, const AnswerHit& b) {
-    return std::tuple(a.distance_m, a.object, a.triangle) < std::tuple(b.distance_m, b.object, b.triangle);
+  std::sort(hits.begin(), hits.end(), [&](const AnswerHit& a, const AnswerHit& b) {
+    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : precedes(snapshot, a, b);
   });
   return hits;
 }
@@ -121,8 +128,9 @@ std::vector<AnswerHit> overlap(const std::vector<Part>& parts, const Snapshot& s
   }
   std::vector<AnswerHit> hits;
   for (const auto& [object, hit] : deepest) hits.push_back(hit);
-  std::stable_sort(hits.begin(), hits.end(),
-                   [](const AnswerHit& a, const AnswerHit& b) { return a.distance_m > b.distance_m; });
+  std::sort(hits.begin(), hits.end(), [&](const AnswerHit& a, const AnswerHit& b) {
+    return a.distance_m != b.distance_m ? a.distance_m > b.distance_m : precedes(snapshot, a, b);
+  });
   return hits;
 }
 
@@ -151,8 +159,9 @@ std::vector<AnswerHit> near(const std::vector<Part>& parts, const Snapshot& snap
   }
   std::vector<AnswerHit> hits;
   for (const auto& [object, hit] : nearest) hits.push_back(hit);
-  std::stable_sort(hits.begin(), hits.end(),
-                   [](const AnswerHit& a, const AnswerHit& b) { return a.distance_m < b.distance_m; });
+  std::sort(hits.begin(), hits.end(), [&](const AnswerHit& a, const AnswerHit& b) {
+    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : precedes(snapshot, a, b);
+  });
   if (hits.size() > questions.max_hits) hits.resize(questions.max_hits);
   return hits;
 }

@@ -15,7 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 using nlohmann::json;
 using testing_support::ChildProcess;
-using wire_contract::EventKind;
 
 constexpr int kPublishers = 3;
 constexpr int kBalls = 6;
@@ -103,7 +102,7 @@ History expected(const std::string& floors_path) {
       world.step(frame + 1, 1, {});
       note();
     }
-    for (const ObjectId id : ids) world.remove(id, wire_contract::EndReason::removed);
+    for (const ObjectId id : ids) world.remove(id, EndReason::removed);
     world.step(kFrames + 1, 1, {});
     note();
   }

@@ -98,7 +98,7 @@ struct Hit {
   Vec3 weights = Vec3::Zero();
   double time_low = 0;   // sweeps: no contact up to here,
   double time_high = 0;  // and contact here
-  bool inside = false;
+  bool inside = false;   // rays: the origin is inside the solid; near: the point is in it or on it; else never set
   bool stale = false;
 };
 

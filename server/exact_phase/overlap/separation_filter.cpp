@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "server/exact_phase/arithmetic/triple.hpp"
+#include "server/exact_phase/arithmetic/plain_range.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine::kernel {
@@ -164,7 +165,7 @@ double push_at_most(const Box& a, const Triangle& b, double& reach_m) {
     const double push = half + std::min(std::max({p[0], p[1], p[2]}), -std::min({p[0], p[1], p[2]}));
     const double length2 = dot(axis, axis);
     // Far above what underflows; the error of the products is kSeparationError of A |axis| (D + A H) at most.
-    if (length2 >= 1 / kLargestPlain2) least = std::min(least, push / std::sqrt(length2) + 4 * kSeparationError * reach);
+    if (length2 >= 1 / kernel::kLargestPlain2) least = std::min(least, push / std::sqrt(length2) + 4 * kSeparationError * reach);
   };
   for (const Triple& normal : frame.normal) try_axis(normal);
   try_axis(cross(triple(b.b) - triple(b.a), triple(b.c) - triple(b.a)));

@@ -10,12 +10,13 @@ using nlohmann::json;
 
 constexpr std::uint32_t kNoPart = 0xffffffff;
 
+// -0 is reported as 0.
 json numbers(const Vec3& vector) {
-  return {vector.x(), vector.y(), vector.z()};
+  return {vector.x() + 0.0, vector.y() + 0.0, vector.z() + 0.0};
 }
 
 json numbers(const Quat& rotation) {
-  return {rotation.w(), rotation.x(), rotation.y(), rotation.z()};
+  return {rotation.w() + 0.0, rotation.x() + 0.0, rotation.y() + 0.0, rotation.z() + 0.0};
 }
 
 json describe(const Sphere& sphere) {

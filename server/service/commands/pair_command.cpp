@@ -63,7 +63,7 @@ json described(const Proof& proof) {
 
 void describe_touching(const PairReport& report, json& answer) {
   const Contact& contact = report.contact;
-  answer["depth"] = contact.depth_m;
+  answer["depth"] = contact.depth_m + 0.0;
   answer["error"] = number(contact.depth_error_m);
   answer["normal"] = numbers(contact.normal);
   answer["point"] = numbers(contact.point);

@@ -8,11 +8,18 @@
 namespace collided::engine::service {
 namespace {
 
+/// -0 is reported as 0.
+void append(std::vector<double>& numbers, double value) { numbers.push_back(value + 0.0); }
+
+void append(std::vector<double>& numbers, const Vec3& vector) {
+  for (const double value : vector) append(numbers, value);
+}
+
 void append(std::vector<double>& numbers, const Contact& contact) {
-  numbers.insert(numbers.end(), contact.point.begin(), contact.point.end());
-  numbers.insert(numbers.end(), contact.normal.begin(), contact.normal.end());
-  numbers.push_back(contact.depth_m);
-  numbers.push_back(contact.depth_error_m);
+  append(numbers, contact.point);
+  append(numbers, contact.normal);
+  append(numbers, contact.depth_m);
+  append(numbers, contact.depth_error_m);
 }
 
 }  // namespace
@@ -88,10 +95,10 @@ void EventColumns::add(const Event& event, const NameBook& book) {
   b_triangles.push_back(book.triangle(event.of.b, event.of.b_triangle));
   episodes.push_back(event.of.episode);
   append(numbers, event.of.contact);
-  numbers.push_back(event.bracket_low_s);
-  numbers.push_back(event.bracket_high_s);
-  numbers.insert(numbers.end(), event.relative_velocity.begin(), event.relative_velocity.end());
-  numbers.push_back(event.velocity_error);
+  append(numbers, event.bracket_low_s);
+  append(numbers, event.bracket_high_s);
+  append(numbers, event.relative_velocity);
+  append(numbers, event.velocity_error);
   named.add_id(event.of.a);
   named.add_id(event.of.b);
 }
@@ -110,10 +117,10 @@ void ProbeColumns::add(std::string_view probe_name, const ProbeReading& reading)
   objects.push_back(reading.object);
   met.push_back(reading.met);
   triangles.push_back(reading.triangle);
-  numbers.push_back(reading.clearance_m);
-  numbers.push_back(reading.error_m);
-  numbers.insert(numbers.end(), reading.point.begin(), reading.point.end());
-  numbers.insert(numbers.end(), reading.normal.begin(), reading.normal.end());
+  append(numbers, reading.clearance_m);
+  append(numbers, reading.error_m);
+  append(numbers, reading.point);
+  append(numbers, reading.normal);
   probe_names.insert(probe_names.end(), probe_name.begin(), probe_name.end());
   probe_names.push_back(0);
   if (reading.object != 0) named.add_id(reading.object);

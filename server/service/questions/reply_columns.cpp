@@ -98,9 +98,10 @@ void ReplyFiller::add_hit(const AnswerHit& hit, ReplyColumns& columns) {
   const std::size_t end = columns.numbers.size();
   columns.numbers.resize(end + wire_contract::kHitNumbers);
   double* number = &columns.numbers[end];
-  for (const double value : {hit.distance_m, hit.error_m, hit.exit_m}) *number++ = value;
-  for (const Vec3* vector : {&hit.point, &hit.normal, &hit.weights}) number = std::copy_n(vector->data(), 3, number);
-  *number = hit.point_error_m;
+  const auto add = [&](double value) { *number++ = value + 0.0; };  // -0 is reported as 0
+  for (const double value : {hit.distance_m, hit.error_m, hit.exit_m}) add(value);
+  for (const Vec3* vector : {&hit.point, &hit.normal, &hit.weights}) std::for_each(vector->begin(), vector->end(), add);
+  add(hit.point_error_m);
 }
 
 /// False: no room left for this question beside the ones before it.

@@ -11,6 +11,7 @@
 #include "server/world/objects/scene_levels.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/question_shapes.hpp"
+#include "server/world/query/underflow.hpp"
 
 namespace collided::engine {
 namespace {
@@ -64,11 +65,12 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, c
   if (!is_within(found, object, part)) return;
   // What holds the point is at no distance, wherever its border is.
   const double placed_m = found.distance_m > 0 ? placing_m() : 0;
+  const bool is_held = !std::is_same_v<Part, Triangle> && found.distance_m == 0 && found.distance_error_m == 0;
   keep({.object = object,
         .triangle = triangle,
-        .flags = question.flags_of(object),
+        .flags = static_cast<std::uint8_t>(question.flags_of(object) | (is_held ? kInside : 0)),
         .distance_m = found.distance_m,
-        .error_m = found.distance_error_m + placed_m + off_by_m,
+        .error_m = with_underflow(found.distance_m, found.distance_error_m + placed_m + off_by_m),
         .point = found.point,
         // What is nearest to the simpler form may be near another place of the surface.
         .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity() : found.point_error_m + within_of(found.distance_m, placed_m),
@@ -93,13 +95,14 @@ void NearWalk::keep(const AnswerHit& hit) {
   std::vector<AnswerHit>& found = question.found;
   const auto same = std::find_if(found.begin(), found.end(), [&](const AnswerHit& h) { return h.object == hit.object; });
   if (same != found.end()) {
-    if (!nearer_first(hit, *same)) return;
+    if (!question.nearer_first(hit, *same)) return;
     found.erase(same);
   } else if (found.size() == question.asked.max_hits) {
-    if (!nearer_first(hit, found.back())) return;
+    if (!question.nearer_first(hit, found.back())) return;
     found.pop_back();
   }
-  found.insert(std::upper_bound(found.begin(), found.end(), hit, nearer_first), hit);
+  const auto order = [this](const AnswerHit& a, const AnswerHit& b) { return question.nearer_first(a, b); };
+  found.insert(std::upper_bound(found.begin(), found.end(), hit, order), hit);
   if (found.size() == question.asked.max_hits) {
     const double farthest_m = std::max(found.back().distance_m - question.slack_m(), 0.0);
     wanted_m = std::min(wanted_m, farthest_m + found.back().error_m);

@@ -85,10 +85,10 @@ void ask_overlap(Question& question, const Asked& asked) {
   question.snapshot.grid->walk_box(bounds(asked), candidate, question.walk);
 }
 
-/// Deepest first; ties by object.
+/// Deepest first; ties by name.
 void finish_overlap(Question& question) {
-  std::sort(question.found.begin(), question.found.end(), [](const AnswerHit& a, const AnswerHit& b) {
-    return a.distance_m != b.distance_m ? a.distance_m > b.distance_m : a.object < b.object;
+  std::sort(question.found.begin(), question.found.end(), [&](const AnswerHit& a, const AnswerHit& b) {
+    return a.distance_m != b.distance_m ? a.distance_m > b.distance_m : question.precedes(a, b);
   });
   if (question.found.size() > question.asked.max_hits) {
     question.found.resize(question.asked.max_hits);

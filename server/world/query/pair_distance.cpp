@@ -4,6 +4,7 @@
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/query/pair_report.hpp"
+#include "server/world/query/underflow.hpp"
 
 namespace collided::engine {
 namespace {
@@ -121,6 +122,8 @@ Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost) {
   // The nearest may be any whose interval begins below the best one's.
   Separation best = nearest.best;
   best.error_m = std::max(best.error_m, best.distance_m - std::max(nearest.low_m, 0.0));
+  // They are apart, so no distance is exactly 0.
+  best.error_m = with_underflow(std::max(best.distance_m, std::numeric_limits<double>::denorm_min()), best.error_m);
   return best;
 }
 

@@ -40,6 +40,16 @@ struct Question {
   std::uint8_t flags_of(ObjectId id) const {
     return snapshot.stale[slot_of(id)] != 0 ? std::uint8_t{kStale} : std::uint8_t{0};
   }
+  /// Order of what is equally near or deep: by name, then by triangle, so that it does not depend on what was loaded
+  /// first.
+  bool precedes(const AnswerHit& a, const AnswerHit& b) const {
+    if (a.object == b.object) return a.triangle < b.triangle;
+    return object(slot_of(a.object)).name < object(slot_of(b.object)).name;
+  }
+  /// Order of hits along a ray and of near objects.
+  bool nearer_first(const AnswerHit& a, const AnswerHit& b) const {
+    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : precedes(a, b);
+  }
   void count(const ExactResult& verdict) {
     ++exact_tests;
     level = std::max(level, verdict.level);
@@ -57,11 +67,5 @@ void ask_box(Question& question, const double* numbers);
 void ask_near(Question& question, const double* numbers);
 /// The first contact of asked.mover on its way: one hit, its distance the end of the time bracket, its exit the beginning.
 void ask_sweep(Question& question, const double* numbers);
-
-/// Order of hits along a ray and of near objects: (distance, object, triangle).
-inline bool nearer_first(const AnswerHit& a, const AnswerHit& b) {
-  if (a.distance_m != b.distance_m) return a.distance_m < b.distance_m;
-  return a.object != b.object ? a.object < b.object : a.triangle < b.triangle;
-}
 
 }  // namespace collided::engine

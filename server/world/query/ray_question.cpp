@@ -71,7 +71,7 @@ void RayWalk::widen(const RayHit& hit, double placing_m, const Triangle* corners
   kept.point_error_m += along_m;
 }
 
-/// Intervals that do not meet decide; else two triangles are compared exactly; ties go to the lower object, triangle.
+/// Intervals that do not meet decide; else two triangles are compared exactly; ties go by name and triangle.
 bool RayWalk::is_nearer(const AnswerHit& hit, const Triangle* corners) const {
   const AnswerHit& best = question.found.front();
   if (hit.distance_m + hit.error_m < best.distance_m - best_error_m) return true;
@@ -82,7 +82,7 @@ bool RayWalk::is_nearer(const AnswerHit& hit, const Triangle* corners) const {
   } else if (hit.distance_m != best.distance_m) {
     return hit.distance_m < best.distance_m;
   }
-  return hit.object != best.object ? hit.object < best.object : hit.triangle < best.triangle;
+  return question.precedes(hit, best);
 }
 
 bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) {
@@ -240,7 +240,7 @@ void RayWalk::walk_object(std::uint32_t slot) {
 /// Several hits: ordered, each triangle once (a clipped split may offer it twice), cut at the limit asked for.
 void finish_all(Question& question) {
   std::vector<AnswerHit>& found = question.found;
-  std::sort(found.begin(), found.end(), nearer_first);
+  std::sort(found.begin(), found.end(), [&](const AnswerHit& a, const AnswerHit& b) { return question.nearer_first(a, b); });
   const auto same = [](const AnswerHit& a, const AnswerHit& b) {
     return a.object == b.object && a.triangle == b.triangle && a.distance_m == b.distance_m &&
            a.triangle != kNoTriangle;

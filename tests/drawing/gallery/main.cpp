@@ -9,8 +9,8 @@
 
 #include "client/draw/svg.hpp"
 #include "tests/drawing/gallery/stage.hpp"
-#include "tests/report/page.hpp"
-#include "tests/report/provenance.hpp"
+#include "tests/studies/report/page/page.hpp"
+#include "tests/studies/report/page/provenance.hpp"
 
 namespace collided::drawing_test {
 namespace {

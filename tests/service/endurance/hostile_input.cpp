@@ -246,11 +246,11 @@ class Border {
     timed("check", [&] { refusal = service::why_refused(*query); });
     if (refusal || stride == 0 || numbers.size() != stride) return;
     const ObjectInfo mover = without_world(Shape{{Sphere{{0, 0, 0}, 0.3}}, nullptr});
-    const Questions questions{.kind = static_cast<QueryKind>(query->kind), .mode = static_cast<wire_contract::RayMode>(query->mode),
+    const Questions questions{.kind = static_cast<QuestionKind>(query->kind), .mode = static_cast<HitMode>(query->mode),
                               .mask = query->mask, .max_hits = query->max_hits, .only = query->only,
                               .error_m = query->error_asked, .numbers = numbers, .mover = &mover};
     const SnapshotRing::Lease state = world_.newest();
-    timed(wire_contract::name_of(questions.kind), [&] { answer(*state, questions, answers_, scratch_); });
+    timed(name_of(questions.kind), [&] { answer(*state, questions, answers_, scratch_); });
     for (const AnswerHit& hit : answers_.hits) {
       const bool is_told = !std::isnan(hit.distance_m) && !std::isnan(hit.error_m) && !hit.point.hasNaN() && !hit.normal.hasNaN();
       result_.not_finite += is_told ? 0 : 1;

@@ -12,7 +12,6 @@
 namespace collided::engine::service {
 namespace {
 
-using wire_contract::QueryKind;
 
 class ServiceBackgroundAudit : public testing::Test {
  protected:
@@ -31,7 +30,7 @@ class ServiceBackgroundAudit : public testing::Test {
   void ask(int times = 1, std::string_view only = {}, std::string_view skip = {}) {
     numbers.clear();
     for (int i = 0; i < times; ++i) numbers.insert(numbers.end(), {0, 0, 0, 1, 50, 0, 0, 1, 10, 0, 0, 1});
-    asked = {.kind = QueryKind::sphere, .only = only, .skip = skip, .numbers = numbers};
+    asked = {.kind = QuestionKind::sphere, .only = only, .skip = skip, .numbers = numbers};
     state = world.newest();
     answer(*state, asked, given, scratch);
   }

@@ -323,7 +323,7 @@ class ReplyFilling : public ::testing::Test {
     for (std::uint32_t i = 0; i < questions; ++i) numbers.insert(numbers.end(), {0, 0, 0, 1});
     QueryScratch scratch;
     Questions asked;
-    asked.kind = wire_contract::QueryKind::sphere;
+    asked.kind = QuestionKind::sphere;
     asked.max_hits = 0xffffffff;
     asked.numbers = numbers;
     const auto state = world.newest();

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "server/geometry/tolerance.hpp"
+
+namespace collided::engine {
+
+/// The bound of a length that is not exactly 0: where the length underflows, its own bound has lost digits or all of them.
+constexpr double with_underflow(double length_m, double bound_m) {
+  return length_m > 0 && length_m < kSmallestPlain ? bound_m + kUnderflow : bound_m;
+}
+
+}  // namespace collided::engine

@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "tests/studies/homework/homework_page.hpp"
+
+namespace collided::homework {
+using namespace engine;
+namespace {
+
+TEST(HomeworkSlope, FindsAnExponentAndHowSureItIs) {
+  std::vector<double> x, exact, rough;
+  for (int i = 1; i <= 8; ++i) {
+    x.push_back(i);
+    exact.push_back(3 * i * i);
+    rough.push_back(3 * i * i * (i % 2 == 0 ? 1.2 : 1 / 1.2));
+  }
+  EXPECT_NEAR(fit(x, exact).exponent, 2, 1e-12);
+  EXPECT_NEAR(fit(x, exact).half, 0, 1e-6);
+  const Slope slope = fit(x, rough);
+  EXPECT_GT(slope.half, 0.1);
+  EXPECT_LT(slope.low(), 2);
+  EXPECT_GT(slope.high(), 2);
+  EXPECT_FALSE(fit({1, 2}, {1, 2}).known());
+}
+
+// B6, B7: same problem, same bits; another seed, others.
+TEST(HomeworkRecording, IsTheSameForTheSameSeed) {
+  const Problem problem{.objects = 12, .polygons = 64, .frames = 20, .seed = 3};
+  const Recording one = record(problem), two = record(problem);
+  Problem other = problem;
+  other.seed = 4;
+  const Recording third = record(other);
+  bool differs = false;
+  for (std::size_t f = 0; f < one.poses.size(); ++f) {
+    for (std::size_t i = 0; i < 12; ++i) {
+      EXPECT_EQ(one.poses[f][i].position, two.poses[f][i].position);
+      EXPECT_EQ(one.poses[f][i].rotation.coeffs(), two.poses[f][i].rotation.coeffs());
+      differs = differs || one.poses[f][i].position != third.poses[f][i].position;
+    }
+  }
+  EXPECT_TRUE(differs);
+}
+
+// B20: every pair that one method has and another has not is somebody's error, and never ours.
+TEST(HomeworkStudy, ShortFormFindsTheSamePairsByEveryMethod) {
+  const std::vector<Point> points =
+      run_study({.seed = 2000, .quick = true, .methods = {collided_world, collided_polygons, simple_prototype}});
+  double contacts = 0;
+  for (const Point& point : points) {
+    EXPECT_EQ(point.first_wrong, 0u) << name(point.sweep) << " " << point.x << " " << point.method;
+    EXPECT_EQ(point.wrong, 0u) << name(point.sweep) << " " << point.x << " " << point.method;
+    EXPECT_GE(point.repeats, 20u);
+    EXPECT_GE(point.p95_us, point.median_us);
+    EXPECT_GE(point.candidates, point.contacts);
+    contacts += point.contacts;
+  }
+  EXPECT_GE(points.size(), 18u);
+  EXPECT_GT(contacts, 10);
+}
+
+// The judge itself: a pair withheld and a pair invented are both found out.
+TEST(HomeworkStudy, TheJudgeKnowsWhoIsWrong) {
+  const Recording recording = record({.objects = 20, .polygons = 64, .relative_size = 0.4, .frames = 1, .seed = 1});
+  CollidedWorld world(recording);
+  world.frame(recording.poses[0]);
+  const ObjectPairs truth = world.pairs();
+  ASSERT_GT(truth.size(), 2u);
+  ObjectPairs lacking(truth.begin() + 1, truth.end());
+  EXPECT_EQ(judge(recording, recording.poses[0], truth, lacking).wrong, 1u);
+  EXPECT_EQ(judge(recording, recording.poses[0], lacking, truth).first_wrong, 1u);
+  ObjectPairs all;
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    for (std::uint32_t j = i + 1; j < 20; ++j) all.push_back({i, j});
+  }
+  EXPECT_EQ(judge(recording, recording.poses[0], truth, all).wrong, all.size() - truth.size());
+}
+
+Point made_up(Sweep sweep, double x, const std::string& method, double us) {
+  Point point;
+  point.sweep = sweep;
+  point.x = x;
+  point.polygons = sweep == Sweep::polygons ? static_cast<std::size_t>(x) : 256;
+  point.method = method;
+  point.repeats = 20;
+  point.median_us = point.p95_us = point.mean_us = us;
+  point.contacts = 1;
+  point.candidates = 2;
+  return point;
+}
+
+/// Exponents: objects, polygons, size below 0.2 and above.
+void add_method(std::vector<Point>& points, const std::string& method, double objects, double polygons, double small,
+                double large) {
+  for (const double n : {1, 5, 20, 50}) points.push_back(made_up(Sweep::objects, n, method, std::pow(n, objects)));
+  for (const double n : {16, 64, 256, 1024})
+    points.push_back(made_up(Sweep::polygons, n, method, std::pow(n, polygons)));
+  for (const double size : {0.05, 0.1, 0.2})
+    points.push_back(made_up(Sweep::size, size, method, std::pow(size / 0.2, small)));
+  for (const double size : {0.3, 0.5})
+    points.push_back(made_up(Sweep::size, size, method, std::pow(size / 0.2, large)));
+}
+
+// B15, B21: verdicts follow from exponents, both ways.
+TEST(HomeworkClaims, AreTrueOrFalseAsTheExponentsSay) {
+  std::vector<Point> points;
+  add_method(points, "Collided, all polygons", 1, 0.2, 1, 3);
+  add_method(points, "simple prototype", 2, 2.5, 3, 1);
+  std::map<std::string, std::string> verdict;
+  for (const Claim& claim : claims(points)) verdict[claim.text + "/" + claim.method] = claim.verdict;
+  EXPECT_EQ(verdict["more objects take more time (1 to 50)/simple prototype"], "true");
+  EXPECT_EQ(verdict["polygons matter less than objects/Collided, all polygons"], "true");
+  EXPECT_EQ(verdict["polygons matter less than objects/simple prototype"], "false");
+  EXPECT_EQ(verdict["size bites from 0.2 on/Collided, all polygons"], "true");
+  EXPECT_EQ(verdict["size bites from 0.2 on/simple prototype"], "false");
+  EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: objects/Collided, all polygons"], "true");
+  EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: polygons/Collided, all polygons"], "true");
+  EXPECT_EQ(verdict["V-COLLIDE grows more slowly than the simple prototype: size/Collided, all polygons"],
+            "not decided");
+}
+
+TEST(HomeworkPage, HasADrawingForEverySweepAndSaysWhatIsLost) {
+  std::vector<Point> points;
+  add_method(points, "Collided", 1, 0.2, 1, 3);
+  const Parts parts = measure_parts(1, true);
+  EXPECT_GT(parts.detection_us, 0);
+  EXPECT_GT(parts.response_us, 0);
+  int drawings = 0;
+  bool lost = false;
+  for (const report::Figure& figure : homework_figures(points, parts, {}, "/nonexistent")) {
+    EXPECT_EQ(figure.body.find("nan"), std::string::npos) << figure.id;
+    if (figure.body.find("<svg") != std::string::npos) ++drawings;
+    lost = lost || figure.body.find("no values in its figures 2 to 7") != std::string::npos;
+  }
+  EXPECT_EQ(drawings, 4);
+  EXPECT_TRUE(lost);
+}
+
+}  // namespace
+}  // namespace collided::homework
