@@ -11,6 +11,7 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/world/objects/object_placing.hpp"
+#include "server/world/query/underflow.hpp"
 
 namespace collided::oracle {
 using namespace engine;
@@ -148,8 +149,10 @@ std::vector<AnswerHit> near(const std::vector<Part>& parts, const Snapshot& snap
         part.shape);
     if (!within) continue;
     AnswerHit hit{.object = part.object, .triangle = part.triangle};
+    const bool is_solid = !std::holds_alternative<Triangle>(part.shape);
+    hit.flags = is_solid && found.distance_m == 0 && found.distance_error_m == 0 ? kInside : 0;
     hit.distance_m = found.distance_m;
-    hit.error_m = found.distance_error_m + (found.distance_m > 0 ? part.placing_m(point) : 0);
+    hit.error_m = with_underflow(found.distance_m, found.distance_error_m + (found.distance_m > 0 ? part.placing_m(point) : 0));
     hit.point = found.point;
     hit.normal = found.normal;
     const auto [place, is_new] = nearest.emplace(part.object, hit);

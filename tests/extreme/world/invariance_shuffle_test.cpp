@@ -54,12 +54,13 @@ TEST(ExtremeInvarianceShuffle, TheOrderOfDefinitionDoesNotShow) {
   }
 }
 
-// The nearest of two equals is the one with the lower id, whichever that is.
-TEST(ExtremeInvarianceShuffle, TiesGoToTheLowerId) {
+// The nearest of two equals is the first by name, whichever came first into the world.
+TEST(ExtremeInvarianceShuffle, TiesGoByName) {
   for (const bool swapped : {false, true}) {
     extreme::Stage stage;
-    const ObjectId first = stage.ball(swapped ? "b" : "a", {0, 0, 0}, 1);
-    stage.ball(swapped ? "a" : "b", {0, 0, 0}, 1);
+    const ObjectId one = stage.ball(swapped ? "b" : "a", {0, 0, 0}, 1);
+    const ObjectId other = stage.ball(swapped ? "a" : "b", {0, 0, 0}, 1);
+    const ObjectId first = swapped ? other : one;
     stage.step();
     EXPECT_EQ(stage.ray({-5, 0, 0}, {1, 0, 0}).hits.at(0).object, first);
     EXPECT_EQ(stage.ask(QuestionKind::sphere, {0, 0, 0, 1}).hits.at(0).object, first);

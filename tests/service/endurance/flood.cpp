@@ -154,7 +154,7 @@ class Marker {
 };
 
 struct Phase {
-  double question_p50 = 0, question_p99 = 0, lag_p99 = 0, visible_p50 = 0, visible_p999 = 0;
+  double question_p50 = 0, question_p99 = 0, lag_p99 = 0, visible_p50 = 0, visible_p99 = 0, visible_p999 = 0;
   double late_p99 = 0;  // by how much the machine wakes a thread late that waits for the clock alone
 };
 
@@ -188,7 +188,7 @@ Phase measure(Client& client, Marker& marker, std::chrono::seconds time) {
     late_ms.push_back(ms_since(next));
   }
   return {percentile(question_ms, 0.5), percentile(question_ms, 0.99), percentile(marker.take_lags(), 0.99),
-          percentile(visible_ms, 0.5), percentile(visible_ms, 0.999), percentile(late_ms, 0.99)};
+          percentile(visible_ms, 0.5), percentile(visible_ms, 0.99), percentile(visible_ms, 0.999), percentile(late_ms, 0.99)};
 }
 
 int run(const std::string& self, const std::string& server_path, std::chrono::seconds time) {
@@ -228,7 +228,9 @@ int run(const std::string& self, const std::string& server_path, std::chrono::se
   const double quiet_late = wakes * quiet.late_p99;
   const double late = wakes * flood.late_p99;
   const bool is_fair = flood.question_p99 - late < kMostRatio * quiet.question_p99;
-  const bool is_visible = quiet.visible_p50 <= 5 + quiet_late && quiet.visible_p999 <= 20 + quiet_late;
+  // Of the few hundred of a short run the worst thousandth is a single one, which any other process may have hit.
+  const double visible_worst = time < kLong ? quiet.visible_p99 : quiet.visible_p999;
+  const bool is_visible = quiet.visible_p50 <= 5 + quiet_late && visible_worst <= 20 + quiet_late;
   const bool kept = is_visible && is_fair && flood.question_p99 < kMostQuiet_ms + late && lost == 0 &&
                     flood.lag_p99 <= kMostLag_ms + late && (time < kLong || drift <= kMostDrift);
   if (!(ratio < kMostRatio)) std::printf("ratio %.2f is not below the %.0f that is demanded\n", ratio, kMostRatio);
