@@ -37,9 +37,11 @@ inline constexpr Column<Reply> kSweepHitColumns[] = {
 inline constexpr Column<Reply> kUncoveredColumns[] = {{&Reply::uncovered_points, 3}, {&Reply::uncovered_distances, 1}};
 inline constexpr Column<EventFrame> kEventColumns[] = {
     {&EventFrame::points, 3},       {&EventFrame::normals, 3},       {&EventFrame::depths, 1},     {&EventFrame::depth_errors, 1},
+    {&EventFrame::surface_normals, 3}, {&EventFrame::surface_depths, 1}, {&EventFrame::surface_depth_errors, 1},
     {&EventFrame::bracket_lows, 1}, {&EventFrame::bracket_highs, 1}, {&EventFrame::velocities, 3}, {&EventFrame::velocity_errors, 1}};
 inline constexpr Column<ContactShard> kContactColumns[] = {
-    {&ContactShard::points, 3}, {&ContactShard::normals, 3}, {&ContactShard::depths, 1}, {&ContactShard::depth_errors, 1}};
+    {&ContactShard::points, 3}, {&ContactShard::normals, 3}, {&ContactShard::depths, 1}, {&ContactShard::depth_errors, 1},
+    {&ContactShard::surface_normals, 3}, {&ContactShard::surface_depths, 1}, {&ContactShard::surface_depth_errors, 1}};
 inline constexpr Column<ProbeFrame> kProbeColumns[] = {
     {&ProbeFrame::clearances, 1}, {&ProbeFrame::clearance_errors, 1}, {&ProbeFrame::points, 3}, {&ProbeFrame::normals, 3}};
 

@@ -52,7 +52,8 @@ template <SampleOf<EventFrame> S, class Field>
 void for_each_field(S& s, Field&& field) {
   field(s.server), field(s.epoch), field(s.first_sequence), field(s.version), field(s.world_time_ns), field(s.kinds);
   field(s.reasons), field(s.doubts), field(s.shards), field(s.a), field(s.b), field(s.a_triangles);
-  field(s.b_triangles), field(s.episodes), field(s.points), field(s.normals), field(s.depths), field(s.depth_errors);
+  field(s.b_triangles), field(s.episodes), field(s.points), field(s.normals), field(s.depths), field(s.depth_errors),
+      field(s.surface_normals), field(s.surface_depths), field(s.surface_depth_errors);
   field(s.bracket_lows), field(s.bracket_highs), field(s.velocities), field(s.velocity_errors), field(s.named_ids);
   field(s.names);
 }
@@ -61,7 +62,8 @@ template <SampleOf<ContactShard> S, class Field>
 void for_each_field(S& s, Field&& field) {
   field(s.server), field(s.shard), field(s.epoch), field(s.version), field(s.as_of_sequence), field(s.doubts), field(s.a);
   field(s.b), field(s.a_triangles), field(s.b_triangles), field(s.episodes), field(s.began_ns), field(s.points);
-  field(s.normals), field(s.depths), field(s.depth_errors), field(s.named_ids), field(s.names);
+  field(s.normals), field(s.depths), field(s.depth_errors),
+      field(s.surface_normals), field(s.surface_depths), field(s.surface_depth_errors), field(s.named_ids), field(s.names);
 }
 
 template <SampleOf<ProbeFrame> S, class Field>

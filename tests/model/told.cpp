@@ -13,6 +13,7 @@ Event turned_round(Event event) {
   std::swap(event.of.a, event.of.b);
   std::swap(event.of.a_triangle, event.of.b_triangle);
   event.of.contact.normal = -event.of.contact.normal;
+  event.of.surface.normal = -event.of.surface.normal;
   event.relative_velocity = -event.relative_velocity;
   return event;
 }
@@ -57,9 +58,11 @@ std::string told(const Event& given, const NamesById& names, const ContactDetail
   if (!detail.point) return text;
   text += " velocity" + told(event.relative_velocity);
   text += line(" triangles %u %u at", event.of.a_triangle, event.of.b_triangle) + told(event.of.contact.point);
-  if (!detail.normal) return text;
-  return text + " normal" + told(event.of.contact.normal) + " depth" + number(event.of.contact.depth_m) +
-         number(event.of.contact.depth_error_m);
+  text += " normal" + told(event.of.contact.normal) + " depth" + number(event.of.contact.depth_m) +
+          number(event.of.contact.depth_error_m);
+  if (!detail.surface) return text;
+  return text + " surface" + told(event.of.surface.normal) + " depth" + number(event.of.surface.depth_m) +
+         number(event.of.surface.depth_error_m);
 }
 
 std::string told(const OpenContact& contact, const NamesById& names, const ContactDetail& detail) {

@@ -53,11 +53,11 @@ struct AnswerDetail {
 /// A line for each question and for each hit.
 Lines told(const Answers& answers, const NamesById& names, const AnswerDetail& detail);
 
-/// What of a contact is told. Points are rounded differently where the other of the two has the lower id; normals and depths
-/// along inner edges hang on which contacts were found in the same step.
+/// What of a contact is told. Points are rounded differently where the other of the two has the lower id; the surface at an inner
+/// edge hangs on which contacts were found in the same step.
 struct ContactDetail {
   bool point = true;
-  bool normal = true;
+  bool surface = true;
 };
 /// Lower name first, whichever has the lower id.
 std::string told(const OpenContact& contact, const NamesById& names, const ContactDetail& detail);

@@ -181,7 +181,7 @@ class WorldTwin : public testing::Test {
       for (const Event& event : world.events()) {
         const auto pair = pair_of(event.of, names);
         // A new world has its objects' last ways before it, and may doubt what they passed.
-        if (is_known(pair) && event.of.doubt == Doubt::none) all.push_back(told(event, names, {.point = same_order(pair), .normal = all_moved_ && event.kind != EventKind::ended}));
+        if (is_known(pair) && event.of.doubt == Doubt::none) all.push_back(told(event, names, {.point = same_order(pair), .surface = all_moved_ && event.kind != EventKind::ended}));
       }
       std::sort(all.begin(), all.end());
       return all;
@@ -275,7 +275,7 @@ class WorldTwin : public testing::Test {
         EXPECT_FALSE(is_known(pair)) << pair.first << " " << pair.second;
         in_doubt_.insert(pair);
       } else {
-        here.push_back(told(contact, names_, {.normal = all_moved_}));
+        here.push_back(told(contact, names_, {.surface = all_moved_}));
         open.insert(pair);
       }
       held_[pair] = told(contact, names_, {});
@@ -283,7 +283,7 @@ class WorldTwin : public testing::Test {
       EXPECT_EQ(contact.began_ns, began_ns_[pair]);
     }
     for (const OpenContact& contact : twin->contacts()) {
-      if (is_known(pair_of(contact, twin_names))) there.push_back(told(contact, twin_names, {.normal = all_moved_}));
+      if (is_known(pair_of(contact, twin_names))) there.push_back(told(contact, twin_names, {.surface = all_moved_}));
     }
     for (const auto& [a, b] : oracle::touching_pairs(*twin->newest())) {
       OpenContact met;

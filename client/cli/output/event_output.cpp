@@ -53,6 +53,7 @@ Value triangle_value(std::uint32_t triangle) {
 Record event_record(const Event& event) {
   const bool is_doubt = event.doubt != Doubt::none;
   const bool touches = event.kind != EventKind::ended && !is_doubt;
+  const bool at_inner_edge = touches && event.surface_normal != event.normal;
   const bool is_told = event.kind == EventKind::began || event.kind == EventKind::persisted;
   const Value none = std::monostate{};
   const auto at = [&](double seconds_before) { return event.world_time.count() - std::llround(seconds_before * 1e9); };
@@ -68,6 +69,8 @@ Record event_record(const Event& event) {
           {"error", touches ? Value(event.depth_error_m) : none},
           {"point", touches ? MaybeVector(event.point) : MaybeVector()},
           {"normal", touches ? MaybeVector(event.normal) : MaybeVector()},
+          {"surface_normal", at_inner_edge ? MaybeVector(event.surface_normal) : MaybeVector()},
+          {"surface_depth", at_inner_edge ? Value(event.surface_depth_m) : none},
           {"a_triangle", triangle_value(event.a_triangle)},
           {"b_triangle", triangle_value(event.b_triangle)},
           {"after", event.kind == EventKind::ended ? Value(seconds_of(lasted(event))) : none},

@@ -42,8 +42,13 @@ struct Event {
   double bracket_high_s = 0;
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::Zero();            // from a to b
-  double depth_m = 0;
+  double depth_m = 0;                    // moving b so far along the normal parts the two parts; no way is shorter
   double depth_error_m = 0;
+  /// The same where neighbouring bodies count as one surface, so that a wheel does not feel the inner edges of a tiled
+  /// floor: at such an edge the floor's normal and the depth along it, else equal to normal and depth_m.
+  Vec3 surface_normal = Vec3::Zero();
+  double surface_depth_m = 0;
+  double surface_depth_error_m = 0;
   /// Of b relative to a at the point, m/s, from the last two poses of each; resting are objects that are new, were
   /// teleported or have been silent. Zero but for `began` and `persisted`.
   Vec3 relative_velocity = Vec3::Zero();

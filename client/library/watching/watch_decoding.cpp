@@ -52,6 +52,9 @@ Event decode_pair(const Message& message, std::size_t index, const Names& names)
   event.normal = vector_in(message.normals, index);
   event.depth_m = dds::view(message.depths)[index];
   event.depth_error_m = dds::view(message.depth_errors)[index];
+  event.surface_normal = vector_in(message.surface_normals, index);
+  event.surface_depth_m = dds::view(message.surface_depths)[index];
+  event.surface_depth_error_m = dds::view(message.surface_depth_errors)[index];
   event.doubt = doubt_of(dds::view(message.doubts)[index]);
   return event;
 }

@@ -15,11 +15,13 @@ void append(std::vector<double>& numbers, const Vec3& vector) {
   for (const double value : vector) append(numbers, value);
 }
 
-void append(std::vector<double>& numbers, const Contact& contact) {
-  append(numbers, contact.point);
-  append(numbers, contact.normal);
-  append(numbers, contact.depth_m);
-  append(numbers, contact.depth_error_m);
+void append(std::vector<double>& numbers, const OpenContact& open) {
+  append(numbers, open.contact.point);
+  for (const Contact* contact : {&open.contact, &open.surface}) {
+    append(numbers, contact->normal);
+    append(numbers, contact->depth_m);
+    append(numbers, contact->depth_error_m);
+  }
 }
 
 }  // namespace
@@ -94,7 +96,7 @@ void EventColumns::add(const Event& event, const NameBook& book) {
   a_triangles.push_back(book.triangle(event.of.a, event.of.a_triangle));
   b_triangles.push_back(book.triangle(event.of.b, event.of.b_triangle));
   episodes.push_back(event.of.episode);
-  append(numbers, event.of.contact);
+  append(numbers, event.of);
   append(numbers, event.bracket_low_s);
   append(numbers, event.bracket_high_s);
   append(numbers, event.relative_velocity);
@@ -149,7 +151,7 @@ void ContactColumns::add(const OpenContact& contact, const NameBook& book) {
   a_triangles.push_back(book.triangle(contact.a, contact.a_triangle));
   b_triangles.push_back(book.triangle(contact.b, contact.b_triangle));
   began_ns.push_back(contact.began_ns);
-  append(numbers, contact.contact);
+  append(numbers, contact);
   named.add_id(contact.a);
   named.add_id(contact.b);
 }

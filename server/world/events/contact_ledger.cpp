@@ -15,7 +15,8 @@ OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
           .a_triangle = found.a_triangle,
           .b_triangle = found.b_triangle,
           .began_ns = world_time_ns - std::llround(found.bracket_high_s * 1e9),
-          .contact = found.contact};
+          .contact = found.contact,
+          .surface = found.contact};
 }
 
 OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_time_ns) {
@@ -27,6 +28,7 @@ OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_tim
   of.contact = Contact{};
   of.contact.depth_m = 0;
   of.contact.depth_error_m = std::numeric_limits<double>::infinity();
+  of.surface = of.contact;
   return of;
 }
 
@@ -88,7 +90,7 @@ void ContactLedger::lose(ObjectId object) {
   lost_.insert(object);
   std::vector<FoundContact> held;
   for (const OpenContact& open : open_) {
-    if ((open.a == object || open.b == object) && open.doubt == Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}});
+    if ((open.a == object || open.b == object) && open.doubt == Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}, .surface = {}});
   }
   for (const FoundContact& found : held) {
     end(index_.at({found.a, found.b}), {.reason = EndReason::publisher_lost});
@@ -120,7 +122,7 @@ void ContactLedger::goes_on(const FoundContact& found) {
   const std::size_t index = index_.at({found.a, found.b});
   OpenContact& open = open_[index];
   found_in_step_[index] = step_;
-  open.contact = found.contact;
+  open.contact = open.surface = found.contact;
   open.a_triangle = found.a_triangle;
   open.b_triangle = found.b_triangle;
 }
@@ -187,7 +189,7 @@ void ContactLedger::retell_corrected() {
   for (Event& event : events_) {
     const auto open = index_.find({event.of.a, event.of.b});
     const bool is_of_open = event.kind != EventKind::ended && open != index_.end() && found(open->second);
-    if (is_of_open) event.of.contact = open_[open->second].contact;
+    if (is_of_open) event.of.surface = open_[open->second].surface;
   }
 }
 

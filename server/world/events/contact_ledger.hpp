@@ -79,8 +79,8 @@ class ContactLedger {
       }
     }
   }
-  /// Another contact for one found in this step; its event is told of it by retell_corrected().
-  void correct(std::size_t index, const Contact& contact) { open_[index].contact = contact; }
+  /// Another surface for a contact found in this step; retell_corrected() puts it into the contact's event.
+  void correct(std::size_t index, const Contact& surface) { open_[index].surface = surface; }
   void retell_corrected();
   /// Orders and numbers this step's events.
   void finish_step();

@@ -167,11 +167,11 @@ class Correction {
     // The mover reaches as far along the normal in both contacts.
     const Bounded depth = Bounded(face.depth_m, face.depth_error_m) +
                           (reach_of(side, towards, face.point) - reach_of(from, towards, face.point));
-    Contact contact = open.contact;
-    contact.normal = side.mover == open.a ? from.normal : Vec3(-from.normal);
-    contact.depth_m = std::max(depth.value, 0.0);
-    contact.depth_error_m = depth.bound() + (contact.depth_m - depth.value);
-    corrected_.emplace_back(side.number, contact);
+    Contact surface = open.contact;
+    surface.normal = side.mover == open.a ? from.normal : Vec3(-from.normal);
+    surface.depth_m = std::max(depth.value, 0.0);
+    surface.depth_error_m = depth.bound() + (surface.depth_m - depth.value);
+    corrected_.emplace_back(side.number, surface);
   }
 
   const ObjectRows& rows_;

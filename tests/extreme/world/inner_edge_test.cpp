@@ -14,11 +14,13 @@ constexpr double kDepth = 0x1p-7;
 void expect_floor(const World& world, ObjectId mover, const Vec3& down, double slack, std::size_t& seen) {
   for (const OpenContact& open : world.contacts()) {
     if (open.a != mover && open.b != mover) continue;
-    const Vec3 normal = open.a == mover ? open.contact.normal : Vec3(-open.contact.normal);
+    const Vec3 normal = open.a == mover ? open.surface.normal : Vec3(-open.surface.normal);
     ASSERT_LE((normal - down).norm(), slack) << normal.transpose();
     // The depth is that of the floor, whose bodies are flush.
-    ASSERT_LE(std::abs(open.contact.depth_m - kDepth), open.contact.depth_error_m + slack) << open.contact.depth_m;
-    ASSERT_LE(open.contact.depth_error_m, 1e-9) << "a bound that tells nothing";
+    ASSERT_LE(std::abs(open.surface.depth_m - kDepth), open.surface.depth_error_m + slack) << open.surface.depth_m;
+    ASSERT_LE(open.surface.depth_error_m, 1e-9) << "a bound that tells nothing";
+    // The contact itself stays the shortest way out of the two.
+    ASSERT_LE(open.contact.depth_m - open.contact.depth_error_m, open.surface.depth_m + open.surface.depth_error_m);
     ++seen;
   }
 }
@@ -44,7 +46,7 @@ void slide(extreme::Stage& stage, const Floor& floor, ObjectId mover, double hei
       for (const Event& event : events) {
         // Who is met and left within a step is told as at the first contact, which has no depth.
         if (!extreme::open_pairs(stage.world).contains({event.of.a, event.of.b})) continue;
-        ASSERT_LE(std::abs(event.of.contact.depth_m - kDepth), event.of.contact.depth_error_m + slack) << "events tell the same";
+        ASSERT_LE(std::abs(event.of.surface.depth_m - kDepth), event.of.surface.depth_error_m + slack) << "events tell the same";
       }
     }
   }
@@ -121,7 +123,7 @@ TEST(ExtremeInnerEdge, WallsAndStepsKeepTheirNormals) {
   stage.step();
   ASSERT_EQ(stage.world.contacts().size(), 2u);
   for (const OpenContact& open : stage.world.contacts()) {
-    const Vec3 normal = open.a == ball ? open.contact.normal : Vec3(-open.contact.normal);
+    const Vec3 normal = open.a == ball ? open.surface.normal : Vec3(-open.surface.normal);
     const ObjectInfo& other = *stage.world.info(open.a == ball ? open.b : open.a);
     if (other.name == "ground") {
       EXPECT_EQ(normal, Vec3(0, 0, -1));
