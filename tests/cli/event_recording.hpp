@@ -108,7 +108,7 @@ class EventRecording {
       ids.insert(ids.end(), {first, second});
       episodes.push_back(episode);
       triangles.push_back(wire_contract::kNoTriangle);
-      numbers.insert(numbers.end(), {1, 2, 0.5, 0, 0, 1, 0.004, 1e-15});
+      numbers.insert(numbers.end(), {1, 2, 0.5, 0, 0, 1, 0.004, 1e-15, 0, 0, 1, 0.004, 1e-15});
     }
   };
 

@@ -123,6 +123,7 @@ Event event(EventKind what) {
   event.normal = {14, 15, 16};
   event.depth_m = 17;
   event.depth_error_m = 18;
+  event.surface_normal = event.normal;
   event.relative_velocity = {19, 20, 21};
   event.velocity_error = 22;
   return event;
@@ -130,6 +131,9 @@ Event event(EventKind what) {
 
 TEST_F(Fields, OfAnEventAreTheServersOwn) {
   fake::server().events = {event(EventKind::open), event(EventKind::began), event(EventKind::persisted), event(EventKind::ended)};
+  Event& at_inner_edge = fake::server().events[2];
+  at_inner_edge.surface_normal = {0, 0, 1};
+  at_inner_edge.surface_depth_m = 0.5;
   std::vector<json> all;
   const Ran ran = collide("watch -n 4 --persisted --json");
   std::istringstream lines(ran.out);
@@ -144,6 +148,8 @@ TEST_F(Fields, OfAnEventAreTheServersOwn) {
   began["velocity_error"] = 22;
   json persisted = began;
   persisted["what"] = "persisted";
+  persisted["surface_normal"] = {0, 0, 1};
+  persisted["surface_depth"] = 0.5;
   EXPECT_EQ(all[2], persisted);
   // Only what begins or ends does so between two instants.
   began["first_ns"] = 17'500'000'000;

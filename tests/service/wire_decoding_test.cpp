@@ -318,7 +318,7 @@ TEST(WatchDecoding, EveryFieldOfAnEventIsItsOwn) {
   const char* b_names[] = {"#4", "five", "#6"};
   for (std::size_t i = 0; i < 3; ++i) {
     const Event& event = heard->entries[i].event;
-    const double first = 100 + 14 * static_cast<double>(i);
+    const double first = 100 + 19 * static_cast<double>(i);
     EXPECT_EQ(heard->entries[i].shard, 40 + i);
     EXPECT_EQ(event.kind, whats[i]);
     EXPECT_EQ(event.reason, whys[i]);
@@ -336,10 +336,13 @@ TEST(WatchDecoding, EveryFieldOfAnEventIsItsOwn) {
     EXPECT_EQ(event.normal, three(first + 3));
     EXPECT_EQ(event.depth_m, first + 6);
     EXPECT_EQ(event.depth_error_m, first + 7);
-    EXPECT_EQ(event.bracket_low_s, first + 8);
-    EXPECT_EQ(event.bracket_high_s, first + 9);
-    EXPECT_EQ(event.relative_velocity, three(first + 10));
-    EXPECT_EQ(event.velocity_error, first + 13);
+    EXPECT_EQ(event.surface_normal, three(first + 8));
+    EXPECT_EQ(event.surface_depth_m, first + 11);
+    EXPECT_EQ(event.surface_depth_error_m, first + 12);
+    EXPECT_EQ(event.bracket_low_s, first + 13);
+    EXPECT_EQ(event.bracket_high_s, first + 14);
+    EXPECT_EQ(event.relative_velocity, three(first + 15));
+    EXPECT_EQ(event.velocity_error, first + 18);
   }
 }
 
@@ -410,7 +413,7 @@ TEST(WatchDecoding, EveryFieldOfAContactIsItsOwn) {
   ASSERT_EQ(heard->contacts.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     const Event& contact = heard->contacts[i];
-    const double first = 100 + 8 * static_cast<double>(i);
+    const double first = 100 + 13 * static_cast<double>(i);
     EXPECT_EQ(contact.kind, EventKind::open);
     EXPECT_EQ(contact.a, i == 0 ? "#1" : "two");
     EXPECT_EQ(contact.b, i == 0 ? "#4" : "#5");
@@ -426,6 +429,9 @@ TEST(WatchDecoding, EveryFieldOfAContactIsItsOwn) {
     EXPECT_EQ(contact.normal, three(first + 3));
     EXPECT_EQ(contact.depth_m, first + 6);
     EXPECT_EQ(contact.depth_error_m, first + 7);
+    EXPECT_EQ(contact.surface_normal, three(first + 8));
+    EXPECT_EQ(contact.surface_depth_m, first + 11);
+    EXPECT_EQ(contact.surface_depth_error_m, first + 12);
     EXPECT_EQ(contact.doubt, i == 0 ? Doubt::none : Doubt::cost_limit);
   }
 }
@@ -514,7 +520,7 @@ TEST(ProbeDecoding, EveryFieldOfAReadingIsItsOwn) {
   const char* met[] = {"road", "", "#6"};
   for (std::size_t i = 0; i < 3; ++i) {
     const ProbeReading& reading = readings[i];
-    const double first = 100 + 8 * static_cast<double>(i);
+    const double first = 100 + 13 * static_cast<double>(i);
     EXPECT_EQ(reading.probe, probes[i]);
     EXPECT_EQ(reading.object, objects[i]);
     EXPECT_EQ(reading.met, met[i]);

@@ -69,7 +69,7 @@ class EventTeller {
     const std::vector<std::uint8_t> kinds{kind}, reasons{reason}, doubts{0}, shards{shard};
     const std::vector<std::uint64_t> a{pair.first}, b{pair.second}, episodes{episode}, ids{pair.first, pair.second};
     const std::vector<std::uint32_t> a_triangles{5}, b_triangles{wire_contract::kNoTriangle};
-    const std::vector<double> numbers{1, 2, 3, 0, 0, 1, 0.25, 1e-9, -0.01, -0.005, 7, 8, 9, 0};
+    const std::vector<double> numbers{1, 2, 3, 0, 0, 1, 0.25, 1e-9, 0, 1, 0, 0.5, 1e-9, -0.01, -0.005, 7, 8, 9, 0};
     const std::vector<std::uint8_t> packed = names(ids);
     dds::borrow(frame->kinds, kinds);
     dds::borrow(frame->reasons, reasons);

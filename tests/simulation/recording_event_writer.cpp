@@ -12,8 +12,8 @@ void RecordingEventWriter::check(const service::EventColumns& events, std::size_
   last_sequence_ = sequence;
   const std::pair pair(events.a[i], events.b[i]);
   if (!(pair.first < pair.second)) say("names its pair the wrong way round");
-  const double low_s = events.numbers[i * wire::width_of<wire::EventFrame>(wire::kEventColumns) + 8];
-  const double high_s = events.numbers[i * wire::width_of<wire::EventFrame>(wire::kEventColumns) + 9];
+  const double low_s = events.numbers[i * wire::width_of<wire::EventFrame>(wire::kEventColumns) + 13];
+  const double high_s = events.numbers[i * wire::width_of<wire::EventFrame>(wire::kEventColumns) + 14];
   // A clock of another epoch counts from its first batch, which may have been under way for longer than those after it.
   constexpr double kLongestWay_s = 0.06;
   // Ahead of the server's by a lease when it starts, then put right from one end to the other, and 2 % too fast for 5 s.

@@ -90,7 +90,7 @@ void ContactLedger::lose(ObjectId object) {
   lost_.insert(object);
   std::vector<FoundContact> held;
   for (const OpenContact& open : open_) {
-    if ((open.a == object || open.b == object) && open.doubt == Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}, .surface = {}});
+    if ((open.a == object || open.b == object) && open.doubt == Doubt::none) held.push_back({.a = open.a, .b = open.b, .contact = {}});
   }
   for (const FoundContact& found : held) {
     end(index_.at({found.a, found.b}), {.reason = EndReason::publisher_lost});

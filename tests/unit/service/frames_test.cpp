@@ -38,7 +38,8 @@ class ServiceFrames : public testing::Test {
   }
   static OpenContact contact_of(ObjectId a, ObjectId b) {
     return {.a = a, .b = b, .a_triangle = 3, .b_triangle = 5, .episode = 11, .began_ns = 13,
-            .contact = {.point = {1, 2, 3}, .normal = {4, 5, 6}, .depth_m = 7, .depth_error_m = 8}};
+            .contact = {.point = {1, 2, 3}, .normal = {4, 5, 6}, .depth_m = 7, .depth_error_m = 8},
+            .surface = {.point = {1, 2, 3}, .normal = {9, 10, 11}, .depth_m = 12, .depth_error_m = 13}};
   }
   World world{WorldOptions{}};
   NameBook book;
@@ -48,7 +49,7 @@ TEST_F(ServiceFrames, AnEventTravelsWithEveryFieldInItsPlace) {
   const ObjectId a = define("left", {0, 0, 0});
   const ObjectId b = define("right", {3, 0, 0});
   const Event event{.kind = EventKind::ended, .reason = EndReason::teleported, .sequence = 21,
-                    .of = contact_of(a, b), .bracket_low_s = 9, .bracket_high_s = 10, .relative_velocity = {11, 12, 13}, .velocity_error = 14};
+                    .of = contact_of(a, b), .bracket_low_s = 14, .bracket_high_s = 15, .relative_velocity = {16, 17, 18}, .velocity_error = 19};
   book.note(event.of, world);
   EventColumns columns;
   columns.add(event, book);
@@ -90,9 +91,9 @@ TEST_F(ServiceFrames, AContactTravelsWithEveryFieldInItsPlace) {
   EXPECT_EQ(columns.b_triangles, std::vector<std::uint32_t>{5});
   EXPECT_EQ(columns.episodes, std::vector<std::uint64_t>{11});
   EXPECT_EQ(columns.began_ns, std::vector<std::int64_t>{13});
-  EXPECT_EQ(columns.numbers, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(columns.numbers, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}));
   EXPECT_EQ(split(columns.named.names), (Names{"left", "right"}));
-  EXPECT_EQ(columns.bytes(), 1 + 5U * 8 + 8 * 8 + 2 * 8 + sizeof "left" + sizeof "right");
+  EXPECT_EQ(columns.bytes(), 1 + 5U * 8 + 13 * 8 + 2 * 8 + sizeof "left" + sizeof "right");
 }
 
 // Two contacts of one object: its name stays until both are over, and is its own when its slot is used again.

@@ -243,10 +243,12 @@ TEST(ContactLedger, ACorrectedContactIsToldInItsBeginningAndNoOther) {
   ledger.finish_step();
   ASSERT_EQ(ledger.events().size(), 4u);
   EXPECT_EQ(ledger.events()[0].of.contact.depth_m, 0);
-  EXPECT_EQ(ledger.events()[1].of.contact.depth_m, 0.5);
-  EXPECT_EQ(ledger.events()[1].of.contact.point, Vec3(1, 2, 3));
-  EXPECT_EQ(ledger.open()[1].contact.depth_m, 0.5);
-  EXPECT_EQ(ledger.events()[2].of.contact.depth_m, 0);
+  EXPECT_EQ(ledger.events()[1].of.contact.depth_m, 0) << "the shortest way out stays what it was";
+  EXPECT_EQ(ledger.events()[1].of.surface.depth_m, 0.5);
+  EXPECT_EQ(ledger.events()[1].of.surface.point, Vec3(1, 2, 3));
+  EXPECT_EQ(ledger.open()[1].surface.depth_m, 0.5);
+  EXPECT_EQ(ledger.events()[0].of.surface.depth_m, 0);
+  EXPECT_EQ(ledger.events()[2].of.surface.depth_m, 0);
 }
 
 // 10 s, less 0.75 s: from then on it is not decided; what is not known is told as not known.
