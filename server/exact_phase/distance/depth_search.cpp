@@ -1,4 +1,5 @@
 // The depth of two overlapping convex sets, by growing a polytope inside their difference set.
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -32,8 +32,8 @@ struct Proposal {
 /// What a search should find.
 enum class Seek {
   distance,  // the nearest point, as accurate as double allows
-  plane,     // any plane that has the sets on two sides: `nearest` is its normal as soon as there is one; or any point
-             // of the difference set that the balls reach over
+  plane,     // any separating plane, with `nearest` as its normal; or any point of the difference set that the balls
+             // cover: the search ends at the first of either
 };
 
 /// The point of the difference set nearest to the origin. At most kMostSteps steps.
