@@ -10,6 +10,7 @@
 
 namespace collided::engine {
 
+/// Three numbers of vertices, counter-clockwise seen from outside.
 using TriangleCorners = std::array<std::uint32_t, 3>;
 
 /// Indexed triangles. Every corner is a valid vertex number and every vertex is finite.

@@ -10,7 +10,7 @@ namespace {
 /// Roundings between a mesh point in its own frame and the same point placed and seen back, in units of 2^-53 of the
 /// largest length met. Placing: three products, three sums, and a matrix that is orthonormal to 6 roundings a row;
 /// seeing back: one difference and the same again. Twice the sum (26) is taken.
-/// At zero, MovingMesh.FarFromOriginIsStillFound fails.
+/// At zero, WorldTest.FarFromOriginAMovingMeshIsStillFound fails.
 constexpr double kPlacementRoundoffs = 52;
 constexpr double kRoundoff = 0x1p-53;
 
