@@ -1,4 +1,4 @@
-// One box against eight, for each instruction set. Included once per target, as Highway's own -inl files are.
+// Compares one box with eight, for each instruction set. Included once per target, as Highway's own -inl files are.
 #if defined(COLLIDED_BOX_BLOCK_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef COLLIDED_BOX_BLOCK_INL
 #undef COLLIDED_BOX_BLOCK_INL
@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace collided::engine::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A box that is compared with others, each bound in every lane.
+/// A box to compare with others: each of its bounds in every lane.
 class AskedBox {
  public:
   HWY_INLINE AskedBox(const BoxBlock& block, std::uint32_t lane)
@@ -23,7 +23,7 @@ class AskedBox {
         high_{hn::Set(kDoubles, block.high[0][lane]), hn::Set(kDoubles, block.high[1][lane]),
               hn::Set(kDoubles, block.high[2][lane])} {}
 
-  /// A bit for each lane of the block that overlaps, touching included.
+  /// One bit for each lane of the block that overlaps, touching included.
   HWY_INLINE unsigned overlapping(const BoxBlock& block) const {
     unsigned found = 0;
     for (std::uint32_t first = 0; first < BoxBlock::kSize; first += kLanes) {

@@ -6,8 +6,8 @@
 
 namespace collided::engine {
 
-/// Eight boxes axis by axis, so that one is compared with all of them in six SIMD comparisons. Where there is no box
-/// all are NaN, which compares as apart from everything.
+/// Eight boxes stored axis by axis, so that six SIMD comparisons compare one box with all of them. An unused lane is
+/// NaN, which overlaps nothing.
 struct alignas(64) BoxBlock {
   static constexpr std::uint32_t kSize = 8;
 

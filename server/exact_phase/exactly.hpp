@@ -4,16 +4,16 @@
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/shapes.hpp"
 
-/// The exact phase over rationals alone: the same questions as `overlaps`, `cast_ray` and `closest`, answered without
-/// any filter, expansion or early way out, so that a few of the fast answers can be answered a second time and
-/// compared. Decisions must be equal; two numbers must lie within the sum of their bounds.
+/// The exact phase in rational arithmetic alone: the same questions as `overlaps`, `cast_ray` and `closest`, answered
+/// without filters, expansions or early exits, so that an audit can compare some of the fast answers with a second
+/// calculation. Decisions must be equal; two numbers must differ by no more than the sum of their bounds.
 ///
-/// Hulls along rays and nearest points of cylinders, cones, ellipsoids and hulls have no second form: they are asked the
-/// same way again.
+/// Rays against hulls, and nearest points of cylinders, cones, ellipsoids and hulls, have no second form: these call
+/// the fast one again.
 ///
-/// returns  undecided only for boxes whose axes do not span space, and round shapes that nearly touch
+/// returns  undecided only for boxes whose axes do not span space, and for round shapes that nearly touch
 /// cost     3 to 300 us; allocates
-/// threads  pure; the thread's Precision is not asked
+/// threads  pure; ignores the thread's Precision
 namespace collided::engine::exactly {
 
 Decision overlaps(const Sphere& a, const Sphere& b);
@@ -26,7 +26,7 @@ Decision overlaps(const Box& a, const Triangle& b);
 Decision overlaps(const Capsule& a, const Capsule& b);
 Decision overlaps(const Capsule& a, const Triangle& b);
 Decision overlaps(const Triangle& a, const Triangle& b);
-/// In any order of their kinds.
+/// In either order of the two kinds.
 Decision overlaps(const Primitive& a, const Primitive& b);
 Decision overlaps(const Primitive& a, const Triangle& b);
 

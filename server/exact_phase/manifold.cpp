@@ -16,26 +16,29 @@ namespace {
 
 using kernel::Vector;
 
-/// What a part turns towards a direction: corners of a polygon in order, the ends of a segment, a tip, or all of a plane
-/// (no points). The depth is measured to the plane through `on` across `across`.
+/// What a part turns towards a direction: the corners of a polygon in order, the ends of a segment, a tip, or a whole
+/// plane (no points). Depth is measured to the plane through `on` with normal `across`.
 struct Feature {
   std::vector<Vec3> points;
   Vec3 on = Vec3::Zero();
   Vec3 across = Vec3::UnitZ();  // any length
-  double slack_m = 0;           // how far the points may be from the true ones, coordinate by coordinate
+  double slack_m = 0;           // bound on each coordinate's error of the points
 };
 
-/// A cap whose axis is nearer than this to the normal faces the other; else the side does. Cosine of 45 degrees.
+/// A cap faces the other part where its axis is within 45 degrees of the normal, else the side does. Cosine of 45
+/// degrees.
 constexpr double kFacing = std::numbers::sqrt2 / 2;
-/// What is one point seen along the normal, relative to its size. At zero Manifold.OfRoundShapes fails (standing).
+/// Features smaller than this share of the size, seen along the normal, count as points. At zero Manifold.OfRoundShapes
+/// fails (standing).
 constexpr double kSeenAsPoint = 1e-6;
-/// Corners of a hull in one plane, relative to its size: those of a face that rounding has bent.
+/// Corners of a hull this close to a plane, relative to its size, belong to one face, which rounding has bent.
 /// At zero Manifold.AHullBearsAsItsBox fails.
 constexpr double kSamePlane = 1e-9;
 constexpr int kRimPoints = 8;
 
-/// A corner or a rim's point is off by the rounding of at most six products and sums, a hull's by that of placing it; where
-/// a direction was made a unit vector first, by what a support point is. Relative to its size and place.
+/// The error of a feature's points: for corners and rims the rounding of at most six products and sums, for hulls that
+/// of placing them; where a direction had to be made a unit vector, that of a support point. Relative to size and
+/// position.
 /// At zero, Manifold.TheDepthsOfTiltedBoxesAreWithinTheirBounds fails.
 double slack_of(const ConvexPart& part) {
   if (half_space_of(part) != nullptr || std::holds_alternative<Triangle>(part)) return 0;
@@ -47,7 +50,7 @@ double slack_of(const ConvexPart& part) {
 
 Feature tip(const Vec3& point, const Vec3& m) { return {.points = {point}, .on = point, .across = m}; }
 
-/// The plane that holds the segment and is else across m.
+/// A segment, with the plane that contains it and is otherwise perpendicular to m; seen end-on, a tip.
 Feature segment(const Vec3& a, const Vec3& b, const Vec3& m) {
   const Vec3 along = b - a;
   const Vec3 across = along.squaredNorm() * m - along.dot(m) * along;
@@ -78,7 +81,7 @@ Feature facing(const Box& b, const Vec3& m) {
 
 Feature facing(const Ellipsoid& e, const Vec3& m) { return tip(e.center + kernel::Convex(e).support(m), m); }
 
-/// A disc's rim, from where it is farthest along m on.
+/// Points on a disc's rim, starting where it is farthest along m.
 Feature rim(const Vec3& middle, const Vec3& axis, double radius_m, const Vec3& m) {
   Vec3 u = m - m.dot(axis) * axis;
   u = u.norm() > kSeenAsPoint ? Vec3(u.normalized()) : Vec3(axis.unitOrthogonal());
@@ -108,7 +111,7 @@ Feature facing(const Cone& c, const Vec3& m) {
   return segment(c.apex, c.base + c.radius_m * across.normalized(), m);
 }
 
-/// Corners about the plane's normal, counted round.
+/// Sorts corners by angle around the plane's normal.
 void order_round(std::vector<Vec3>& corners, const Vec3& across) {
   Vec3 middle = Vec3::Zero();
   for (const Vec3& corner : corners) middle += corner / static_cast<double>(corners.size());
@@ -118,7 +121,7 @@ void order_round(std::vector<Vec3>& corners, const Vec3& across) {
   std::sort(corners.begin(), corners.end(), [&](const Vec3& a, const Vec3& b) { return angle(a) < angle(b); });
 }
 
-/// The face that looks most along m, made whole again from its triangles.
+/// The face that points most along m, rebuilt from all vertices in its plane.
 Feature facing(const Hull& h, const Vec3& m) {
   const Vec3 own = h.rotation.transpose() * m;
   double most = -2;
@@ -153,14 +156,14 @@ Feature facing(const ConvexPart& part, const Vec3& m) {
   return feature;
 }
 
-// ---- what two features share, seen along the normal
 
-/// Coordinates across the normal.
+/// Coordinates in the plane perpendicular to the normal.
 struct Flat {
   double x;
   double y;
 };
 
+// Projects points along the normal.
 struct View {
   Vec3 u;
   Vec3 v;
@@ -169,12 +172,13 @@ struct View {
 
 double turn(const Flat& a, const Flat& b, const Flat& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
+// A point in space and where it is seen.
 struct Corner {
   Vec3 point;
   Flat seen;
 };
 
-/// What of a polygon, or of a segment, is left of the line from p to q.
+/// What of a polygon, segment or point lies on the left of the line from p to q.
 std::vector<Corner> clipped(const std::vector<Corner>& corners, const Flat& p, const Flat& q, double slack) {
   std::vector<Corner> kept;
   const std::size_t count = corners.size();
@@ -205,7 +209,7 @@ double area_of(const std::vector<Corner>& polygon) {
   return twice;
 }
 
-/// a cut to the part of it over the polygon b.
+/// The part of a that lies over the polygon b.
 std::vector<Corner> shared(std::vector<Corner> a, std::vector<Corner> b, double size_m) {
   const double area = area_of(b);
   if (area < 0) std::reverse(b.begin(), b.end());
@@ -214,7 +218,7 @@ std::vector<Corner> shared(std::vector<Corner> a, std::vector<Corner> b, double 
   return a;
 }
 
-/// Two segments side by side share one; others share a point, which is the contact's own.
+/// Parallel segments share a segment; others share a point, for which the contact's own is used.
 std::vector<Corner> shared_segments(const std::vector<Corner>& a, const std::vector<Corner>& b) {
   const Flat d{a[1].seen.x - a[0].seen.x, a[1].seen.y - a[0].seen.y};
   const Flat e{b[1].seen.x - b[0].seen.x, b[1].seen.y - b[0].seen.y};
@@ -248,12 +252,12 @@ std::vector<Corner> shared(const Feature& a, const Feature& b, const Vec3& norma
   return of_b.size() > 2 ? shared(of_a, of_b, size_m) : shared(of_b, of_a, size_m);
 }
 
-/// How far along the normal the feature's plane is from the point.
+/// The height of the feature's plane over the point, along the normal.
 Bounded height_over(const Feature& feature, const Vec3& point, const Vec3& normal) {
   const Vector<Bounded> across(feature.across);
   const Bounded slope = dot(across, Vector<Bounded>(normal));
   const Bounded height = dot(across, Vector<Bounded>(feature.on) - Vector<Bounded>(point)) / slope;
-  // The plane is that of rounded points: its place by their slack, its turn by the same over what it spans.
+  // The plane goes through rounded points: its position is off by their slack, its tilt by the slack over their span.
   double span_m = 0;
   for (const Vec3& p : feature.points) span_m = std::max(span_m, (p - feature.on).norm());
   const double lever = span_m > 0 ? 1 + (point - feature.on).norm() / span_m : 1;
@@ -288,7 +292,7 @@ bool before_in_order(const ManifoldPoint& a, const ManifoldPoint& b) {
   return std::lexicographical_compare(a.point.begin(), a.point.end(), b.point.begin(), b.point.end());
 }
 
-/// The point of the greatest measure, ties to the first in order.
+/// The point with the largest measure; ties go to the first in order.
 template <class Measure>
 std::size_t farthest(const std::vector<ManifoldPoint>& points, double slack, const Measure& measure) {
   std::size_t best = 0;

@@ -10,20 +10,21 @@
 
 namespace collided::engine {
 
-/// Whatever objects are made of, in world coordinates.
+/// Any part of an object, in world coordinates.
 using ConvexPart = std::variant<Primitive, Triangle>;
 
+/// The part's half-space; null where it is another shape.
 inline const HalfSpace* half_space_of(const ConvexPart& part) {
   const auto* primitive = std::get_if<Primitive>(&part);
   return primitive == nullptr ? nullptr : std::get_if<HalfSpace>(primitive);
 }
 
-/// As in overlap.hpp and contact.hpp, for whatever kinds the two hold.
+/// As in overlap.hpp and contact.hpp, for whichever kinds the two hold.
 ExactResult overlaps(const ConvexPart& a, const ConvexPart& b);
 Contact contact(const ConvexPart& a, const ConvexPart& b);
 Aabb bounds_of_part(const ConvexPart& part);
 
-/// Of two parts that do not overlap. Of two half-spaces nothing is known but 0 and an infinite bound.
+/// The distance of two parts that do not overlap. For two half-spaces: 0 with an infinite bound.
 Separation separation(const ConvexPart& a, const ConvexPart& b);
 
 }  // namespace collided::engine

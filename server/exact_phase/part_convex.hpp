@@ -5,7 +5,8 @@
 
 namespace collided::engine {
 
-/// The part as what all convex shapes are; of a half-space its point. Keeps a pointer to the part's hull.
+/// The part in the form common to all convex shapes; for a half-space, its point. Keeps a pointer to the part's hull,
+/// which must outlive the result.
 kernel::Convex convex_of(const ConvexPart& part);
 
 }  // namespace collided::engine

@@ -21,11 +21,12 @@ using kernel::Convex;
 using kernel::Vector;
 using Mix = CommonPoint::Mix;
 
-/// The number as a sum of doubles, largest first. Not all of it where it leaves their range: then nothing is proved.
+/// Appends the number as a sum of doubles, largest first. False where its digits leave their range: then nothing is
+/// proved.
 bool append_sum(Dyadic x, ExactSum& sum) {
   while (x.sign() != 0) {
     const auto [fraction, power] = x.split();
-    // Products of the terms are to stay in range too.
+    // Products of the terms must stay in range too.
     if (!x.finite() || std::abs(power) > 900) return false;
     const double term = std::ldexp(fraction, static_cast<int>(power));
     sum.push_back(term);
@@ -35,8 +36,8 @@ bool append_sum(Dyadic x, ExactSum& sum) {
   return true;
 }
 
-/// A power of two that brings the number, and all that is to be scaled with it, near 2^200: who checks the proof squares
-/// products of them, and of the range of double there is room below for digits only while the numbers are large.
+/// A power of two that brings the number, and all that is scaled with it, near 2^200. The checker squares products of
+/// such numbers, and double has room for their low digits only while the numbers are large.
 Dyadic scale_for(const Dyadic& x) {
   constexpr long kPower = 200;
   const long shift = kPower - x.split().second;
@@ -54,7 +55,7 @@ bool append_mix(const Mix& mix, ExactMix& sums) {
   return true;
 }
 
-/// A candidate for a common point: point / divisor, the divisor above 0.
+/// A candidate for a common point: point / divisor, with divisor > 0.
 struct Candidate {
   Vector<Dyadic> point;
   Dyadic divisor{1.0};
@@ -66,11 +67,12 @@ bool is_flat_hull(const ConvexPart& part, const Convex& set) {
   return set.hull != nullptr || std::holds_alternative<Triangle>(part);
 }
 
-/// What of the part's points the candidate stands beside; nothing where none is known.
+/// The mix of the part's points on which the candidate's remainder (ball, disc, box or ellipsoid) is placed; nothing
+/// where none is known.
 std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const Candidate& c) {
   const Mix whole{{0, Dyadic(1.0)}};
   if (set.disc_m > 0 || (std::holds_alternative<Primitive>(part) && set.plus == Convex::Plus::nothing && set.count() == 2 && set.ball_m == 0)) {
-    // The foot on the axis, exactly: shares in the quotient of two products.
+    // The exact foot on the axis: its weights are numerators over one common denominator.
     const Vector<Dyadic> d = at(set.carrier[1]) - at(set.carrier[0]);
     const Dyadic along = dot(c.point - c.divisor * at(set.carrier[0]), d);
     const Dyadic rest = c.divisor * square(d) - along;
@@ -85,18 +87,18 @@ std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const C
   };
   const Vec3 rounded(plain_of(c.point.x), plain_of(c.point.y), plain_of(c.point.z));
   if (!is_flat_hull(part, set)) {
-    // A capsule: its ball covers what rounding the foot costs.
+    // A capsule: its ball covers the rounding of the foot.
     const Vec3 d = set.carrier[1] - set.carrier[0];
     const double t = std::clamp((rounded - set.carrier[0]).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
     return Mix{{0, Dyadic(1.0) - Dyadic(t)}, {1, Dyadic(t)}};
   }
-  // Only a point that is a double itself is looked for in a hull.
+  // Hulls are searched only for points that are doubles themselves.
   const std::optional<CommonPoint> held = common_point(set, Convex(Sphere{rounded, 0}));
   if (!held) return std::nullopt;
   return held->mix_a;
 }
 
-/// The same formulas as whoever checks the proof has them, over other numbers.
+/// Uses the formulas of certificate.hpp's checker, over other numbers.
 bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const Mix& mix) {
   if (const HalfSpace* ground = half_space_of(part)) {
     return dot(at(ground->normal), c.point - c.divisor * at(ground->point)).sign() <= 0;
@@ -135,7 +137,7 @@ bool holds(const ConvexPart& part, const Convex& set, const Candidate& c, const 
   return at_most_square(square(summand), Dyadic(set.ball_m) * scale);
 }
 
-/// The exponent of the lowest bit of any of the numbers.
+/// The exponent of the lowest set bit among the numbers.
 long lowest_bit(std::span<const double> numbers) {
   long lowest = 2000;
   for (const double x : numbers) {
@@ -152,8 +154,8 @@ long lowest_bit_of(const Matrix& numbers) {
   return lowest_bit({numbers.data(), static_cast<std::size_t>(numbers.size())});
 }
 
-/// Whether who checks that the part holds the point stays within the range of double: the lowest bits of the products of
-/// `holds` above, one of their factors the way from the mix to the point.
+/// Whether a checker stays within the range of double while it tests that the part holds the point: tests the lowest
+/// bits of the products in `holds` above, one factor of which is the difference of the point and its mix.
 bool can_be_read(const Convex& set, const Proof& proof, const ExactMix& mix) {
   constexpr long kLowest = -950;
   long of_mix = 2000;
@@ -191,12 +193,12 @@ bool fill(const ConvexPart& a, const ConvexPart& b, const Candidate& c, const Mi
          can_be_read(convex_of(a), proof, proof.mix_a) && can_be_read(convex_of(b), proof, proof.mix_b);
 }
 
-/// The corners that a box's common point is made of are none of its points: it stands beside its middle.
+/// A box's common point mixes corners, which are not among its points: place it beside the centre instead.
 Mix of_points(const Convex& set, Mix mix) {
   return set.plus == Convex::Plus::box ? Mix{{0, Dyadic(1.0)}} : std::move(mix);
 }
 
-/// A point of the triangle near the hint, by weights that are doubles.
+/// Tries a point of the triangle near the hint, with weights that are doubles.
 bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& triangle, const Vec3& hint, bool is_a, Proof& proof) {
   const Vec3 foot = closest(hint, triangle).point;
   const Vec3 u = triangle.b - triangle.a;
@@ -219,6 +221,7 @@ bool on_triangle(const ConvexPart& a, const ConvexPart& b, const Triangle& trian
   return is_a ? fill(a, b, c, mix, *summand, proof) : fill(a, b, c, *summand, mix, proof);
 }
 
+/// Tries one candidate point.
 bool at_point(const ConvexPart& a, const ConvexPart& b, const Candidate& c, Proof& proof) {
   const std::optional<Mix> mix_a = mix_beside(a, convex_of(a), c);
   if (!mix_a) return false;
@@ -226,7 +229,7 @@ bool at_point(const ConvexPart& a, const ConvexPart& b, const Candidate& c, Proo
   return mix_b && fill(a, b, c, *mix_a, *mix_b, proof);
 }
 
-/// The point of a polytope that is farthest behind a plane, its ball left out.
+/// Tries points of a solid that lie deepest behind a plane: corners, then points of its ball.
 bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& b, const ConvexPart& solid, Proof& proof) {
   const Convex set = convex_of(solid);
   std::vector<Candidate> candidates;
@@ -251,7 +254,7 @@ bool deepest_in(const HalfSpace& ground, const ConvexPart& a, const ConvexPart& 
   return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& c) { return at_point(a, b, c, proof); });
 }
 
-/// A part drawn in towards a point inside it.
+/// A part shrunk towards a point inside it.
 class DrawnIn {
  public:
   DrawnIn(const Convex& whole, double share) : set_(whole) {
@@ -286,13 +289,13 @@ void append_nearest(const Convex& a, const Convex& b, std::vector<Vec3>& points)
   const kernel::Proposal proposal = kernel::nearest_proposal(a, b, kernel::Seek::distance);
   const Vec3 near_a = a.carrier[0] + proposal.on_a();
   const Vec3 near_b = b.carrier[0] + proposal.on_b();
-  // Between the two without their balls, the middle of what both balls cover.
+  // Between the nearest points of the two without their balls: the middle of what both balls cover.
   const double apart_m = (near_b - near_a).stableNorm();
   const Vec3 displacement = apart_m > 0 ? Vec3((near_b - near_a) / apart_m) : Vec3(Vec3::Zero());
   points.insert(points.end(), {near_a, near_b, near_a / 2 + near_b / 2, near_a + (a.ball_m + (apart_m - b.ball_m)) / 2 * displacement});
 }
 
-/// Points that both sets may hold: the nearest ones of the two, and of the two drawn in, which are off the borders where
+/// Points that both sets may hold: the nearest points of the two, and of both shrunk, which lie off the surfaces where
 /// the sets share more than a point.
 std::vector<Vec3> likely_points(const Convex& a, const Convex& b) {
   std::vector<Vec3> points;
@@ -344,14 +347,14 @@ bool prove_touching(const ConvexPart& a, const ConvexPart& b, const Vec3& hint, 
   const std::vector<Vec3> likely = likely_points(set_a, set_b);
   const auto is_common = [&](const Vec3& point) { return at_point(a, b, {at(point)}, proof); };
   if (std::any_of(likely.begin(), likely.end(), is_common)) return true;
-  // A triangle has no inside: the point must be exactly on it.
+  // A triangle has no interior: the point must lie exactly on it.
   const auto is_on_it = [&](const Vec3& point) {
     if (const auto* triangle = std::get_if<Triangle>(&a)) return on_triangle(a, b, *triangle, point, true, proof);
     if (const auto* triangle = std::get_if<Triangle>(&b)) return on_triangle(a, b, *triangle, point, false, proof);
     return false;
   };
   if (is_on_it(hint) || std::any_of(likely.begin(), likely.end(), is_on_it)) return true;
-  // Last, since its numbers are long.
+  // Last, because its numbers are long.
   if (!set_a.is_polytope() || !set_b.is_polytope()) return false;
   std::optional<CommonPoint> common = common_point(set_a, set_b);
   if (!common) return false;

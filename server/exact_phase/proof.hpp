@@ -8,21 +8,22 @@
 
 namespace collided::engine {
 
-/// Exact numbers as sums of doubles, for who checks them elsewhere.
+/// Exact numbers as sums of doubles, so that other programs can check them.
 using ExactSum = std::vector<double>;
+/// Weights of a part's points: (number of the point, weight).
 using ExactMix = std::vector<std::pair<std::uint32_t, ExactSum>>;
 
 
-/// As Certificate::Step in collided/certificate.hpp.
+/// One step of a proof of separation; as Certificate::Step in collided/certificate.hpp.
 struct ProofStep {
   enum class Kind : std::uint8_t { plane, split_a, split_b };
   Kind kind = Kind::plane;
   Vec3 normal = Vec3::Zero();
   Vec3 point = Vec3::Zero();
-  std::uint32_t at = 0;
+  std::uint32_t at = 0;  // index at which the range of parts is split
 };
 
-/// A part's numbers as CertifiedPart in collided/certificate.hpp has them.
+/// A part's numbers in the form of CertifiedPart in collided/certificate.hpp.
 struct PartNumbers {
   enum class Summand : std::uint8_t { nothing, ball, box, ellipsoid, disc, half_space };
   Summand summand = Summand::nothing;
@@ -34,33 +35,38 @@ struct PartNumbers {
 };
 PartNumbers numbers_of(const ConvexPart& part);
 
-/// About the part's farthest point along n; not of a half-space.
+/// About the part's farthest point along n; not for a half-space.
 Vec3 support_of(const ConvexPart& part, const Vec3& n);
 
-/// A part with its triangle's number.
+/// A part with its triangle's number, or 0xffffffff.
 struct ProofPart {
   ConvexPart part;
   std::uint32_t triangle = 0xffffffff;
 };
 
-/// Why two objects touch or do not, to be checked by who trusts nobody (collided/certificate.hpp has the reader's side).
+/// Why two objects touch or do not, for a client to check without trusting the server (collided/certificate.hpp has the
+/// client's side).
 struct Proof {
   bool touches = false;
+  // All parts that the steps refer to; where the objects touch, the one part of each.
   std::vector<ProofPart> a;
   std::vector<ProofPart> b;
   std::vector<ProofStep> steps;
+  // Where they touch: the common point, point / divisor, as a weighted mix of each part's points.
   ExactSum point[3];
   ExactSum divisor;
   ExactMix mix_a;
   ExactMix mix_b;
 };
 
-/// A point of both parts, exactly, and of what it is made; `hint` lies near the middle of what they share. Nothing where
-/// none was found that rationals write down: shapes with round sides that touch in one point.
+/// Finds a point that lies exactly in both parts, and writes down what it is made of. False where no such rational
+/// point was found: shapes with round sides that touch in a single point.
+///
+/// hint  near the middle of what the two share
 /// cost  0.1 to 10 ms; allocates
 bool prove_touching(const ConvexPart& a, const ConvexPart& b, const Vec3& hint, Proof& proof);
 
-/// Whether every point x of the part has side * normal . (x - point) <= 0, or < 0 where strictly.
+/// Whether every point x of the part has side * normal . (x - point) <= 0, or < 0 if `strictly`. Exact.
 bool is_beyond(const ConvexPart& part, const Vec3& normal, const Vec3& point, int side, bool strictly);
 
 }  // namespace collided::engine

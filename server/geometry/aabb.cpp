@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// std::nextafter(x, infinity) for finite x, without the call: bounds are taken of every mover in every step.
+/// std::nextafter(x, infinity) for finite x, without the call: bounds of every mover are computed in every step.
 double next_up(double x) {
   if (x == 0) return std::numeric_limits<double>::denorm_min();
   const auto bits = std::bit_cast<std::int64_t>(x);
   return std::bit_cast<double>(bits + (x > 0 ? 1 : -1));
 }
 
-/// The smallest double >= a + b: exact sums stay as they are, so that touching boxes keep touching bounds.
+/// The smallest double >= a + b. Exact sums stay as they are, so that touching boxes keep touching bounds.
 double sum_up(double a, double b) {
   const double sum = a + b;
   const double b_part = sum - a;
@@ -32,7 +32,8 @@ double sum_up(double a, double b) {
 
 double sum_down(double a, double b) { return -sum_up(-a, -b); }
 
-/// A double >= a * b for a, b >= 0. The low half of a product below 2^-960 may be lost, so that is always stepped up.
+/// A double >= a * b, for a, b >= 0. The low half of a product below 2^-960 may be lost, so such a product is always
+/// stepped up.
 double product_up(double a, double b) {
   if (a == 0 || b == 0) return 0;
   const double product = a * b;
@@ -40,6 +41,7 @@ double product_up(double a, double b) {
   return exact || product == kInfinity ? product : next_up(product);
 }
 
+/// The box center +- reach, rounded outward.
 Aabb around(const Vec3& center, const Vec3& reach) {
   Aabb box;
   for (int k = 0; k < 3; ++k) {
@@ -70,16 +72,16 @@ Aabb bounds(const Capsule& capsule) {
 
 namespace {
 
-/// Ten roundings of a root of squares, outward, and what underflows.
+/// The root of a sum of squares, with ten roundings and what underflows added outward.
 double root_up(double squares) {
   constexpr double kRootOfUnderflow = 0x1p-500;
   return std::sqrt(squares) * (1 + kChainSlack) + kRootOfUnderflow;
 }
 
-/// How far a disc of that radius reaches along each axis.
+/// How far a disc of that radius, perpendicular to a b, reaches along each axis.
 Vec3 disc_reach(const Vec3& a, const Vec3& b, double radius_m) {
   const Vec3 axis = b - a;
-  // By the largest component, so that no square overflows.
+  // Scaled by the largest component, so that no square overflows.
   const Vec3 d = axis / axis.cwiseAbs().maxCoeff();
   const double length2 = d.squaredNorm();
   Vec3 reach;
@@ -144,7 +146,7 @@ Aabb bounds_within(const HalfSpace& half_space, const Aabb& box) {
   for (int k = 0; k < 3; ++k) {
     const double n = half_space.normal[k];
     const double nearest = n > 0 ? box.low[k] : box.high[k];
-    // Two roundings of the difference and the product, upward.
+    // Covers the two roundings of difference and product, upward.
     room[k] = n == 0 ? 0 : -n * (nearest - half_space.point[k]);
     room[k] += 4 * kRoundoff * std::abs(n) * (std::abs(nearest) + std::abs(half_space.point[k])) + kUnderflow;
   }

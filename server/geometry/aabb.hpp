@@ -7,7 +7,7 @@
 
 namespace collided::engine {
 
-/// Axis-aligned box {x : low <= x <= high}, closed. Empty while low > high.
+/// Axis-aligned box {x : low <= x <= high}, closed. Empty where low > high on some axis, or a bound is NaN.
 struct Aabb {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
@@ -23,12 +23,12 @@ struct Aabb {
   }
 };
 
-/// Touching counts.
+/// Whether two boxes share a point; touching counts.
 inline bool overlaps(const Aabb& a, const Aabb& b) {
   return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
 }
 
-/// Contain every point of the shape: each bound is rounded outward.
+/// A box that contains every point of the shape: each bound is rounded outward.
 Aabb bounds(const Sphere& sphere);
 Aabb bounds(const Box& box);
 Aabb bounds(const Capsule& capsule);
@@ -36,15 +36,15 @@ Aabb bounds(const Cylinder& cylinder);
 Aabb bounds(const Cone& cone);
 Aabb bounds(const Ellipsoid& ellipsoid);
 Aabb bounds(const Hull& hull);
-/// Endless but for a normal along an axis, behind which the box ends.
+/// Infinite, unless the normal lies along an axis: then the box ends at the plane.
 Aabb bounds(const HalfSpace& half_space);
 Aabb bounds(const Triangle& triangle);
 Aabb bounds(const Primitive& primitive);
 
-/// Contains every point of the half-space that is in the box, which is finite; empty only where there is none.
+/// Contains every point that the half-space has in the box, which must be finite; empty only where there is none.
 Aabb bounds_within(const HalfSpace& half_space, const Aabb& box);
 
-/// Grown by margin_m on each side, rounded outward.
+/// The box grown by margin_m on each side, rounded outward.
 Aabb grown(const Aabb& box, double margin_m);
 
 }  // namespace collided::engine

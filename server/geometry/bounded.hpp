@@ -8,10 +8,10 @@
 namespace collided::engine {
 
 /// A double with a proved bound on its distance from the exact value (running error analysis: Higham, "Accuracy and
-/// Stability of Numerical Algorithms", 3.3). Overflow makes the bound infinite or NaN, and every question about such
-/// a number answers "not sure".
+/// Stability of Numerical Algorithms", 3.3). Overflow makes the bound infinite or NaN, and every predicate about such a
+/// number answers "unsure".
 ///
-/// error  never read it raw: bound() adds the slack for the roundings of the error terms themselves
+/// error  never read it directly: bound() adds the slack for the roundings of the error terms themselves
 struct Bounded {
   double value = 0;
   double error = 0;
@@ -41,12 +41,12 @@ inline Bounded operator-(const Bounded& a, const Bounded& b) {
 inline Bounded operator*(const Bounded& a, const Bounded& b) {
   const double value = a.value * b.value;
   const double error = (std::abs(a.value) * b.error + std::abs(b.value) * a.error) + a.error * b.error;
-  // A factor that is exactly zero gives exactly zero: axis-aligned scenes would otherwise never be sure.
+  // A factor that is exactly zero gives exactly zero: otherwise no sign would ever be certain in axis-aligned scenes.
   const double underflow = a.exactly_zero() || b.exactly_zero() ? 0.0 : kUnderflow;
   return {value, (error + kRoundoff * std::abs(value)) + underflow};
 }
 
-/// Not sure (infinite bound) when the divisor may be zero.
+/// An infinite bound where the divisor may be zero.
 inline Bounded operator/(const Bounded& a, const Bounded& b) {
   if (a.exactly_zero() && std::abs(b.value) > b.bound()) return {};
   const double smallest_divisor = std::abs(b.value) - b.bound() * (1 + kBoundSlack);
@@ -58,7 +58,7 @@ inline Bounded operator/(const Bounded& a, const Bounded& b) {
 
 inline Bounded abs(const Bounded& a) { return {std::abs(a.value), a.error}; }
 
-/// A bound that is not a number must not vanish behind one that is.
+/// Keeps a NaN bound, which must not vanish behind a number.
 inline double greater_error(double a, double b) { return a > b || a != a ? a : b; }
 
 inline Bounded max(const Bounded& a, const Bounded& b) {
@@ -67,8 +67,8 @@ inline Bounded max(const Bounded& a, const Bounded& b) {
 
 inline Bounded min(const Bounded& a, const Bounded& b) { return -max(-a, -b); }
 
-/// As Bounded, but each operation adds the error that it really made, found by an error-free transformation. Slower by
-/// two, and exact (error 0, signs of zero included) on small integers, halves and the like, where scenes touch.
+/// As Bounded, but each operation adds the error that it really made, found by an error-free transformation. Half as
+/// fast, but exact (error 0, signs of zero included) on small integers, halves and the like, where scenes touch.
 /// Source: Knuth (sum), Dekker (product); Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005.
 struct Traced {
   double value = 0;
@@ -95,7 +95,7 @@ inline Traced operator-(const Traced& a, const Traced& b) { return a + -b; }
 
 inline Traced operator*(const Traced& a, const Traced& b) {
   const double value = a.value * b.value;
-  // Not simply zero: the other factor may be NaN.
+  // Returns the product rather than zero: the other factor may be NaN.
   if (a.exactly_zero() || b.exactly_zero()) return value;
   constexpr double kSplit = 0x1p27 + 1;
   const double a_big = kSplit * a.value;
@@ -106,8 +106,8 @@ inline Traced operator*(const Traced& a, const Traced& b) {
   const double b_low = b.value - b_high;
   const double lost = a_low * b_low - (((value - a_high * b_high) - a_low * b_high) - a_high * b_low);
   const double error = (std::abs(a.value) * b.error + std::abs(b.value) * a.error) + a.error * b.error;
-  // Too large to split, the lost part is not a number and neither is the bound; too small, it may underflow itself. So
-  // may the product of an error with anything: beside a half, 2^-1074 was lost, and times a quarter it looks like zero.
+  // Where a factor is too large to split, `lost` and the bound become NaN; where the product is too small, `lost` may
+  // underflow. So may the product of an error: 2^-1074 times a quarter would look like zero.
   const bool error_underflows = error < kUnderflow && a.error + b.error != 0;
   const double underflow = std::abs(value) < kSmallestPlain || error_underflows ? kUnderflow : 0.0;
   return {value, (error + std::abs(lost)) + underflow};
@@ -118,12 +118,12 @@ inline Traced max(const Traced& a, const Traced& b) {
   return {a.value > b.value ? a.value : b.value, greater_error(a.error, b.error)};
 }
 
-/// Square root of a number that is known to be >= 0 (its value may be slightly below).
+/// The square root of a number known to be >= 0 (its value may be slightly below).
 inline Bounded sqrt(const Bounded& a) {
   if (a.exactly_zero()) return {};
   const double value = a.value > 0 ? std::sqrt(a.value) : 0;
   const double bound = a.bound();
-  // |sqrt(x + e) - sqrt(x)| <= sqrt(e), and <= e / sqrt(x) when that is less.
+  // |sqrt(x + e) - sqrt(x)| <= sqrt(e), and <= e / sqrt(x) where that is less.
   const double far = bound < a.value ? bound / value : std::sqrt(bound + std::abs(std::fmin(a.value, 0.0)));
   return {value, far * (1 + kBoundSlack) + 2 * kRoundoff * value + kUnderflow};
 }

@@ -20,7 +20,7 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 double next_up(double value) { return std::nextafter(value, kEndless); }
 double next_down(double value) { return std::nextafter(value, -kEndless); }
 
-/// At least the length of a vector of such sizes, none below 0. Grows with each of them.
+/// An upper bound on the length of a vector of such sizes, none below 0. Grows with each of them.
 double length_at_most(const Vec3& sizes) {
   const double largest = sizes.maxCoeff();
   if (largest == 0) return 0;
@@ -33,19 +33,20 @@ double length_at_most(const Vec3& sizes) {
   return next_up(std::ldexp(next_up(std::sqrt(square)), exponent));
 }
 
-/// At least how far the point is from the centre, along each axis.
+/// An upper bound on how far the point is from the centre, along each axis.
 Vec3 away_at_most(const Vec3& point, const Vec3& center) {
   Vec3 away;
   for (int axis = 0; axis < 3; ++axis) {
     const double rounded = std::abs(point[axis] - center[axis]);
-    away[axis] = rounded == 0 ? 0 : next_up(rounded);  // differences of doubles are never lost to 0
+    away[axis] = rounded == 0 ? 0 : next_up(rounded);  // differences of distinct doubles are never rounded to 0
   }
   return away;
 }
 
 Vec3 middle_of(const Aabb& box) { return box.low / 2 + box.high / 2; }
 
-/// normal . point in double, and whether it is exact: products with 0, 1 and -1 are, their sum where nothing is rounded.
+/// normal . point in double, and whether that is exact: products with 0, 1 and -1 are; their sum is where it rounds
+/// nothing.
 struct Reach {
   double value;
   bool is_exact;
@@ -69,7 +70,7 @@ Reach simple_reach(const Vec3& normal, const Vec3& point) {
   return {sum, is_exact};
 }
 
-/// Error of a dot product of three terms, five roundings at most on each.
+/// The error of a dot product of three terms, at most five roundings on each.
 double reach_error(const Vec3& normal, const Vec3& point) {
   return 6 * kRoundoff * normal.cwiseAbs().dot(point.cwiseAbs()) + kUnderflow;
 }
@@ -101,7 +102,7 @@ Kdop bounding_kdop(std::span<const Vec3> points, const std::vector<Vec3>& normal
       const Reach reach = simple[i] ? simple_reach(normals[i], point) : Reach{normals[i].dot(point), false};
       double low = reach.value;
       double high = reach.value;
-      // Most points are inside already, with or without the roundings.
+      // Bounds keep what is exact; other products are widened by their roundings.
       if (!reach.is_exact) {
         const double error = reach_error(normals[i], point);
         low = next_down(reach.value - error);
@@ -109,7 +110,7 @@ Kdop bounding_kdop(std::span<const Vec3> points, const std::vector<Vec3>& normal
       }
       kdop.low[i] = std::min(kdop.low[i], low);
       kdop.high[i] = std::max(kdop.high[i], high);
-      if (!(low <= high)) kdop.low[i] = -kEndless, kdop.high[i] = kEndless;  // out of range
+      if (!(low <= high)) kdop.low[i] = -kEndless, kdop.high[i] = kEndless;  // out of range: the slab is unbounded
     }
   }
   return kdop;
@@ -136,8 +137,8 @@ Box bounding_obb(std::span<const Vec3> points) {
   const Aabb aligned = bounding_aabb(points);
   if (aligned.empty()) return {};
   const auto box_along = [&](const Mat3& axes) {
-    // {x : axes^T (x - c) in half} would do for exact axes. These are off by at most defect, so the u of a point are off by
-    // that share of its distance, and by the roundings of the products.
+    // {x : axes^T (x - c) in half} would be enough for exact axes. These are off by at most `defect`, so the u of a
+    // point err by that share of its distance, and by the roundings of the products.
     const double defect = (axes.transpose() * axes - Mat3::Identity()).cwiseAbs().rowwise().sum().maxCoeff() + 16 * kRoundoff;
     Aabb turned;
     for (const Vec3& point : points) turned.extend(Vec3(axes.transpose() * point));
@@ -163,7 +164,7 @@ Box bounding_obb(std::span<const Vec3> points) {
     inertia += away * away.transpose();
   }
   Mat3 axes = Eigen::SelfAdjointEigenSolver<Mat3>(inertia).eigenvectors();
-  // Once more at right angles: the solver leaves a few roundings too many.
+  // Orthogonalise once more: the solver leaves a few roundings too many.
   axes.col(0).normalize();
   axes.col(1) = (axes.col(1) - axes.col(0) * axes.col(0).dot(axes.col(1))).normalized();
   axes.col(2) = axes.col(0).cross(axes.col(1)).normalized();

@@ -6,7 +6,7 @@
 namespace collided::engine {
 namespace {
 
-/// Cuts off, one after the other, what each of the others contains; what is left after the last is outside.
+/// Cuts off, one after the other, what each of the other boxes contains; what is left after the last is outside.
 class Cutting {
  public:
   Cutting(std::span<const Aabb> others, const Vec3& from) : others_(others), from_(from) {}
@@ -21,7 +21,7 @@ class Cutting {
         cut(part, axis, other.low[axis], true, next + 1, depth);
         cut(part, axis, other.high[axis], false, next + 1, depth);
       }
-      return;  // what remains is in the other
+      return;  // the rest of the part is in the other box
     }
     note(part);
   }
@@ -30,8 +30,8 @@ class Cutting {
  private:
   static constexpr int kDeepest = 1'000;
 
-  /// A closed part that only touches the other loses nothing to it: its inside is elsewhere. A flat one has no inside
-  /// along that axis.
+  /// A closed part that only touches the other box loses nothing to it, because its inside is elsewhere. A flat part
+  /// has no inside along its flat axis.
   static bool shares_more_than_its_border(const Aabb& part, const Aabb& other) {
     for (int axis = 0; axis < 3; ++axis) {
       const double low = std::max(part.low[axis], other.low[axis]);
@@ -40,7 +40,7 @@ class Cutting {
     }
     return true;
   }
-  /// What lies beyond the bound is looked at on its own.
+  /// Cuts off what lies beyond the bound, and searches that on its own.
   void cut(Aabb& part, int axis, double bound, bool below, std::size_t next, int depth) {
     if (below ? part.low[axis] >= bound : part.high[axis] <= bound) return;
     Aabb beyond = part;

@@ -7,15 +7,15 @@
 
 namespace collided::engine {
 
-/// The part of a box, nearest to a point, that none of the others contains; nothing where together they contain it all.
-/// Exact: every bound of a part is one of the boxes given. What takes more than some 100,000 comparisons of boxes, or falls
-/// into a thousand parts along one line, counts as not contained.
+/// The part of a box, nearest to a point, that none of the other boxes contains; nothing where together they contain
+/// all of it. Exact: every bound of a part is a bound of a given box. What needs more than some 100,000 comparisons of
+/// boxes, or a thousand parts along one line, counts as not contained.
 ///
-/// box      closed, may be flat or endless, not empty
+/// box      closed; may be flat or infinite, but not empty
 /// threads  pure; no allocation
 std::optional<Aabb> nearest_part_outside(const Aabb& box, std::span<const Aabb> others, const Vec3& from);
 
-/// The point of a box that is nearest to another.
+/// The point of a box that is nearest to another point.
 inline Vec3 nearest_in(const Aabb& box, const Vec3& point) { return point.cwiseMax(box.low).cwiseMin(box.high); }
 
 }  // namespace collided::engine

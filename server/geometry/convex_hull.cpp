@@ -9,6 +9,7 @@
 namespace collided::engine {
 namespace {
 
+/// The incremental construction; lost_: a sign could not be decided.
 class Builder {
  public:
   explicit Builder(std::span<const Vec3> points) : points_(points) {}
@@ -38,14 +39,14 @@ int Builder::in_front(const Face& face, std::uint32_t point) {
   return side.value_or(0);
 }
 
-/// Four corners that are not in one plane: two that differ, one off their line, one off their plane.
+/// Finds four corners that are not in one plane: two that differ, one off their line, one off their plane.
 bool Builder::begin(std::array<std::uint32_t, 4>& corner) {
   const auto count = static_cast<std::uint32_t>(points_.size());
   corner[0] = 0;
   std::uint32_t next = 1;
   while (next < count && points_[next] == points_[0]) ++next;
   corner[1] = next;
-  // Off the line of the first two: some plane through them and along an axis has it in front or behind.
+  // A point is off the line of the first two if they form a triangle with area in some coordinate plane.
   const auto off_line = [&](std::uint32_t point) {
     for (int axis = 0; axis < 3; ++axis) {
       const int i = (axis + 1) % 3;
@@ -74,7 +75,7 @@ void Builder::add(std::uint32_t point) {
     for (std::size_t e = 0; e < 3; ++e) {
       const std::uint32_t from = (*face)[e];
       const std::uint32_t to = (*face)[(e + 1) % 3];
-      // An edge between two seen faces comes once each way.
+      // An edge between two visible faces comes once in each direction.
       const auto twin = std::find(rim_.begin(), rim_.end(), std::array{to, from});
       if (twin == rim_.end()) {
         rim_.push_back({from, to});

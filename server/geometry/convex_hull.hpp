@@ -7,8 +7,8 @@
 
 namespace collided::engine {
 
-/// The convex hull of the points: its corners, in the order given, and its faces, closed and counter-clockwise seen from
-/// outside. Every sign is exact, so points on a face, on an edge or given twice add nothing.
+/// The convex hull of the points: its corners, in the order given, and its faces, closed and counter-clockwise seen
+/// from outside. Every sign is exact, so points on a face, on an edge, or given twice add nothing.
 ///
 /// returns  nothing where the points lie in one plane, or so far apart that exact arithmetic in double has no room
 /// cost     points times faces

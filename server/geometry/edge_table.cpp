@@ -11,7 +11,7 @@ struct Side {
   HalfEdge half;
 };
 
-/// The sides by their lower point (counting sort): bucket p is [starts[p], starts[p + 1]).
+/// The sides sorted by their lower point (counting sort): bucket p is [starts[p], starts[p + 1]).
 struct Buckets {
   std::vector<std::uint32_t> starts;
   std::vector<Side> sides;
@@ -42,14 +42,14 @@ Buckets buckets_of(const TriangleMesh& mesh, std::span<const std::uint32_t> poin
               [&](std::uint32_t from, std::uint32_t to, HalfEdge) { ++buckets.starts[std::min(from, to) + 2]; });
   for (std::size_t i = 2; i < buckets.starts.size(); ++i) buckets.starts[i] += buckets.starts[i - 1];
   buckets.sides.resize(buckets.starts.back());
-  // starts[p + 1] walks from the bucket's begin to its end, which is where the next one begins.
+  // starts[p + 1] moves from the bucket's beginning to its end, where the next one begins.
   visit_sides(mesh, point_of, left_out, [&](std::uint32_t from, std::uint32_t to, HalfEdge half) {
     buckets.sides[buckets.starts[std::min(from, to) + 1]++] = {std::max(from, to), half};
   });
   return buckets;
 }
 
-/// Few sides leave a point, but for the middle of a fan.
+/// Insertion sort for the usual few: only the centre of a fan has many sides.
 void sort(std::span<Side> sides) {
   const auto before = [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.half < b.half; };
   if (sides.size() > 24) {

@@ -7,15 +7,15 @@
 
 namespace collided::engine {
 
-/// An exact sum of doubles that do not overlap, smallest first, without zeros. When it would need more than kCapacity
-/// doubles or leave the range in which a product's low half is exact, it is `lost` and answers nothing.
+/// An exact sum of doubles that do not overlap, smallest first, without zeros. One that would need more than kCapacity
+/// doubles, or leave the range in which a product's low half is exact, is `lost` and has no sign.
 ///
-/// cost    about 0.1 us a product for short ones; no allocation
+/// cost    about 0.1 us per product of short ones; no allocation
 /// source  Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997
 class Expansion {
  public:
-  /// orient3d of doubles needs at most 192. With 231 the size is an odd number of cache lines, so that the many
-  /// temporaries of a kernel spread over the cache instead of sharing a few sets.
+  /// orient3d of doubles needs at most 192. With 231 the size is an odd number of cache lines, so that a kernel's many
+  /// temporaries spread over the cache instead of sharing a few sets.
   static constexpr int kCapacity = 231;
 
   Expansion() = default;
@@ -32,9 +32,9 @@ class Expansion {
   }
 
   bool lost() const { return lost_; }
-  /// The sign of the sum is that of the largest part.
+  /// The largest part: its sign is that of the sum.
   double leading() const { return count_ == 0 ? 0.0 : part_[count_ - 1]; }
-  /// The sum is one double: rounded() loses nothing.
+  /// The sum is at most one double: rounded() loses nothing.
   bool single() const { return count_ <= 1; }
   /// The sum in double; relative error at most 2^-51.
   double rounded() const {

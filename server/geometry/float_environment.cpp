@@ -13,7 +13,7 @@ namespace collided::engine {
 #if defined(__SSE2__)
 
 namespace {
-constexpr unsigned kFlags = 0x003f;    // what has happened so far: not a setting
+constexpr unsigned kFlags = 0x003f;    // exceptions raised so far: not a setting
 constexpr unsigned kDefault = 0x1f80;  // all traps masked, round to nearest, denormals kept
 }  // namespace
 

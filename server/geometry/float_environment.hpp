@@ -3,16 +3,16 @@
 namespace collided::engine {
 
 /// The proofs assume rounding to nearest, denormals kept and no traps. A library built with -ffast-math turns denormals
-/// off for the thread that loads it, and threads inherit that. Sets the calling thread's floating-point environment
-/// back where it differs.
+/// off for the thread that loads it, and threads inherit that. This resets the calling thread's floating-point
+/// environment where it differs.
 ///
-/// returns  true if it had to be set back
+/// returns  true if it had to be reset
 /// cost     a few nanoseconds
 bool restore_float_environment();
 
-/// The engine's own floating-point settings for as long as it lives, and then the host's again, flags included: a host
-/// that rounds upward, flushes denormals or traps gets the same answers, and no trap. An intermediate that overflows or
-/// is no number is no accident here: it says "not sure" to the next rung of the ladder.
+/// Sets the engine's floating-point environment for its lifetime and restores the host's afterwards, flags included: a
+/// host that rounds upward, flushes denormals or traps gets the same answers, and no trap. Intermediates that overflow
+/// or become NaN are intended: they mean "unsure" and lead to the next rung of the ladder.
 class OwnFloatEnvironment {
  public:
   OwnFloatEnvironment();

@@ -10,10 +10,10 @@ namespace collided::engine {
 template <typename Signature>
 class FunctionRef;
 
-/// Whom to call back: a function, a lambda or any callable, not owned. Two words, copied freely; copies refer to the
-/// same callable, which must outlive every call. So it is a parameter's type: a lambda written in the call's own
-/// arguments lives long enough, one that a FunctionRef variable is initialised with does not.
-/// As safe among threads as what it calls.
+/// A reference to a callback: a function, a lambda or any callable, not owned. Two words, freely copied; copies refer
+/// to the same callable, which must outlive every call. Meant as a parameter type: a lambda written in the call's
+/// arguments lives long enough, one that initialises a FunctionRef variable does not.
+/// As thread-safe as the callable.
 template <typename R, typename... Args>
 class FunctionRef<R(Args...)> {
  public:

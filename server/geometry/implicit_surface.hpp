@@ -8,8 +8,8 @@
 
 namespace collided::engine {
 
-/// One step of a polynomial in x, y, z, for a stack of values: what its author wrote, in postfix order. It is kept as
-/// written and not expanded, since the products of its doubles need not be doubles.
+/// One step of a polynomial in x, y, z on a stack of values: the author's formula in postfix order. Kept as written
+/// rather than expanded, because products of its doubles need not be doubles.
 struct PolynomialStep {
   enum class Kind : std::uint8_t { constant, x, y, z, add, subtract, multiply, negate, power };
   Kind kind = Kind::constant;
@@ -17,14 +17,14 @@ struct PolynomialStep {
   double constant = 0;
 };
 
-/// The points with f(x, y, z) = 0 in a closed box; f < 0 is its inside. Steps and degree are those of a valid polynomial,
-/// within the limits below: whoever makes one by hand keeps them.
+/// The points with f(x, y, z) = 0 in a closed box; f < 0 is its inside. Steps and degree must be those of a valid
+/// polynomial within the limits below; code that fills this by hand must keep them.
 struct ImplicitSurface {
-  /// The sum of degrees as written, before anything cancels.
+  /// The degree as written, before anything cancels.
   static constexpr int kMostDegree = 8;
-  /// Steps, constants and variables included: so that fewer than 2^13 roundings follow each other (kBoundSlack).
+  /// Constants and variables included: so that fewer than 2^13 roundings follow each other (kBoundSlack).
   static constexpr int kMostSteps = 1000;
-  /// Values that are on the stack at once.
+  /// Values on the stack at one time.
   static constexpr int kMostStack = 16;
 
   std::vector<PolynomialStep> steps;

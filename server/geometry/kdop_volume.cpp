@@ -1,3 +1,5 @@
+// The volume of a k-DOP, for tables.
+
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -8,13 +10,13 @@ namespace collided::engine {
 namespace {
 
 struct HalfSpaceOf {
-  Vec3 normal;  // of length 1
+  Vec3 normal;  // unit
   double reach;
 };
 
 using Face = std::vector<Vec3>;
 
-/// What of a flat convex face lies behind the plane.
+/// The part of a flat convex face that lies behind the plane.
 Face behind(const Face& face, const HalfSpaceOf& plane) {
   Face kept;
   for (std::size_t i = 0; i < face.size(); ++i) {
@@ -28,7 +30,7 @@ Face behind(const Face& face, const HalfSpaceOf& plane) {
   return kept;
 }
 
-/// A square in the plane that is larger than everything within `size` of the origin.
+/// A square in the plane that extends beyond everything within `size` of the origin.
 Face whole_face(const HalfSpaceOf& plane, double size) {
   const Vec3 u = plane.normal.unitOrthogonal() * size;
   const Vec3 v = plane.normal.cross(u);
@@ -44,7 +46,7 @@ double area(const Face& face) {
 
 }  // namespace
 
-/// Pyramids over the faces from a point inside: the sum of height times area, over 3.
+/// The sum of pyramids over the faces from a point inside: height times area, over 3.
 double volume(const Kdop& kdop) {
   if (kdop.normals.size() < 3) return std::numeric_limits<double>::infinity();
   Mat3 rows;

@@ -10,6 +10,7 @@
 
 namespace collided::engine {
 
+/// Three numbers of vertices, counter-clockwise seen from outside.
 using TriangleCorners = std::array<std::uint32_t, 3>;
 
 /// In place of a triangle's number: none, since it is a primitive that was met.

@@ -11,15 +11,17 @@
 namespace collided::engine {
 namespace {
 
+/// The frame rotates: then every placed coordinate is rounded.
 bool turns(const Frame& frame) { return frame.rotation != Mat3::Identity(); }
 
-/// What a sum of two doubles loses (Knuth).
+/// The rounding error of a sum of two doubles (Knuth).
 double lost(double a, double b) {
   const double sum = a + b;
   const double b_part = sum - a;
   return (a - (sum - b_part)) + (b - b_part);
 }
 
+/// Bounds the error of placing each kind of shape.
 class Placing {
  public:
   explicit Placing(const Frame& frame) : frame_(frame), turns_(turns(frame)) {}
@@ -29,12 +31,12 @@ class Placing {
     const Vec3& to = frame_.position;
     return rounded_up(Vec3(lost(own[0], to[0]), lost(own[1], to[1]), lost(own[2], to[2])).norm());
   }
-  /// Half axes: those of a shape that is turned in its own frame come of a quaternion too.
+  /// Half axes: a shape that is rotated in its own frame has axes that come from a quaternion too.
   double of_axes(const Mat3& axes, const Vec3& half_m) const {
     const double reach_m = (axes * half_m.asDiagonal()).colwise().norm().sum();
     return rounded_up((turns_ ? kTurnedPoint * reach_m : 0) + (axes != Mat3::Identity() ? kTurnedPoint * reach_m : 0));
   }
-  /// A disc of radius_m stands across an axis whose ends are off by this: it is turned by as much as the axis.
+  /// A disc of radius_m perpendicular to an axis whose ends are off by end_m is rotated as much as the axis.
   double of_disc(const Vec3& from, const Vec3& to, double radius_m) const {
     const double end_m = std::max(of_point(from), of_point(to));
     const double turned = end_m == 0 ? 0 : std::min(2.0, std::numbers::pi * end_m / (to - from).norm());

@@ -5,16 +5,16 @@
 
 namespace collided::engine {
 
-/// How far any point of the shape, placed by place(frame, own), may be from where the pose has it: the rotation that the
-/// quaternion means, (q v q*) / |q|^2, and the sums of it, not rounded. The frame is that of a quaternion divided by its
-/// norm once. Metres; 0 where nothing is rounded.
+/// How far any point of the shape, placed by place(frame, own), may be from its exact position: the unrounded rotation
+/// that the quaternion describes, (v -> q v q*) / |q|^2, plus the unrounded translation. The frame must come from a
+/// quaternion divided once by its norm. Metres; 0 where nothing is rounded.
 ///
-/// far_m    for a half-space, whose error grows: how far from its point it is looked at
-/// cost     some 10 ns; of a hull, its corners
+/// far_m    for a half-space, whose error grows with distance: the distance from its point at which it matters
+/// cost     some 10 ns; for a hull, linear in its corners
 double placing_error_m(const Frame& frame, const Primitive& own, double far_m = 0);
 double placing_error_m(const Frame& frame, const Triangle& own);
 
-/// The same for any points at most reach_m from the frame's origin.
+/// The same for any point within reach_m of the frame's origin.
 double placing_error_m(const Frame& frame, double reach_m);
 
 }  // namespace collided::engine

@@ -5,38 +5,38 @@
 
 namespace collided::engine {
 
-/// Position and unit quaternion of a body in the world (X_WB).
+/// Position, metres, and unit quaternion of a body in the world (X_WB).
 struct Pose {
   Vec3 position = Vec3::Zero();
   Quat rotation = Quat::Identity();
 };
 
-/// A pose made ready for placing points: the rotation matrix in double, by one documented sequence of operations.
+/// A pose prepared for placing points: the rotation matrix in double, by one documented sequence of operations.
 struct Frame {
   Mat3 rotation = Mat3::Identity();
   Vec3 position = Vec3::Zero();
 };
 
-/// The quaternion is used as given (the border accepts | |q| - 1 | <= 1e-6 and divides by its norm once).
+/// Uses the quaternion as given (validation accepts | |q| - 1 | <= 1e-6 and divides by the norm once).
 Frame frame_of(const Pose& pose);
 
-/// R p + t, each row as ((r0 p0 + r1 p1) + r2 p2) + t in double. This rounding is part of the exact input: the
-/// world point *is* the result, and later decisions are exact about it.
+/// R p + t, each row as ((r0 p0 + r1 p1) + r2 p2) + t in double. This rounding is part of the exact input: the result
+/// is the world point, and later decisions are exact about it.
 Vec3 place(const Frame& frame, const Vec3& point);
 
 Sphere place(const Frame& frame, const Sphere& sphere);
-/// Axes are rotated without being normalised again.
+/// The axes are rotated and not normalised again.
 Box place(const Frame& frame, const Box& box);
 Capsule place(const Frame& frame, const Capsule& capsule);
 Cylinder place(const Frame& frame, const Cylinder& cylinder);
 Cone place(const Frame& frame, const Cone& cone);
-/// As a box.
+/// The axes as for a box.
 Ellipsoid place(const Frame& frame, const Ellipsoid& ellipsoid);
-/// A hull in its own frame, as objects have it: one that was placed already cannot be placed again.
+/// Takes a hull in its own frame, as objects have it: a placed hull cannot be placed again.
 Hull place(const Frame& frame, const Hull& hull);
-/// The normal is turned and rounded like the axes of a box.
+/// The normal is rotated and rounded like the axes of a box.
 HalfSpace place(const Frame& frame, const HalfSpace& half_space);
-/// A placed hull's vertex: the world point that it is.
+/// A placed hull's vertex, in world coordinates.
 Vec3 vertex_of(const Hull& hull, std::size_t number);
 Triangle place(const Frame& frame, const Triangle& triangle);
 Primitive place(const Frame& frame, const Primitive& primitive);

@@ -9,8 +9,8 @@
 
 namespace collided::engine {
 
-/// What an object is made of, in its own frame: solid primitives and at most one mesh. One primitive is a plain
-/// sphere, box or capsule; more make a compound.
+/// What an object is made of, in its own frame: solid primitives and at most one mesh. One primitive is a plain sphere,
+/// box and so on; several make a compound.
 struct Shape {
   std::vector<Primitive> primitives;
   std::shared_ptr<const TriangleMesh> mesh;  // may be null
@@ -18,7 +18,7 @@ struct Shape {
   bool empty() const { return primitives.empty() && !mesh; }
 };
 
-/// Who may meet whom: two objects are a pair when each one's layers meet the other's mask, unless they share a
+/// Which objects may meet: two are a pair if each one's layers include a bit of the other's mask, unless they share a
 /// group other than 0 (the links of one robot, the bones of one body).
 struct Filter {
   std::uint32_t layers = 1;
@@ -26,6 +26,7 @@ struct Filter {
   std::uint32_t group = 0;
 };
 
+/// Symmetric in a and b.
 inline bool may_meet(const Filter& a, const Filter& b) {
   return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0 && (a.group == 0 || a.group != b.group);
 }

@@ -1,3 +1,5 @@
+// The smallest sphere around points, up to roundings.
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -8,10 +10,10 @@
 namespace collided::engine {
 namespace {
 
-/// Enough for any cloud: each round the radius grows, and some thirty are the most that were seen.
+/// Enough for any set: the radius grows in each round, and about thirty rounds are the most ever seen.
 constexpr int kMostRounds = 200;
 
-/// By how much, relative to the radius, a point must be outside to be worth another round.
+/// How far outside, relative to the radius, a point must be for another round.
 constexpr double kOutside = 1e-12;
 
 struct Ball {
@@ -19,7 +21,7 @@ struct Ball {
   double radius2 = -1;  // below 0: of no points
 };
 
-/// The ball in whose border all the points are, with its centre in their hull's plane.
+/// The ball with all points on its border and its centre in their affine hull.
 Ball ball_through(const std::vector<Vec3>& points) {
   const auto count = static_cast<int>(points.size()) - 1;
   Eigen::Matrix<double, 3, Eigen::Dynamic> motions(3, count);
@@ -34,7 +36,7 @@ bool holds(const Ball& ball, const Vec3& point) {
   return (point - ball.center).squaredNorm() <= ball.radius2 * (1 + kOutside);
 }
 
-/// The smallest ball about at most five points, by all sets of at most four of them; those of its border stay.
+/// The smallest ball around at most five points, by trying all sets of at most four; keeps those on its border.
 Ball smallest_of_few(std::vector<Vec3>& points) {
   Ball best;
   std::vector<Vec3> border;
@@ -60,7 +62,7 @@ Ball smallest_of_few(std::vector<Vec3>& points) {
 Sphere smallest_sphere(std::span<const Vec3> points) {
   const Sphere known = farthest_point_sphere(points);
   if (points.empty() || known.radius_m == 0) return known;
-  // About the middle and in units of the radius, so that squares stay in range.
+  // Relative to the centre and in units of the radius, so that squares stay in range.
   const auto scaled = [&](const Vec3& point) { return Vec3((point - known.center) / known.radius_m); };
   std::vector<Vec3> border{scaled(points[0])};
   Ball ball = ball_through(border);
@@ -76,7 +78,7 @@ Sphere smallest_sphere(std::span<const Vec3> points) {
     std::vector<Vec3> few = border;
     few.push_back(farthest);
     const Ball larger = smallest_of_few(few);
-    if (!(larger.radius2 > ball.radius2)) break;  // roundings have the last word
+    if (!(larger.radius2 > ball.radius2)) break;  // no progress but roundings
     ball = larger;
     border = few;
   }

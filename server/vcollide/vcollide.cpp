@@ -19,10 +19,11 @@ namespace collided::vcollide {
 using namespace engine;
 namespace {
 
-/// How far products of the matrix's columns may be from a rotation's: as for the quaternions of the service.
-/// At zero, VCollide.TakesARotationRoundedToSixDigits fails.
+/// How far products of the matrix's columns may be from a rotation's: as much as for the quaternions of the service.
+/// At zero, VCollideAdapter.TakesARotationRoundedToSixDigits fails.
 constexpr double kRotationSlack = kUnitNormSlack;
 
+/// A closed object has a mesh; its frame is where it was last moved to.
 struct Object {
   ObjectInfo info;
   std::vector<int> triangle_ids;
@@ -34,7 +35,7 @@ using Pair = std::pair<int, int>;
 
 Pair ordered(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// The triangle pairs of two objects as the walk finds them.
+/// Collects the triangle pairs of two objects that the walk offers and that overlap.
 struct Meeting {
   PlacedTriangles of_a;
   PlacedTriangles of_b;
@@ -50,7 +51,8 @@ struct Meeting {
   }
 };
 
-/// The rotation that the matrix is within rounding of, or what is wrong with it.
+/// Reads the rotation nearest to the matrix and its translation; returns what is wrong with it, and then leaves the
+/// frame alone.
 std::string read_frame(const double trans[4][4], Frame& frame) {
   Mat3 rotation;
   Vec3 position;
@@ -75,9 +77,9 @@ std::string read_frame(const double trans[4][4], Frame& frame) {
 }  // namespace
 
 struct VCollide::State {
-  std::vector<std::unique_ptr<Object>> objects;  // by id; a deleted one is null
+  std::vector<std::unique_ptr<Object>> objects;  // by id; null once deleted
   TriangleMesh open_mesh;
-  bool open = false;  // the newest object still takes triangles
+  bool open = false;  // the newest object still accepts triangles
   std::set<Pair> inactive_pairs;
   std::string error;
   Grid grid;
@@ -89,7 +91,7 @@ struct VCollide::State {
     error = std::move(text);
     return code;
   }
-  /// VC_OK if the object exists and is closed.
+  /// VC_OK if the object exists and is closed; else sets the error.
   int check(const char* call, int id) {
     if (id < 0 || static_cast<std::size_t>(id) >= objects.size() || !objects[static_cast<std::size_t>(id)]) {
       return fail(VC_ERR_INVALID_ID, fmt::format("{}: no object {}; {} were made", call, id, objects.size()));
@@ -101,7 +103,9 @@ struct VCollide::State {
   }
   Object& object(int id) { return *objects[static_cast<std::size_t>(id)]; }
   int set_pair(const char* call, int a, int b, bool active);
+  /// Fills bounds and candidates for the objects' present frames.
   void find_candidates();
+  /// The triangle pairs of two objects that overlap, in ascending order; only the first found unless `all`.
   std::vector<std::array<int, 2>> meet(const Pair& pair, bool all);
 };
 

@@ -16,7 +16,7 @@
 namespace collided::engine {
 namespace {
 
-/// The saved index where there is one and it is fit, else one built anew.
+/// The saved index where there is a valid one, else one built anew.
 Bvh index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::string& name, const BvhOptions& options,
                  std::vector<std::string>& warnings) {
   if (!saved.bytes.empty()) {
@@ -33,7 +33,7 @@ std::string_view bytes_of(const std::vector<T>& items) {
   return {reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T)};
 }
 
-/// Bit for bit, so that -0 and 0 are two.
+/// Bit for bit: -0 and 0 differ.
 bool are_equal(const TriangleMesh& a, const TriangleMesh& b) {
   return &a == &b || (bytes_of(a.vertices) == bytes_of(b.vertices) && bytes_of(a.triangles) == bytes_of(b.triangles));
 }
@@ -45,7 +45,7 @@ Refusal name_taken(const std::string& name, const ObjectInfo* holder) {
 
 }  // namespace
 
-/// Objects with equal meshes share one with its index, whoever sent them.
+/// Objects with equal meshes share one mesh and one index, whichever publisher sent them.
 std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition& definition) {
   const std::hash<std::string_view> hash;
   const TriangleMesh& mesh = *definition.shape.mesh;
@@ -66,7 +66,7 @@ std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition
 }
 
 World::World(const WorldOptions& options) : state_(std::make_unique<State>(options)) {
-  // Readers may come before the first step: the first state is an empty world.
+  // Readers may come before the first step: publish an empty world.
   step(0, 0, {});
 }
 
@@ -86,7 +86,8 @@ std::shared_ptr<StaticScene> World::index_scene(Scene& scene, const BvhOptions& 
   }
   BvhOptions quietly = options;
   quietly.progress = {};
-  std::unordered_map<const TriangleMesh*, std::shared_ptr<const IndexedMesh>> of_mesh;  // objects that share one share it
+  // objects that share a mesh share its index
+  std::unordered_map<const TriangleMesh*, std::shared_ptr<const IndexedMesh>> of_mesh;
   for (SceneObject& object : scene.objects) {
     auto& mesh = indexed->object_meshes.emplace_back();
     if (!object.shape.mesh) continue;
@@ -243,7 +244,7 @@ bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, boo
 bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport) {
   const OwnFloatEnvironment own_floats;
   const bool moved = state_->move(id, pose, time_ns, teleport, false);
-  // Somebody else put it there.
+  // The pose comes from elsewhere than the lost publisher: the object is there now, with no known speed.
   for (StaleObject& stale : state_->stale_objects) {
     if (stale.id == id) stale.position = pose.position, stale.speed_mps = 0;
   }

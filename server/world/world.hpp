@@ -18,27 +18,30 @@
 
 namespace collided::engine {
 
+/// Limits and tolerances of a world, fixed for its lifetime.
 struct WorldOptions {
   std::uint64_t epoch = 1;
   std::uint32_t max_objects = 100'000;  // static parts and moving objects together
-  std::uint32_t max_contacts = 10'000'000;  // that one step may find
+  std::uint32_t max_contacts = 10'000'000;  // that one step may find; more set StepCost::truncated
   double sweep_width = 1e-9;            // of the bracket of a lone sphere's first contact, as a fraction of the step
-  std::int64_t clock_error_ns = 0;      // of two publishers' clocks against each other: widens brackets and nothing else
-  PoseMemoryOptions memory = {};        // for questions about an instant
-  double sweep_width_s = 1e-6;          // of the bracket of any other mover's, seconds of world time
+  std::int64_t clock_error_ns = 0;      // between two publishers' clocks: widens brackets and nothing else
+  PoseMemoryOptions memory = {};        // how far back questions about a past instant reach
+  double sweep_width_s = 1e-6;          // of the bracket of any other mover's first contact, seconds of world time
 };
 
+/// What World::define() needs to know of a new object.
 struct ObjectDefinition {
   std::string name;
-  std::string scene;
+  std::string scene;  // that it was loaded with; empty: added at run time
   Shape shape;
+  /// lengths in metres, in the object's own frame
   Pose pose;
   Filter filter;
   bool moving = true;
   LostPolicy lost_policy = LostPolicy::remove;
-  std::uint64_t publisher = 0;
-  std::shared_ptr<const IndexedMesh> indexed{};  // the shape's mesh, where it has its index already
-  CutTriangles cut{};                            // of the shape's mesh
+  std::uint64_t publisher = 0;  // whose poses move it; 0: the server's own
+  std::shared_ptr<const IndexedMesh> indexed{};  // the shape's mesh with its index, where that exists already
+  CutTriangles cut{};                            // of the shape's mesh: which pieces belong to which original triangle
 };
 
 /// Why something was refused, as a sentence for the user.
@@ -46,90 +49,107 @@ struct Refusal {
   std::string reason;
 };
 
-/// How long the stages of a step took and what they met.
+/// Counts and durations of one step's stages; the step fills it, callers only read it.
 struct StepCost {
-  std::uint32_t moved = 0;
+  std::uint32_t moved = 0;  // objects with a new pose, new ones included
   std::uint32_t candidate_pairs = 0;
   std::uint32_t exact_tests = 0;
-  std::uint32_t undecided = 0;
-  std::uint32_t swept = 0;
-  std::uint32_t filtered = 0;  // pairs of movers near each other that layers, masks or groups keep from meeting
-  std::uint32_t kept_apart = 0;  // pairs of meshes not tested, since they were too far apart for how far they have gone
-  /// Pairs with a mover whose way could not be searched to its end: a contact between two poses may be missing.
+  std::uint32_t undecided = 0;  // pairs that the exact phase could not decide
+  std::uint32_t swept = 0;  // pairs decided over their motion, not only at its end
+  std::uint32_t filtered = 0;  // pairs of movers near each other that layers, masks or groups exclude
+  std::uint32_t kept_apart = 0;  // pairs of meshes not tested: known to be farther apart than both have moved since
+  /// Pairs with a mover whose motion could not be searched to its end: a contact between two poses may be missing.
   std::uint32_t sweeps_skipped = 0;
   std::uint32_t contacts = 0;  // found, those that held before included
-  /// There are more than max_contacts, or too many candidates for it: what came after is not told, and all pairs are
-  /// looked at again once anything moves. Contacts that are told are right all the same, and so are their ends.
+  /// The step met more than max_contacts, or too many candidates for them. What came after is not reported, and the
+  /// next step with any motion looks at all pairs again. Contacts that are reported are right all the same, and so are
+  /// their ends.
   bool truncated = false;
-  std::int64_t update_ns = 0;
+  std::int64_t update_ns = 0;  // these three: elapsed time of the stages
   std::int64_t broad_ns = 0;
   std::int64_t exact_ns = 0;
 };
 
-/// What the subscribers want; what nobody wants is not computed.
+/// What the subscribers need; the rest is not computed.
 struct StepOptions {
   bool contacts = true;    // points, normals, depths
-  bool persisted = false;  // an event for each contact that goes on and whose objects moved
+  bool persisted = false;  // an event for each contact that continues and whose objects moved
 };
 
-/// The state of the world and the one way to change it. One thread writes (everything but newest()); any thread reads
-/// snapshots. Changes collect until step(), which finds what began and ended and publishes the next snapshot.
+/// The state of the world and the only means to change it.
+///
+/// Changes collect until step(), which finds the contacts that began and ended and publishes the next snapshot.
+/// threads  one thread writes and calls everything but newest() and memory(); any thread reads snapshots
 class World {
  public:
-  struct State;  // world_state.hpp: the writer's own memory
+  struct State;  // world_state.hpp: what only the writing thread sees
 
   explicit World(const WorldOptions& options);
   ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// Takes the triangles out of a loaded scene and indexes them and the meshes of its objects, with the scene's saved
-  /// indexes where they are fit (slow: call it on a loading thread); add_scene makes them part of the world.
+  /// Moves the triangles out of a loaded scene and indexes them and the meshes of its objects; add_scene() then makes
+  /// them part of the world. Uses the indexes saved with the scene where they are valid, and leaves a warning where
+  /// not.
+  /// cost  slow: call it on a loading thread
   static std::shared_ptr<StaticScene> index_scene(Scene& scene, const BvhOptions& options);
-  /// Static triangles and the scene's objects. All or nothing: a clash of names refuses the scene.
+  /// Adds static triangles and the scene's objects; returns how many objects. All or nothing: a name that is taken or a
+  /// limit that would be exceeded refuses the whole scene.
   std::variant<std::uint32_t, Refusal> add_scene(const Scene& scene, std::shared_ptr<StaticScene> indexed);
-  /// The geometry of a scene ("": of the world, whatever is loaded) is complete inside of these boxes. Once anything was
-  /// stated, with or without boxes, what lies outside of all of them is not covered, even when the scenes that stated it are
-  /// gone: what was taken away must not make more of the world known.
+  /// States that the geometry of a scene ("": of the world, whatever is loaded) is complete inside of these boxes. Once
+  /// anything was stated, with or without boxes, what lies outside of all boxes is not covered, even after the scenes
+  /// that stated them are gone: removing a scene must not make more of the world known.
   void state_covers(std::string_view scene, std::span<const Aabb> boxes);
-  /// Number of objects removed; their contacts end with geometry_changed.
+  /// Returns the number of objects removed; their contacts end with geometry_changed.
   std::uint32_t remove_scene(std::string_view name);
 
+  /// Adds an object at its pose; refuses a name that is taken, one object over the limit, and a half-space that moves.
   std::variant<ObjectId, Refusal> define(const ObjectDefinition& definition);
-  /// The object's contacts end with the reason at the next step. False: no such object.
+  /// Removes an object; its contacts end with the reason at the next step. False: no such object.
   bool remove(ObjectId id, EndReason reason);
-  /// The pose must be finite with a unit quaternion (the border has checked and normalised). One pose an object and
-  /// step: has_moved() tells that a step must come first. False: no such object.
+  /// Sets an object's pose, which must be finite with a unit quaternion (the service has checked and normalised it). An
+  /// object takes one pose per step: where has_moved() is true, a step must come first. False: no such object.
+  ///
+  /// time_ns   world time of the pose
+  /// teleport  the object was placed there; it did not touch what lies between
   bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport);
-  /// The same for many objects of one publisher, whose memory is fetched while the ones before are at work. moved[i]: as
-  /// move() returns. is_streamed: its objects move between their own poses, whichever others it names.
+  /// The same for many objects of one publisher, prefetching rows ahead; moved[i] is what move() returns for ids[i].
+  /// is_streamed: each object moves between its own poses, whichever other objects the publisher names.
   void move(std::span<const ObjectId> ids, std::span<const Pose> poses, std::int64_t time_ns, bool teleport,
             std::span<bool> moved, bool is_streamed = false);
-  /// All that the publisher has to say of the time up to there is said: whoever it has not named has rested, and pairs with
-  /// other publishers' objects are decided as far as both are known. True: somebody may wait for it.
+  /// Declares the publisher's statements complete up to an instant: objects it has not named rested until then, and
+  /// pairs with other publishers' objects are decided as far as both are known. True: the world has several sources, so
+  /// other pairs may wait for this instant.
   bool advance(std::uint64_t publisher, std::int64_t time_ns);
-  /// The publisher says no more: its objects rest from now on.
+  /// The publisher sends nothing more: its objects rest from now on.
   void lose(std::uint64_t publisher);
+  /// The object already has a change that the next step will take.
   bool has_moved(ObjectId id) const;
+  /// Marks an object whose publisher is lost, or found again; queries then allow for how far it may have gone.
   void set_stale(ObjectId id, bool stale);
 
-  /// The collision step (collision_step.cpp): all changes since the last become events and a new snapshot. batches:
-  /// how many applied batches this step stands for (the version grows by it). Events are valid until the next call.
-  /// Does nothing and returns false while readers hold every free snapshot; the changes stay for the next call.
+  /// The collision step (collision_step.cpp): all changes since the last one become events and a new snapshot. Does
+  /// nothing and returns false while readers hold every free snapshot; the changes stay for the next call.
+  ///
+  /// batches  how many applied batches this step stands for: the version grows by it
   bool step(std::int64_t world_time_ns, std::uint64_t batches, const StepOptions& step_options);
+  /// Of the last step; valid until the next call of step().
   const std::vector<Event>& events() const;
   const StepCost& cost() const;
-  const std::vector<OpenContact>& contacts() const;  // those that hold and pairs in doubt, in no order
+  const std::vector<OpenContact>& contacts() const;  // those that hold and the pairs in doubt, in no order
   std::size_t doubt_count() const;
   std::uint64_t last_event_sequence() const;
 
+  /// The object with that name, or nothing.
   std::optional<ObjectId> find(std::string_view name) const;
+  /// Null: no such object.
   const ObjectInfo* info(ObjectId id) const;
   const ObjectTable& objects() const;
 
-  /// Any thread.
+  /// The last published state. Any thread.
   SnapshotRing::Lease newest() const;
-  /// What was at an instant of the last seconds. Any thread.
+  /// Where objects were at an instant of the last seconds. Any thread.
   const PoseMemory& memory() const;
 
  private:

@@ -15,7 +15,7 @@
 
 namespace collided::engine {
 
-/// What the writer keeps; snapshots are copies of it.
+/// The writing thread's own state; snapshots are copies of parts of it.
 struct World::State {
   explicit State(const WorldOptions& asked) : options(asked), memory(asked.memory) {}
 
@@ -27,25 +27,29 @@ struct World::State {
   Sources sources;
   std::vector<std::shared_ptr<const StaticScene>> scenes;  // in order of loading
   std::vector<StaleObject> stale_objects;
-  std::map<std::string, std::vector<Aabb>, std::less<>> covers_of;  // by scene; "": of the world
-  std::shared_ptr<const std::vector<Aabb>> covers;                  // all of them; null while none was ever stated
-  std::unordered_multimap<std::size_t, std::weak_ptr<const IndexedMesh>> meshes;  // by a hash of their numbers
+  std::map<std::string, std::vector<Aabb>, std::less<>> covers_of;  // by scene; "": stated for the whole world
+  // all boxes together; null while none was ever stated
+  std::shared_ptr<const std::vector<Aabb>> covers;
+  std::unordered_multimap<std::size_t, std::weak_ptr<const IndexedMesh>> meshes;  // by a hash of vertices and triangles
 
   std::vector<std::pair<ObjectId, EndReason>> removed;  // since the last step
-  std::vector<std::pair<ObjectId, bool>> lost;  // or found again, since the last step
+  std::vector<std::pair<ObjectId, bool>> lost;  // true: stale, false: found again; since the last step
   std::uint64_t version = 0;
   std::uint64_t step_count = 0;
   std::int64_t last_step_ns = 0;
-  bool looks_at_all = false;  // the last search was cut short: pairs that rest may touch unknown
+  bool looks_at_all = false;  // the last search was cut short: objects at rest may touch without a contact
 
   StepMotion motion{rows};
   ContactLedger ledger;
-  SeparationCache apart;  // of meshes without primitives, with each other and with scenes
+  SeparationCache apart;  // pairs of bare meshes, with each other and with scenes
   DecisionLists lists;
   StepCost cost;
 
+  // The definition's mesh with an index, shared with every object that has an equal one.
   std::shared_ptr<const IndexedMesh> mesh_for(const ObjectDefinition& definition);
+  // Copies what changed into the next snapshot.
   void fill(Snapshot& next, std::int64_t world_time_ns);
+  // Decides all pairs of the step: fills lists, cost and ledger.
   void decide(const StepView& step, const Grid& grid);
   bool move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed);
   void forget_stale(ObjectId id);

@@ -11,8 +11,9 @@
 namespace collided::engine {
 
 /// Multi-level hashed grid over bounding boxes: a box goes to the level of its size, so one giant among dust costs
-/// nothing. A few boxes are swept along one axis instead (sweep_and_prune.hpp). Unbounded coordinates. Generous, never misses; each box is called at most once a walk.
-/// One thread rebuilds; while nobody rebuilds, any number may walk.
+/// nothing. Few boxes are swept along one axis instead (sweep_and_prune.hpp). Coordinates are unbounded. Generous,
+/// never misses; offers each box at most once per walk.
+/// threads  one rebuilds; while none does, any number may walk
 class Grid {
  public:
   Grid();
@@ -20,28 +21,29 @@ class Grid {
   Grid(Grid&&) noexcept;
   Grid& operator=(Grid&&) noexcept;
 
-  /// Boxes are numbered by their place in the span; empty ones are left out. Keeps its memory between calls.
+  /// Boxes are numbered by their index in the span; empty ones are left out. Keeps its memory between calls.
   void rebuild(std::span<const Aabb> boxes);
 
+  /// Number of boxes that are not empty.
   std::size_t size() const;
-  /// They are few.
+  /// There are so few boxes that they are swept instead.
   bool is_swept() const;
   std::size_t bytes() const;
 
-  /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order. False ends
-  /// the walk.
+  /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order. `found`
+  /// returns false to end the walk.
   using PairFound = FunctionRef<bool(std::uint32_t first, std::uint32_t second)>;
   void pairs(PairFound found, WalkCost& cost) const;
 
-  /// False ends the walk.
+  /// Boxes that overlap the queried one, touching included; `found` returns false to end the walk.
   using BoxFound = FunctionRef<bool(std::uint32_t box)>;
   void walk_box(const Aabb& asked, BoxFound found, WalkCost& cost) const;
 
-  /// As Bvh::walk_ray: s along the ray in units of its direction's length; returns the limit from then on.
+  /// As Bvh::walk_ray: s along the ray in units of its direction's length; `found` returns the limit from then on.
   using RayFound = FunctionRef<double(std::uint32_t box, double limit)>;
   void walk_ray(const Ray& ray, double limit, RayFound found, WalkCost& cost) const;
 
-  /// As Bvh::walk_near, squares of distances.
+  /// As Bvh::walk_near, with squared distances.
   using NearFound = FunctionRef<double(std::uint32_t box, double limit_m2)>;
   void walk_near(const Vec3& point, double limit_m2, NearFound found, WalkCost& cost) const;
 

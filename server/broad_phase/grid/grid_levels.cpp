@@ -14,44 +14,45 @@ constexpr int kLeastExponent = -1000;
 constexpr int kMostExponent = 1000;
 constexpr std::int16_t kEmpty = std::numeric_limits<std::int16_t>::max();
 constexpr std::int16_t kUnbounded = kEmpty - 1;
-/// Cells are at least this part of the coordinates they hold, so that cell numbers are exact.
+/// Cells are at least this share of the coordinates they hold, so that cell numbers are exact.
 constexpr double kLeastCellOfReach = 0x1p-40;
-/// So few boxes of a size are cheaper to ask each time than to look up.
+/// Up to this many boxes of a size are cheaper to test every time than to look up.
 constexpr std::uint32_t kFewBoxes = 16;
 
-/// Cells are at least this part as wide as long: narrower ones are many rows for a question to look up.
+/// Cells are at least this share as wide as long: narrower ones would give a query many rows to look up.
 constexpr double kLeastCellAspect = 0x1p-6;
 
+/// The boxes of one binary exponent.
 struct SizeClass {
   std::uint32_t count = 0;
   double largest = 0;
   Vec3 extent = Vec3::Zero();  // the largest on each axis
 };
 
-/// Boxes by the exponent of their size.
+/// Counts of boxes by the exponent of their size.
 using Histogram = std::array<SizeClass, kMostExponent - kLeastExponent + 1>;
 
-/// No coordinate is farther from zero.
+/// The largest absolute coordinate.
 double reach_of(const Aabb& box) {
   return std::max(box.high.cwiseAbs().maxCoeff(), box.low.cwiseAbs().maxCoeff());
 }
 
-/// The size that decides about the level, in metres; infinite for a box that no cell can hold. reach: of all boxes.
+/// The size that decides on the level, metres; infinite for a box that no cell can hold. reach: of all boxes.
 double effective_size(const Aabb& box, double reach) {
   const double size = std::max((box.high - box.low).maxCoeff(), 0x1p-1000);
   return size >= reach * kLeastCellOfReach ? size : std::max(size, reach_of(box) * kLeastCellOfReach);
 }
 
-/// Of a normal number.
+/// The binary exponent of a normal number.
 int exponent_of(double value) { return static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52) - 1023; }
 
-/// Sizes up to a factor of four share a level, unless the smaller ones are so many that larger cells would crowd
-/// them; far smaller ones join when they are few.
+/// Sizes up to a factor of four share a level, unless there are so many small ones that larger cells would be crowded;
+/// far smaller ones join only if they are few.
 bool joins(std::uint32_t count, std::uint32_t group_count, int exponents_below) {
   return exponents_below <= 1 ? count / 4 <= group_count : count <= group_count / 8;
 }
 
-/// A group of neighbouring exponents.
+/// Neighbouring exponents that share a level.
 struct Group {
   int least = 0;
   int most = 0;
@@ -77,10 +78,10 @@ std::vector<Group> group_sizes(const Histogram& histogram) {
   return groups;
 }
 
-/// reach: of the level's boxes or more, in which case cells are only wider than they need be.
+/// reach: largest coordinate of the level's boxes, or more, which only makes cells wider than necessary.
 void set_cells(Level& level, double reach) {
   const double largest = level.cell_m.maxCoeff();
-  // In no case more than the largest box, which is a cell that holds its own coordinates.
+  // Never more than the largest box: such a cell holds its own coordinates.
   const double least = std::max(largest * kLeastCellAspect, std::min(largest, reach * kLeastCellOfReach));
   for (int k = 0; k < 3; ++k) {
     level.cell_m[k] = std::max(level.cell_m[k], least) * (1 + 0x1p-9);
@@ -128,16 +129,16 @@ void Levels::choose_levels(std::span<const Aabb> boxes) {
       level_of_exponent_[e - kLeastExponent] = static_cast<std::int16_t>(levels.size());
     }
     levels.emplace_back();
-    levels.back().end = group.count;  // a count until the levels are laid out
+    levels.back().end = group.count;  // only the count until lay_out() assigns places
     levels.back().cell_m = group.extent;
-    // What decided about the level may be the reach and not the box.
+    // The size that chose the level may be the reach rather than the box.
     int longest = 0;
     group.extent.maxCoeff(&longest);
     levels.back().cell_m[longest] = std::max(group.extent[longest], group.largest);
   }
 }
 
-/// Places of levels and loose boxes; returns how many there are, padding included.
+/// Assigns places to levels and loose boxes; returns their number, padding included.
 std::uint32_t Levels::lay_out() {
   std::uint32_t place = 0;
   std::uint32_t loose_count = entry_count;
@@ -153,7 +154,7 @@ std::uint32_t Levels::lay_out() {
   return whole_blocks(loose_end);
 }
 
-/// Numbers of the boxes of each level and the loose ones, in members_ at the level's places.
+/// Writes the numbers of each level's boxes and of the loose ones into members_, at the level's places.
 void Levels::share_out(std::span<const Aabb> boxes) {
   std::vector<std::uint32_t> next;
   for (const Level& level : levels) next.push_back(level.begin);
@@ -190,7 +191,8 @@ void Levels::set_axes(std::span<const Aabb> boxes, Level& level, std::span<const
       }
       level.axes[k].set(std::move(cells));
     }
-    // More than a million boxes: the cells left are nearly all of their own, so sharing crowds none.
+    // Only with more than a million boxes: nearly all cells left are occupied by boxes of their own, so sharing crowds
+    // none.
     const int over = bits() - kMostKeyBits;
     for (Axis& axis : level.axes) axis.coarsen(over > 0 ? (over + 2) / 3 : 0);
   }
@@ -198,7 +200,7 @@ void Levels::set_axes(std::span<const Aabb> boxes, Level& level, std::span<const
   level.z_shift = level.y_shift + level.axes[1].bits();
 }
 
-/// Marks places as free.
+/// Marks places as unused.
 void Levels::pad(std::uint32_t from, std::uint32_t to) {
   const Vec3 nowhere = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   for (std::uint32_t place = from; place < to; ++place) store({nowhere, nowhere}, 0, kNoKey, place);
@@ -224,7 +226,7 @@ void Levels::fill_level(std::span<const Aabb> boxes, const Level& level, std::sp
   }
 }
 
-/// The first place of each bucket of keys, a bucket for every two boxes or more.
+/// Fills the directory: the first place of each bucket of keys, about one bucket per two boxes.
 void Levels::index_level(Level& level) {
   level.last_key = keys[level.end - 1];
   level.bucket_shift = 0;
@@ -241,7 +243,7 @@ void Levels::index_level(Level& level) {
   first_of[bucket] = level.end;
 }
 
-/// And which they are: a scene of many parts that rest has a place for each, and little that moves.
+/// Collects the boxes if they are few. A resting scene of many parts has an entry for each, though little moves.
 bool Levels::are_few(std::span<const Aabb> boxes) {
   few_numbers.clear();
   for (std::uint32_t i = 0; i < boxes.size() && few_numbers.size() <= kSweptBoxes; ++i) {

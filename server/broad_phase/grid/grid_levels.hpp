@@ -16,11 +16,11 @@ namespace collided::engine::grid {
 
 inline constexpr std::uint32_t kBlock = BoxBlock::kSize;
 
-/// Up to so many boxes are swept along an axis instead: a frame of 64 then costs 2 to 3 us, not 10 (grid_bench), and a
-/// question that looks at each of them no more than one that looks for them.
+/// Up to this many boxes are swept along an axis instead: a frame of 64 then costs 2 to 3 us, not 10 (grid_bench), and
+/// a query that tests every one costs no more than one that searches.
 inline constexpr std::size_t kSweptBoxes = 64;
 
-/// One box where it lies.
+/// One stored box.
 struct Entry {
   const BoxBlock* block;
   std::uint32_t lane;
@@ -31,15 +31,16 @@ struct Entry {
   std::uint32_t box() const { return number; }
 };
 
-/// Boxes of similar size, each held by the one cell of its low corner. The cell is larger than every box on each axis,
-/// so boxes that overlap have cells at most one apart; needles that lie the same way have cells as narrow.
+/// Boxes of similar size, each stored in the one cell of its low corner. Cells are larger than every box on each axis,
+/// so overlapping boxes have cells at most one apart; for needles that lie the same way cells are as narrow.
 struct Level {
   Vec3 cell_m = Vec3::Ones();
   Vec3 inverse = Vec3::Ones();
-  std::uint32_t begin = 0;  // places of its boxes, the first of a block
+  std::uint32_t begin = 0;  // first and last place of its boxes; begin is the first of a block
   std::uint32_t end = 0;
-  std::uint32_t first_bucket = 0;  // of its part of the directory
+  std::uint32_t first_bucket = 0;  // where its part of the directory starts
   int bucket_shift = 0;
+  // Shifts of a key to its bucket, and of the y and z numbers within a key.
   Key last_key = 0;
   int y_shift = 0;
   int z_shift = 0;
@@ -48,8 +49,8 @@ struct Level {
   Aabb bounds;
 
   std::uint32_t count() const { return end - begin; }
-  /// Within 2^41 of zero for the level's own boxes. Monotone, and its two roundings stay far below the 2^-9 by which
-  /// the cell exceeds the boxes.
+  /// The cell of a coordinate; within 2^41 of zero for the level's own boxes. Monotone, and its two roundings stay far
+  /// below the 2^-9 by which a cell exceeds the boxes.
   Cell cell_of(int axis, double coordinate) const {
     const double place = coordinate * inverse[axis];
     const auto toward_zero = static_cast<Cell>(place);
@@ -62,7 +63,7 @@ struct Level {
   }
 };
 
-/// Where some boxes lie, and how far their low corners go.
+/// The bounds of some boxes, and how far their low corners reach.
 struct Extent {
   Aabb bounds;
   Vec3 highest_low = Vec3::Constant(-std::numeric_limits<double>::infinity());
@@ -73,25 +74,25 @@ struct Extent {
   }
 };
 
-/// Boxes sorted by level and key, so that a sweep in memory order meets its neighbours in a few parallel streams. Behind
-/// the last box of a level there is at least one place with kNoKey. Boxes that no level suits (unbounded, or too few of
-/// their size to be worth one) are loose: every question asks each of them. Where there are few boxes all are loose.
+/// Boxes sorted by level and key, so that a sweep in memory order meets its neighbours in a few parallel streams. After
+/// a level's last box there is at least one place with kNoKey. Boxes that fit no level (unbounded, or too few of their
+/// size for one) are loose: every query tests each of them. Where there are few boxes all are loose.
 struct Levels {
   std::vector<Level> levels;  // small boxes first
   bvh::PlainArray<BoxBlock> blocks;
   bvh::PlainArray<Key> keys;               // by place
   bvh::PlainArray<std::uint32_t> numbers;  // by place
-  std::vector<std::uint32_t> directory;    // by bucket of keys: its first place
+  std::vector<std::uint32_t> directory;    // by bucket of keys: first place of the bucket
   std::uint32_t entry_count = 0;
-  std::uint32_t loose_begin = 0;  // behind the levels, the first of a block
+  std::uint32_t loose_begin = 0;  // places after the levels; the first of a block
   std::uint32_t loose_end = 0;
-  SweepAndPrune few;                       // where there are no more than kSweptBoxes, all of them loose; else empty
-  std::vector<std::uint32_t> few_numbers;  // of its boxes, ascending
+  SweepAndPrune few;                       // where there are at most kSweptBoxes, all loose; else empty
+  std::vector<std::uint32_t> few_numbers;  // numbers of its boxes, ascending
 
   Entry entry(std::uint32_t place) const {
     return {&blocks[place / kBlock], place % kBlock, numbers[place]};
   }
-  /// The level's first place whose key is at least this; its end when there is none.
+  /// The level's first place with at least this key; its end if there is none.
   std::uint32_t first_place(const Level& level, Key key) const {
     if (key > level.last_key) return level.end;
     const std::uint32_t* bucket = directory.data() + level.first_bucket + (key >> level.bucket_shift);

@@ -16,15 +16,15 @@ constexpr unsigned kAllLanes = (1u << kBlock) - 1;
 
 constexpr int kWindows = 5;
 
-/// What a box met in one block of each of its windows, eight bits a window.
+/// What a box met in one block of each of its windows, eight bits per window.
 struct Met {
   std::uint64_t lanes;
   std::uint32_t place;
   std::uint32_t block[kWindows];
 };
 
-/// Kept until some have come together: to tell each at once would be a branch on its comparisons, which is rarely
-/// foreseen and waits for all of them.
+/// Collects hits until there are several: reporting each at once would be a branch on its comparisons, rarely
+/// predicted, that waits for all of them.
 struct Meetings {
   static constexpr std::uint32_t kSize = 64;
   Met met[kSize + 1];
@@ -36,7 +36,7 @@ struct Meetings {
   }
 };
 
-/// The search for all pairs. Every search returns false once the walk is over.
+/// The search for all pairs. Each search returns false once the walk is over.
 struct Search {
   const Levels& levels;
   Grid::PairFound found;
@@ -50,9 +50,9 @@ struct Search {
     return found(std::min(number, other), std::max(number, other));
   }
 
-  /// Keys of a row beside differ by the same amount all over the level: window w holds the keys in
-  /// [key + to_row[w], key + to_row[w] + span(w)]. The box's own row from the box on, and half of the eight rows
-  /// around: the other half finds this one.
+  /// Keys of a neighbouring row differ by the same amount all over the level: window w holds the keys in [key +
+  /// to_row[w], key + to_row[w] + span(w)]. Searches the box's own row from the box on, and half of the eight rows
+  /// around it: the other half finds this box itself.
   struct Rows {
     Key to_row[kWindows];
 
@@ -65,7 +65,7 @@ struct Search {
     static constexpr Key span(int window) { return window == 0 ? 1 : 2; }
   };
 
-  /// Lanes of other rows in the same block are left to those rows' windows.
+  /// Reports the collected hits. Lanes of other rows in the same block belong to those rows' windows.
   HWY_NOINLINE bool tell(const Rows& rows, Meetings& meetings) const {
     for (std::uint32_t i = 0; i < meetings.count; ++i) {
       const Met& met = meetings.met[i];
@@ -81,7 +81,7 @@ struct Search {
     return true;
   }
 
-  /// The blocks behind the first of those windows that have more, a bit each.
+  /// Continues the windows that reach beyond their first block; one bit of `more` per window.
   HWY_NOINLINE bool go_on(const Asked& asked, const Rows& rows, Met met, unsigned more, Meetings& meetings) const {
     const Key key = levels.keys[met.place];
     for (; more != 0; more &= more - 1) {
@@ -97,7 +97,7 @@ struct Search {
     return true;
   }
 
-  /// A sweep along the level; each window moves up with it.
+  /// All pairs within a level: a sweep in which every window moves along.
   HWY_INLINE bool own_level(const Level& level) const {
     const Key* last = levels.keys.data() + kBlock - 1;
     const Rows rows(level);
@@ -127,7 +127,7 @@ struct Search {
     return tell(rows, meetings);
   }
 
-  /// Every box of a range of blocks, whatever its cell.
+  /// Compares a box with all boxes of a range of places, whatever their cells.
   HWY_INLINE bool compare_all(std::uint32_t place, std::uint32_t from_place, std::uint32_t end_place) const {
     const Asked asked(levels.blocks[place / kBlock], place % kBlock);
     const std::uint32_t number = levels.numbers[place];
@@ -141,7 +141,7 @@ struct Search {
     return true;
   }
 
-  /// A level of small boxes against one of larger ones.
+  /// All pairs of a level of small boxes and one of larger boxes.
   HWY_INLINE bool larger_level(const Level& level, const Level& larger) const {
     for (std::uint32_t place = level.begin; place < level.end; ++place) {
       const Entry entry = levels.entry(place);

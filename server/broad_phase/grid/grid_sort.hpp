@@ -9,7 +9,7 @@
 
 namespace collided::engine::grid {
 
-/// A box and its cell in one word, where the key has at most 32 bits.
+/// A box and its key in one word, for keys of at most 32 bits.
 struct Packed {
   std::uint64_t word;
 
@@ -19,6 +19,7 @@ struct Packed {
 };
 inline constexpr int kPackedKeyBits = 32;
 
+/// A box and its key, for longer keys.
 struct Keyed {
   std::uint64_t whole_key;
   std::uint32_t number;
@@ -28,7 +29,8 @@ struct Keyed {
   std::uint32_t box() const { return number; }
 };
 
-/// Sorts by the low `bits` of the keys; stable. A counting sort a digit, digits of equal width, all counted at once.
+/// Sorts by the low `bits` of the keys; stable. One counting sort per digit; digits have equal width and are all
+/// counted in one pass. `other` is scratch.
 ///
 /// source  Knuth, "The Art of Computer Programming", 3, 5.2.5
 template <class Element>

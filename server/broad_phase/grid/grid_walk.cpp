@@ -7,13 +7,13 @@ namespace collided::engine::grid {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Relative slack on computed parameters and squares: a handful of roundings of 2^-53 each.
+/// Relative slack on computed parameters and squares: a few roundings of 2^-53 each.
 constexpr double kRelative = 0x1p-49;
 /// Absolute slack where results underflow.
 constexpr double kLeast = 16 * std::numeric_limits<double>::denorm_min();
 
-/// The parameters at which a ray may be within [low, high]; empty while entry > exit. Zero components are decided by
-/// comparison; whatever overflows leaves the axis open.
+/// The parameters at which a ray may be within [low, high]; empty where entry > exit. Zero components are decided by
+/// comparison; an overflow leaves the axis unrestricted.
 struct Span {
   double entry = 0;
   double exit = 0;
@@ -44,7 +44,8 @@ Span clip(const Ray& ray, const Entry& entry, double limit) {
   return span;
 }
 
-/// At least the largest double would be needed for a square that overflows: nothing is out of such a limit's reach.
+/// Whether the entry may lie within the limit. A square may overflow only at a distance that no limit below 1e307
+/// reaches.
 bool is_within(const Entry& entry, const Vec3& point, double limit_m2) {
   double square = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -58,8 +59,8 @@ double clamped(double cell, Cell low, Cell high) {
   return std::clamp(cell, static_cast<double>(low), static_cast<double>(high) + 1);
 }
 
-/// The ray's walk over one level: slabs across y or z, whichever the ray crosses faster, cut along x into blocks; near
-/// to far. A box belongs to the slab and block of its own cell, so none is visited twice.
+/// A ray's walk over one level: slabs perpendicular to y or z, whichever the ray crosses faster, cut into blocks along
+/// x; near to far. A box belongs to the slab and block of its own cell, so none is visited twice.
 class SlabWalk {
  public:
   SlabWalk(const Levels& levels, const Level& level, const Ray& ray, WalkCost& cost)
@@ -69,7 +70,7 @@ class SlabWalk {
         cost_(cost),
         main_(std::abs(ray.direction[1]) > std::abs(ray.direction[2]) ? 1 : 2) {}
 
-  /// visit(entry) returns the new limit.
+  /// visit(entry, limit) returns the new limit.
   template <typename Visit>
   double walk(double limit, const Visit& visit) {
     Span span{0, limit};
@@ -87,7 +88,7 @@ class SlabWalk {
   }
 
  private:
-  /// Cells [from, from + width) of one axis, in turn from the ray's side.
+  /// Cells [from, from + width) of one axis, starting on the ray's side.
   struct Slice {
     int axis;
     Cell low;
@@ -125,7 +126,7 @@ class SlabWalk {
     return limit;
   }
 
-  /// Where the ray may meet boxes whose cells are in the slice: they end less than a cell beyond it.
+  /// Restricts the span to where the ray may meet boxes with cells in the slice: these end less than a cell beyond it.
   bool clip_to(const Slice& slice, Span& span) const {
     const double cell_m = level_.cell_m[slice.axis];
     const double low = static_cast<double>(slice.from) * cell_m - margin(slice.axis);
@@ -136,21 +137,21 @@ class SlabWalk {
 
   double margin(int axis) const { return 0x1p-8 * level_.cell_m[axis]; }
 
-  /// Whether points along the way are known to 2^-9 of a cell, half the margin.
+  /// Whether points along the ray are known to within 2^-9 of a cell, half the margin.
   bool is_sharp(const Span& span) const {
     const double largest = std::max({ray_.origin.cwiseAbs().maxCoeff(), level_.bounds.high.cwiseAbs().maxCoeff(),
                                      level_.bounds.low.cwiseAbs().maxCoeff()});
     return largest * 0x1p-41 < level_.cell_m.minCoeff() && std::isfinite(span.entry);
   }
 
-  /// Whether looking up cells along the way beats looking at every row.
+  /// Whether looking up cells along the ray costs less than visiting every row.
   bool is_short(const CellRange& reached) const {
     const double slabs = static_cast<double>(reached.high[main_] - reached.low[main_]) + 1;
     const double blocks = static_cast<double>(reached.high[0] - reached.low[0]) / 16;
     return 4 * (slabs + blocks) < static_cast<double>(level_.count());
   }
 
-  /// Cells whose boxes the ray may meet within the span.
+  /// Cells with boxes that the ray may meet within the span.
   CellRange reach(const Span& span) const {
     Vec3 lowest;
     Vec3 highest;
@@ -181,7 +182,7 @@ class SlabWalk {
   int main_;
 };
 
-/// One level's walk outward from a point, in boxes that double until nothing nearer can be left.
+/// One level's walk outward from a point, in boxes that double in size until nothing nearer can remain.
 template <typename Visit>
 double walk_near_level(const Levels& levels, const Level& level, const Vec3& point, double limit_m2, WalkCost& cost,
                        const Visit& visit) {
@@ -191,7 +192,7 @@ double walk_near_level(const Levels& levels, const Level& level, const Vec3& poi
   }
   CellRange before{{1, 1, 1}, {0, 0, 0}};
   while (limit_m2 >= 0) {
-    // A little more than the limit asks, never more than what is left.
+    // Slightly more than the limit, so that nothing within it is lost.
     const double enough = limit_m2 >= 1e307 ? kInfinity : std::sqrt(limit_m2) * (1 + kRelative) + kLeast;
     const double reached = std::min(radius * (1 + kRelative), enough * (1 + kRelative));
     const CellRange range = cells_reaching(level, point.array() - reached * (1 + kRelative) - kLeast,
@@ -219,7 +220,7 @@ CellRange cells_reaching(const Level& level, const Vec3& low, const Vec3& high) 
   for (int axis = 0; axis < 3; ++axis) {
     const Cell first = level.occupied.low[axis];
     const Cell last = level.occupied.high[axis];
-    // Clamped while still doubles: questions may be infinite.
+    // Clamped while still doubles, because queries may be infinite.
     range.low[axis] = static_cast<Cell>(clamped(std::floor((low[axis] - level.cell_m[axis]) * level.inverse[axis]), first, last));
     range.high[axis] = static_cast<Cell>(
         std::clamp(std::floor(high[axis] * level.inverse[axis]), static_cast<double>(first) - 1, static_cast<double>(last)));

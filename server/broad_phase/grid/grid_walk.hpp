@@ -7,13 +7,13 @@
 
 namespace collided::engine::grid {
 
-/// The walks of Grid over its levels; pairs and boxes in SIMD, chosen at run time.
+/// The walks of Grid over its levels. Pairs use SIMD, chosen at run time.
 void find_pairs(const Levels& levels, Grid::PairFound found, WalkCost& cost);
 void walk_box(const Levels& levels, const Aabb& asked, Grid::BoxFound found, WalkCost& cost);
 void walk_ray(const Levels& levels, const Ray& ray, double limit, Grid::RayFound found, WalkCost& cost);
 void walk_near(const Levels& levels, const Vec3& point, double limit_m2, Grid::NearFound found, WalkCost& cost);
 
-/// Cells whose boxes may reach [low, high], within the occupied ones; may be empty (low > high on some axis).
+/// Cells with boxes that may reach [low, high], within the occupied ones; may be empty (low > high on some axis).
 CellRange cells_reaching(const Level& level, const Vec3& low, const Vec3& high);
 
 inline bool holds(const CellRange& range, const Cell (&cell)[3]) {
@@ -24,7 +24,7 @@ inline bool holds(const CellRange& range, const Cell (&cell)[3]) {
   return inside;
 }
 
-/// Cells of a level as the numbers of its axes; without those that nothing occupies where the level leaves them out.
+/// A range of cells in the numbers of a level's axes; skips unoccupied cells where the level does not number them.
 struct NumberRange {
   std::uint64_t low[3];
   std::uint64_t high[3];
@@ -36,7 +36,7 @@ struct NumberRange {
     }
   }
   bool empty() const { return low[0] > high[0] || low[1] > high[1] || low[2] > high[2]; }
-  /// How many (y, z) it has; a double, since it may exceed any integer.
+  /// Number of rows, that is of (y, z); a double, because it may exceed any integer.
   double row_count() const {
     return static_cast<double>(high[1] - low[1] + 1) * static_cast<double>(high[2] - low[2] + 1);
   }
@@ -50,7 +50,7 @@ struct NumberRange {
   }
 };
 
-/// Calls visit_row(first, last) with the first and the last key of each row in the range until it returns false.
+/// Calls visit_row(first, last) with the first and last key of each row in the range; false ends the visit.
 template <typename VisitRow>
 bool for_each_row_in(const Level& level, const NumberRange& range, WalkCost& cost, const VisitRow& visit_row) {
   for (std::uint64_t z = range.low[2]; z <= range.high[2]; ++z) {
@@ -62,7 +62,7 @@ bool for_each_row_in(const Level& level, const NumberRange& range, WalkCost& cos
   return true;
 }
 
-/// Calls visit(entry) for entries of the level whose cell is in the range, each once, until it returns false.
+/// Calls visit(entry) for each entry of the level whose cell is in the range, once; false ends the visit.
 template <typename Visit>
 bool for_each_in(const Levels& levels, const Level& level, const CellRange& cells, WalkCost& cost,
                  const Visit& visit) {

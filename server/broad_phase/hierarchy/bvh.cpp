@@ -106,13 +106,13 @@ void Bvh::walk_rays(std::span<RayTask> tasks, const TriangleMesh& mesh, RayGoal 
 void Bvh::walk_box(const Aabb& asked, BoxCandidate candidate, WalkCost& cost) const {
   const bvh::Layout& layout = storage_->layout;
   if (layout.root == bvh::kNothing || asked.empty()) return;
-  // Just beyond the scene, and finite, so that missing children stay out.
+  // Clamped to just beyond the scene, and finite, so that missing children are never reached.
   constexpr double kBeyond = 4;
   const Vec3 low = layout.frame.to_local(asked.low).cwiseMax(-kBeyond);
   const Vec3 high = layout.frame.to_local(asked.high).cwiseMin(kBeyond);
   bvh::LocalBox box;
   for (int axis = 0; axis < 3; ++axis) {
-    // Two roundings in double, where a vertex had none.
+    // Two roundings in double, which the stored vertices did not have.
     box.low[axis] = bvh::round_down(low[axis] - 0x1p-50);
     box.high[axis] = bvh::round_up(high[axis] + 0x1p-50);
   }
@@ -123,7 +123,7 @@ void Bvh::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCand
                         WalkCost& cost) const {
   const bvh::Layout& layout = storage_->layout;
   if (layout.root == bvh::kNothing || !(limit_m2 >= 0)) return;
-  // Farther out squares of floats overflow; a point moved nearer along an axis is only more generous.
+  // Farther out, squares of floats overflow; a point moved nearer along an axis only makes the walk more generous.
   constexpr double kFarthest = 0x1p60;
   const Vec3 local = layout.frame.to_local(point);
   bvh::LocalPoint ends;
@@ -143,12 +143,12 @@ void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& positio
   const bvh::Layout& own = storage_->layout;
   const bvh::Layout& others = other.storage_->layout;
   if (own.root == bvh::kNothing || others.root == bvh::kNothing) return;
-  // Scales are inverse to sizes: the smaller one is placed in the larger.
+  // Scales are inverse to sizes: the smaller tree is placed in the larger.
   const bool swapped = own.frame.scale_exponent > others.frame.scale_exponent;
   bvh::PairFrame frame;
   bvh::PairCase found;
   if (swapped) {
-    // A turn by rounded numbers, and the slack seen along other axes.
+    // Covers the rounding of the inverse placement, and the slack seen along other axes.
     const double turned_slack_m = 2 * slack_m + 0x1p-48 * position.lpNorm<1>();
     const Mat3 back = rotation.transpose();
     found = bvh::prepare_pairs(others, own, back, -(back * position), turned_slack_m, frame);
@@ -164,7 +164,7 @@ void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& positio
   }
 }
 
-/// Every triangle near the other's bounds with all of the other's.
+/// The fallback: pairs every triangle near the other's bounds with all of the other's.
 void Bvh::pair_all(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m,
                        PairCandidate candidate, WalkCost& cost) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

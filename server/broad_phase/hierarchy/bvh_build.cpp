@@ -15,12 +15,12 @@
 namespace collided::engine::bvh {
 namespace {
 
-/// A subtree smaller than this is not worth handing to another thread.
+/// A smaller subtree is not worth handing to another thread.
 constexpr std::uint32_t kLeastJob = 4096;
-/// Triangles that a thread takes at once where it goes through all.
+/// Triangles that a thread takes at a time in passes over all.
 constexpr std::size_t kRun = 65536;
 
-/// Tells how far the build is and hears whether to go on; both from the caller's thread only.
+/// Reports the build's progress and checks for cancellation; both on the caller's thread only.
 class Watch {
  public:
   Watch(const BvhOptions& options, std::uint64_t total) : options_(options), total_(total) {}
@@ -45,7 +45,7 @@ class Watch {
   std::uint64_t next_report_ = 0;
 };
 
-/// Nodes and leaves in the order of a walk, so that a subtree lies together.
+/// Nodes and leaves in the order of a walk, so that each subtree is contiguous.
 struct Piece {
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
@@ -55,7 +55,7 @@ struct Piece {
   std::uint64_t bytes() const { return nodes.capacity() * sizeof(Node) + leaves.capacity() * sizeof(Leaf); }
 };
 
-/// A subtree left to another thread, and where its parent waits for it.
+/// A subtree left to another thread, and the place in its parent where it belongs.
 struct Job {
   Range range;
   std::uint32_t depth = 0;
@@ -79,8 +79,8 @@ Node empty_node() {
   return node;
 }
 
-/// Near to far for each octant of directions. A child's list starts with itself; undoing the cuts from the last to the
-/// first joins the lists of their two sides, nearer side first.
+/// Sets the order of children near to far, for each octant of directions. A child's list starts with itself; undoing
+/// the cuts from last to first joins the lists of the two sides, nearer side first.
 void set_order(const Cut (&cuts)[kWidth], int child_count, Node& node) {
   for (unsigned octant = 0; octant < 8; ++octant) {
     std::uint32_t list[kWidth];
@@ -97,19 +97,20 @@ void set_order(const Cut (&cuts)[kWidth], int child_count, Node& node) {
       list[left] = list[first] | list[second] << (3 * length[first]);
       length[left] += length[right];
     }
-    // Missing children go last, so that every lane is somewhere.
+    // Missing children go last, so that every lane appears once.
     for (int i = child_count; i < kWidth; ++i) list[0] |= static_cast<std::uint32_t>(i) << (3 * i);
     node.order[octant] = list[0];
   }
 }
 
+/// Builds subtrees over ranges of primitives, which it reorders; ranges of different calls must not overlap.
 class Builder {
  public:
-  /// Reads of the layout only how triangles are stored.
+  /// Of the layout it reads only how triangles are stored.
   Builder(const TriangleMesh& mesh, const Layout& layout, std::span<Primitive> primitives, Watch& watch)
       : mesh_(mesh), layout_(layout), primitives_(primitives), watch_(watch) {}
 
-  /// The subtree over the range. Ranges of at most job_size are left in jobs, if given.
+  /// Builds the subtree over the range. Ranges of at most job_size are left in `jobs`, unless that is null.
   Ref build(const Range& range, std::uint32_t depth, bool callers_thread, Piece& piece, std::uint32_t job_size,
             std::vector<Job>* jobs) const {
     piece.depth = std::max(piece.depth, depth + 1);
@@ -140,8 +141,8 @@ class Builder {
   }
 
  private:
-  /// Which child to cut next: the one of largest surface, or of most triangles where only the count still divides;
-  /// -1 when each fits a leaf.
+  /// The child to cut next: the one with the largest surface, or with the most triangles where only counts still
+  /// divide; -1 when each fits a leaf.
   static int next_cut(const Range (&children)[kWidth], int count, bool by_count) {
     int next = -1;
     for (int i = 0; i < count; ++i) {
@@ -157,7 +158,7 @@ class Builder {
     return next;
   }
 
-  /// Cuts until there are eight children or none is larger than a leaf.
+  /// Cuts until there are eight children or none exceeds a leaf.
   int cut(const Range& range, std::uint32_t depth, Range (&children)[kWidth], Cut (&cuts)[kWidth]) const {
     const bool by_count = depth >= kMaxHeuristicDepth;
     int count = 1;
@@ -194,7 +195,7 @@ class Builder {
     int count = 0;
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       const std::uint32_t number = primitives_[i].triangle();
-      // Two pieces of one triangle are one here.
+      // Two pieces of one triangle in one leaf need only one lane.
       if (std::find(leaf.triangle, leaf.triangle + count, number) != leaf.triangle + count) continue;
       set_lane(mesh_, layout_.frame, layout_.has_corners, number, count++, leaf);
     }
@@ -209,7 +210,7 @@ class Builder {
   Watch& watch_;
 };
 
-/// One box a triangle.
+/// One box per triangle.
 PlainArray<Primitive> whole_triangles(const TriangleMesh& mesh, const LocalFrame& frame, unsigned threads) {
   PlainArray<Primitive> boxes(mesh.triangles.size());
   in_runs(threads, boxes.size(), kRun, [&](std::size_t begin, std::size_t end) {
@@ -231,12 +232,13 @@ PlainArray<Primitive> with_pieces(const TriangleMesh& mesh, const LocalFrame& fr
     Primitive pieces[kMaxPieces];
     const std::uint32_t written = cover(mesh, frame, split.triangle, split.piece_count, pieces);
     boxes[split.triangle] = pieces[0];
-    // What was not needed repeats the first.
+    // Pieces that were not needed repeat the first one.
     for (std::uint32_t i = 1; i < split.piece_count; ++i) boxes[end++] = pieces[i < written ? i : 0];
   }
   return boxes;
 }
 
+/// The bounds of all primitives, computed on several threads.
 Range range_over(std::span<const Primitive> primitives, unsigned threads) {
   std::vector<Range> runs((primitives.size() + kRun - 1) / kRun);
   in_runs(threads, primitives.size(), kRun, [&](std::size_t begin, std::size_t end) {
@@ -250,12 +252,13 @@ Range range_over(std::span<const Primitive> primitives, unsigned threads) {
   return all;
 }
 
+/// A reference within a piece, after the piece has moved to its place in the tree.
 Ref moved(Ref ref, std::size_t node_offset, std::size_t leaf_offset) {
   if (ref == kNothing) return ref;
   return static_cast<Ref>(ref + (is_leaf(ref) ? leaf_offset : node_offset));
 }
 
-/// Where each piece comes to lie, the top first.
+/// The place of each piece in the finished tree; the top comes first.
 struct Places {
   std::vector<std::size_t> first_node{0};
   std::vector<std::size_t> first_leaf{0};
@@ -272,7 +275,7 @@ struct Places {
   }
 };
 
-/// Puts the pieces one after the other, freeing each, and joins each job's root to its parent.
+/// Concatenates the pieces, freeing each, and attaches each job's root to its parent.
 void join(std::vector<Piece>& pieces, const std::vector<Job>& jobs, const std::vector<Ref>& roots, unsigned threads,
           Layout& layout) {
   const Places places(pieces);
@@ -287,7 +290,7 @@ void join(std::vector<Piece>& pieces, const std::vector<Job>& jobs, const std::v
       for (Ref& ref : nodes[i].child) ref = moved(ref, places.first_node[p], places.first_leaf[p]);
     }
   });
-  // Piece 0 is the top, which starts at 0, so a parent's number is its place.
+  // Piece 0 is the top and starts at 0, so a parent's number is also its place.
   for (std::size_t p = 1; p < pieces.size(); ++p) {
     const Job& job = jobs[p - 1];
     layout.nodes[job.parent].child[job.slot] = moved(roots[p], places.first_node[p], places.first_leaf[p]);
@@ -302,7 +305,7 @@ void set_root_box(const Range& all, Layout& layout) {
   }
 }
 
-/// Of a build whose pieces wait to be joined.
+/// Fills the report from pieces that are not joined yet.
 void count_up(const std::vector<Piece>& pieces, std::uint64_t primitive_bytes, BvhReport& report) {
   std::uint64_t nodes = 0;
   std::uint64_t leaves = 0;
@@ -319,7 +322,7 @@ void count_up(const std::vector<Piece>& pieces, std::uint64_t primitive_bytes, B
   report.bytes = nodes * sizeof(Node) + leaves * sizeof(Leaf);
 }
 
-/// Pieces are built by one thread each, so that none waits for another.
+/// Builds each piece on one thread, so that no thread waits for another.
 void build_pieces(const Builder& builder, const Range& all, unsigned threads, std::vector<Piece>& pieces,
                   std::vector<Job>& jobs, std::vector<Ref>& roots) {
   const std::uint32_t job_size = threads == 1 ? 0 : std::max(kLeastJob, all.size() / (threads * 8));

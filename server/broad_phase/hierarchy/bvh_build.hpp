@@ -6,7 +6,7 @@
 
 namespace collided::engine::bvh {
 
-/// The tree over all triangles of the mesh; an empty layout if there are none or the caller cancelled.
+/// Builds the tree over all triangles of the mesh; an empty layout if there are none or the caller cancelled.
 /// Fills depth, nodes, leaves, references and bytes of the report.
 Layout build_layout(const TriangleMesh& mesh, const BvhOptions& options, BvhReport& report);
 

@@ -44,13 +44,13 @@ bool is_nothing(const Box& box) {
   return all;
 }
 
-/// A reference to part of a triangle, from a leaf whose box does not hold the whole of it.
+/// A reference to part of a triangle, in a leaf whose box does not contain the whole triangle.
 struct PartialReference {
   std::uint32_t triangle;
   Box box;
 };
 
-/// Where a leaf hangs.
+/// Where a leaf is attached, and how many triangles its reference claims.
 struct LeafPlace {
   Box box;
   int count = 0;
@@ -69,6 +69,7 @@ bool has_good_orders(const Node& node) {
   return all;
 }
 
+/// One check; run() returns the first flaw.
 class Check {
  public:
   Check(const Layout& layout, const TriangleMesh& mesh, unsigned threads)
@@ -95,18 +96,18 @@ class Check {
     for (int axis = 0; axis < 3; ++axis) {
       root.low[axis] = layout_.root_low[axis];
       root.high[axis] = layout_.root_high[axis];
-      // Every vertex is within [-1, 1]; the walks' bounds on rounding count on it.
+      // Every vertex is within [-1, 1], which the walks' bounds on rounding rely on.
       if (!(root.low[axis] >= -1 && root.low[axis] <= root.high[axis] && root.high[axis] <= 1)) {
         return "the root's box is not within the scene";
       }
     }
-    // A tree from another node would lack what hangs elsewhere.
+    // A walk from another node would miss the rest of the tree.
     const bool leads = layout_.nodes.size() == 0 ? is_leaf(layout_.root) : layout_.root == 0;
     if (!leads) return "the root is not the first node";
     return hang(layout_.root, root, 0, 0);
   }
 
-  /// Notes a child and that nobody else has it. first: the least number that an inner child may have.
+  /// Notes a child and that no other parent has it. first: the lowest number allowed for an inner child.
   std::string_view hang(Ref ref, const Box& box, std::uint32_t depth, std::size_t first) {
     if (depth + 1 > kMaxDepth) return "a path is too deep";
     deepest_ = std::max(deepest_, depth);
@@ -118,7 +119,7 @@ class Check {
       ++hung_leaves_;
       return {};
     }
-    // Forward only, so there is no cycle; once only, so there are no two paths to one node.
+    // Forward only, so there are no cycles; once only, so no node has two paths to it.
     if (ref < first || ref >= layout_.nodes.size()) return "a child is a node that does not follow its parent";
     if (depth_[ref] != 0) return "a node hangs twice";
     depth_[ref] = static_cast<std::uint8_t>(depth);
@@ -158,7 +159,7 @@ class Check {
     return {};
   }
 
-  /// What each leaf says of its triangles is what the mesh says.
+  /// Compares what each leaf stores of its triangles with the mesh.
   std::string_view check_leaves() {
     constexpr std::size_t kRun = 4096;
     std::mutex mutex;
@@ -185,7 +186,7 @@ class Check {
       set_lane(mesh_, layout_.frame, layout_.has_corners, triangle, lane, expected);
       const Primitive whole = local_primitive(mesh_, layout_.frame, triangle);
       if (place.box.contains(whole.low, whole.high)) {
-        // Several leaves may hold it; all write the same.
+        // Several leaves may hold the triangle; all write the same value.
         std::atomic_ref(is_held_[triangle]).store(1, std::memory_order_relaxed);
       } else {
         partial.push_back({triangle, place.box});
@@ -194,7 +195,7 @@ class Check {
     return std::memcmp(&leaf, &expected, sizeof(Leaf)) == 0 ? "" : "a leaf's corners are not the mesh's";
   }
 
-  /// Every triangle is in a leaf that holds it, or each of its pieces is in one that has it.
+  /// Every triangle must be in a leaf that contains it, or each of its pieces in a leaf that refers to it.
   std::string_view check_triangles() {
     std::sort(partial_.begin(), partial_.end(),
               [](const PartialReference& a, const PartialReference& b) { return a.triangle < b.triangle; });
@@ -228,8 +229,8 @@ class Check {
   const Layout& layout_;
   const TriangleMesh& mesh_;
   unsigned threads_;
-  std::vector<std::uint8_t> depth_;  // 0 until the node hangs somewhere
-  std::vector<LeafPlace> places_;    // count 0 until the leaf hangs somewhere
+  std::vector<std::uint8_t> depth_;  // 0 until the node is attached
+  std::vector<LeafPlace> places_;    // count 0 until the leaf is attached
   std::vector<std::uint8_t> is_held_;
   std::vector<PartialReference> partial_;
   std::uint64_t hung_leaves_ = 0;

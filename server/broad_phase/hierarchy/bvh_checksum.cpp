@@ -9,9 +9,9 @@ namespace collided::engine::bvh {
 namespace {
 
 constexpr std::size_t kRunBytes = std::size_t{1} << 20;
-constexpr std::size_t kLanes = 4;  // multiplications that do not wait for each other
+constexpr std::size_t kLanes = 4;  // independent chains of multiplications
 
-// Reversible in h for a given word and in the word for a given h: no single change is lost.
+// Invertible in h for a given word and in the word for a given h: no single change is lost.
 std::uint64_t mixed(std::uint64_t h, std::uint64_t word) {
   h = (h ^ word) * 0x9e3779b97f4a7c15u;
   return h ^ (h >> 32);

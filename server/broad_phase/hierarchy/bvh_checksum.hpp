@@ -6,11 +6,11 @@
 
 namespace collided::engine::bvh {
 
-/// Tells accidents from the bytes that were meant: another mesh, a cut file, a flipped bit (one flip in a megabyte is
-/// always seen). Not made against forgers. The same for any number of threads.
+/// Detects accidents: another mesh, a truncated file, a flipped bit (one flip in a megabyte is always detected). Not
+/// secure against forgery. Independent of the number of threads.
 std::uint64_t checksum(std::span<const std::byte> bytes, unsigned threads);
 
-/// Of two in order.
+/// The checksum of two checksums in order.
 std::uint64_t joined_checksum(std::uint64_t first, std::uint64_t second);
 
 }  // namespace collided::engine::bvh

@@ -10,41 +10,42 @@
 
 namespace collided::engine::bvh {
 
-/// A cut that made a node's children: child `left` was cut along an axis, its upper part became `right`.
+/// A cut that made children of a node: child `left` was cut along an axis, and its upper part became `right`.
 struct Cut {
   int left;
   int right;
   int axis;
 };
 
-/// A small range cut in two down to its leaves, and of all ways to gather these cuts into wide nodes the one whose nodes
-/// a ray is expected to meet least often: each weighs as the surface of its box.
+/// Cuts a small range in two down to its leaves, and chooses, among all ways to merge these cuts into wide nodes, the
+/// one whose nodes a ray is expected to visit least: each node weighs as much as the surface of its box.
 ///
-/// cost    28 sums a cut; 160 bytes for each while it lasts
+/// cost    28 sums per cut; 160 bytes for each while it lives
 /// source  Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, 3.1
 class Collapse {
  public:
-  /// The most that binary cuts, and so wide nodes, may lie below each other.
+  /// The largest depth of binary cuts, and so of wide nodes.
   static constexpr std::uint32_t kMostDepth = 36;
   static constexpr std::uint32_t kMostPrimitives = 2048;
 
-  /// Reorders the primitives of the range, at most kMostPrimitives.
+  /// Cuts the range, which may have at most kMostPrimitives, and reorders its primitives.
   void cut(std::span<Primitive> primitives, const Range& range);
 
   static constexpr int kRoot = 0;
   const Range& range(int part) const { return parts_[static_cast<std::size_t>(part)].range; }
   bool is_leaf(int part) const { return parts_[static_cast<std::size_t>(part)].left < 0; }
-  /// Of a part that is no leaf: the parts that become its node's children, and the cuts between them.
+  /// For a part that is no leaf: writes the parts that become its node's children and the cuts between them; returns
+  /// how many children.
   int children(int part, int (&out)[kWidth], Cut (&cuts)[kWidth]) const;
 
  private:
   struct Part {
     Range range;
-    int left = -1;  // none: a leaf
+    int left = -1;  // -1: a leaf
     int right = -1;
     int axis = 0;
-    std::array<float, kWidth> cost{};                // [i]: as at most i children of a node; [0] unused
-    std::array<std::uint8_t, kWidth + 1> to_left{};  // [i]: how many of i children go left; 0: fewer than i do as well
+    std::array<float, kWidth> cost{};                // [i]: as at most i children of a node; [0] is unused
+    std::array<std::uint8_t, kWidth + 1> to_left{};  // [i]: how many of i children go left; 0: fewer than i are as good
   };
 
   int cut_further(std::span<Primitive> primitives, const Range& range, std::uint32_t depth);

@@ -15,8 +15,8 @@ constexpr std::size_t kCacheLine = 64;
 
 std::size_t mapped_length(std::size_t bytes) { return (bytes + kHugePage - 1) / kHugePage * kHugePage; }
 
-/// A number near center on a lattice of 1/16 of the scene's size: zero while that lies close enough, so that
-/// coordinates given as floats stay floats.
+/// A number near `center` on a lattice of 1/16 of the scene's size; zero if that is close enough, so that coordinates
+/// given as floats stay floats.
 double lattice_origin(double center, int size_exponent) {
   const double step = std::ldexp(1.0, std::max(size_exponent - 4, -1074));
   if (std::abs(center) <= 64 * step) return 0;
@@ -29,7 +29,7 @@ double lattice_origin(double center, int size_exponent) {
 LocalFrame local_frame(const Aabb& bounds) {
   LocalFrame frame;
   if (bounds.empty()) return frame;
-  // Halved first: a scene may span more than the largest double.
+  // Halves first: a scene may span more than the largest double.
   const Vec3 center = bounds.low / 2 + bounds.high / 2;
   const double half_size = (bounds.high / 2 - bounds.low / 2).maxCoeff();
   const int size_exponent = half_size > 0 ? std::ilogb(half_size) + 1 : -1000;
@@ -38,7 +38,7 @@ LocalFrame local_frame(const Aabb& bounds) {
   const double reach =
       std::max((bounds.high - frame.origin).cwiseAbs().maxCoeff(), (bounds.low - frame.origin).cwiseAbs().maxCoeff());
   const int reach_exponent = reach > 0 ? std::ilogb(reach) + 1 : -1000;
-  // Below 2^-1000 the inverse scale would overflow; such a scene stays small in local coordinates, which is legal.
+  // Below 2^-1000 the inverse scale would overflow; such a scene stays small in local coordinates, which is allowed.
   frame.scale_exponent = -std::max(reach_exponent, -1000);
   frame.scale = std::ldexp(1.0, frame.scale_exponent);
   frame.inverse_scale = std::ldexp(1.0, -frame.scale_exponent);
@@ -63,7 +63,7 @@ void* allocate_pages(std::size_t bytes) {
     if (memory == nullptr) throw std::bad_alloc();
     return memory;
   }
-  // A mapping of its own: memory that malloc hands out again has small pages already.
+  // Maps memory of its own: what malloc reuses already has small pages.
   const std::size_t length = mapped_length(bytes);
   void* mapping = mmap(nullptr, length + kHugePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (mapping == MAP_FAILED) throw std::bad_alloc();

@@ -13,16 +13,17 @@
 
 namespace collided::engine::bvh {
 
+/// Children of a node, and triangles of a leaf.
 inline constexpr int kWidth = 8;
 
-/// Levels of wide nodes cut by the surface-area heuristic; below them ranges are halved by count, so identical
-/// triangles end too. 2^32 triangles take at most 11 levels of eight halves.
+/// Levels of wide nodes cut by the surface-area heuristic. Below them ranges are halved by count, so that even
+/// identical triangles end in leaves: 2^32 triangles take at most 11 levels of eight halves.
 inline constexpr std::uint32_t kMaxHeuristicDepth = 48;
 inline constexpr std::uint32_t kMaxDepth = kMaxHeuristicDepth + 12;
-/// A walk keeps at most seven waiting siblings a level.
+/// A walk keeps at most seven waiting siblings per level.
 inline constexpr int kStackSize = static_cast<int>(kMaxDepth) * (kWidth - 1) + kWidth;
 
-/// A child: an inner node, or a leaf with its number of triangles, or nothing.
+/// A reference to a child: an inner node, a leaf with its number of triangles, or nothing.
 using Ref = std::uint32_t;
 inline constexpr Ref kLeafBit = 0x80000000u;
 inline constexpr Ref kIndexMask = 0x0fffffffu;
@@ -33,11 +34,13 @@ inline Ref leaf_ref(std::uint32_t index, int count) {
 inline bool is_leaf(Ref ref) { return (ref & kLeafBit) != 0; }
 inline int leaf_count(Ref ref) { return static_cast<int>((ref >> 28) & 7u) + 1; }
 
-/// Eight children with bounds in local coordinates, rounded outward: plane[axis][0] low, plane[axis][1] high. A
-/// missing child has low = +inf, high = -inf. order[octant] lists the children near to far for rays whose direction is
-/// negative on axis k where bit k of octant is set, three bits a child: of each cut that made the node, the side the
-/// ray comes from goes first, so the walk need not sort by distance. occlusion_order() lists them for a ray that any triangle
-/// stops, whatever its direction; it lies in the spare bits of the first three orders.
+/// Eight children with bounds in local coordinates, rounded outward: plane[axis][0] low, plane[axis][1] high. A missing
+/// child has low = +inf, high = -inf.
+/// order[octant] lists the children near to far, three bits each, for rays whose direction is negative on axis k where
+/// bit k of octant is set. For each cut that made the node, the side from which the ray comes goes first, so the walk
+/// need not sort by distance.
+/// occlusion_order() lists them for a ray that any triangle stops, whatever its direction; it is stored in the spare
+/// bits of the first three orders.
 struct alignas(64) Node {
   float plane[3][2][kWidth];
   Ref child[kWidth];
@@ -51,9 +54,9 @@ struct alignas(64) Node {
 inline constexpr std::uint32_t kPlaneBytes = sizeof(float) * kWidth;
 static_assert(sizeof(Node) == 256);
 
-/// Up to eight triangles in local coordinates. Where every vertex of the mesh is a float there, as most imported
-/// meshes are, a, b, c are the corners, exactly. Else a is the first corner and b, c are the edges that leave it, each
-/// the nearest float: a corner is off by at most 2^-24, an edge by 2^-24 of its largest component.
+/// Up to eight triangles in local coordinates. If every vertex of the mesh is a float there, as in most imported
+/// meshes, a, b, c are the exact corners. Otherwise a is the first corner and b, c are the edges from it, each rounded
+/// to float: a corner is off by at most 2^-24, an edge by 2^-24 of its largest component.
 struct alignas(64) Leaf {
   float a[3][kWidth];
   float b[3][kWidth];
@@ -63,8 +66,8 @@ struct alignas(64) Leaf {
 static_assert(sizeof(Leaf) == 320);
 static_assert(kWidth == BvhReport::kChildren && kWidth == BvhReport::kLeafTriangles);
 
-/// Local coordinates: (world - origin) * scale, within [-1, 1] for every vertex. The origin is a dyadic number
-/// short enough for the subtraction to be exact, the scale a power of two.
+/// Local coordinates: (world - origin) * scale, within [-1, 1] for every vertex. The origin has so few binary digits
+/// that the subtraction is exact; the scale is a power of two.
 struct LocalFrame {
   Vec3 origin = Vec3::Zero();
   double scale = 1;
@@ -73,7 +76,7 @@ struct LocalFrame {
 
   Vec3 to_local(const Vec3& world) const { return (world - origin) * scale; }
   double to_world(float local, int axis) const { return static_cast<double>(local) * inverse_scale + origin[axis]; }
-  /// Whether the point survives the way to local floats and back.
+  /// Whether the point survives the conversion to local floats and back.
   bool is_float(const Vec3& world) const {
     const Vec3 local = to_local(world);
     bool same = true;
@@ -82,16 +85,20 @@ struct LocalFrame {
   }
 };
 
+/// The local frame of a mesh with these bounds.
 LocalFrame local_frame(const Aabb& bounds);
 
+/// The nearest float below or equal, and above or equal.
 float round_down(double value);
 float round_up(double value);
 
+/// Memory for PlainArray; long blocks are aligned to huge pages. Throws std::bad_alloc.
 void* allocate_pages(std::size_t bytes);
 void free_pages(void* memory, std::size_t bytes);
 
-/// Memory for many plain records, aligned for SIMD, on huge pages where it is long: an incoherent ray touches pages
-/// all over the tree and would otherwise wait for address translation as well as for the data.
+/// Memory for many plain records, aligned for SIMD; long arrays lie on huge pages, because an incoherent ray touches
+/// pages all over the tree and would otherwise wait for address translation as well as for data. New records are not
+/// initialised.
 template <typename T>
 class PlainArray {
   static_assert(std::is_trivially_destructible_v<T>);
@@ -100,7 +107,7 @@ class PlainArray {
   PlainArray() = default;
   explicit PlainArray(std::size_t size)
       : data_(static_cast<T*>(allocate_pages(size * sizeof(T))), Free{size * sizeof(T), true}) {}
-  /// Records that lie elsewhere and stay there longer than this; only to be read.
+  /// Read-only records that are stored elsewhere and must outlive this.
   static PlainArray borrowed(std::span<const T> records) {
     PlainArray array;
     array.data_ = {const_cast<T*>(records.data()), Free{records.size_bytes(), false}};
@@ -124,7 +131,7 @@ class PlainArray {
   std::unique_ptr<T[], Free> data_;
 };
 
-/// A triangle that entered the tree as several boxes, at most so many.
+/// A triangle that entered the tree as several boxes: at most piece_count.
 struct Split {
   std::uint32_t triangle;
   std::uint32_t piece_count;
@@ -140,7 +147,7 @@ struct Layout {
   PlainArray<Node> nodes;
   PlainArray<Leaf> leaves;
   std::vector<Split> splits;           // ascending by triangle
-  std::shared_ptr<const void> keeper;  // of the memory that nodes and leaves were borrowed from
+  std::shared_ptr<const void> keeper;  // keeps alive the memory that nodes and leaves are borrowed from
 };
 
 }  // namespace collided::engine::bvh

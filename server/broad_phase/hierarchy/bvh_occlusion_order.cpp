@@ -11,18 +11,19 @@
 namespace collided::engine::bvh {
 namespace {
 
-/// Leaves that a thread takes at once.
+/// Leaves that a thread takes at a time.
 constexpr std::size_t kRun = 16384;
+// Relative costs of testing a node's eight boxes and a leaf's eight triangles.
 constexpr float kNodeCost = 1;
 constexpr float kLeafCost = 1.5f;
 
-/// What a walk finds in a subtree.
+/// What a walk may expect in a subtree.
 struct Outlook {
   float surface = 0;  // of its triangles, both sides
   float cost = 0;     // to search it until something is met, in node steps
 };
 
-/// Both sides of every triangle.
+/// The area of all triangles, both sides.
 float surface_of(const Leaf& leaf, int count, bool has_corners) {
   float sum = 0;
   for (int lane = 0; lane < count; ++lane) {
@@ -37,14 +38,14 @@ float surface_of(const Leaf& leaf, int count, bool has_corners) {
   return sum;
 }
 
-/// The whole of a child's box.
+/// The surface of a child's box.
 float box_surface(const Node& node, int slot) {
   std::array<float, 3> size{};
   for (std::size_t axis = 0; axis < 3; ++axis) size[axis] = node.plane[axis][1][slot] - node.plane[axis][0][slot];
   return 2 * (size[0] * (size[1] + size[2]) + size[1] * size[2]);
 }
 
-/// That a line through the box of so much surface meets what is in it.
+/// The chance that a line through a box of surface `box` meets the triangles in it.
 float chance_of_meeting(float surface, float box) { return box > 0 ? 1 - std::exp(-surface / box) : 1; }
 
 class OcclusionOrders {
@@ -64,7 +65,7 @@ class OcclusionOrders {
       }
     });
   }
-  /// Children have larger numbers than their parents.
+  /// Goes backward: children have larger numbers than their parents.
   void order_nodes() {
     for (std::size_t i = nodes_.size(); i-- > 0;) nodes_[i] = order(layout_.nodes[i]);
   }

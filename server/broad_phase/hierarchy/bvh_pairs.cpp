@@ -11,10 +11,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace collided::engine::bvh::HWY_NAMESPACE {
 
-/// Beyond this ratio of sizes only the larger of two nodes is opened: eight against one settles more than both at once.
+/// Beyond this ratio of sizes only the larger of two nodes is opened: eight boxes against one rule out more than
+/// opening both.
 constexpr float kMuchLarger = 2;
 
-/// A box as seen along a's axes (0 to 2) and along b's (3 to 5).
+/// A box as seen along a's axes (0 to 2) and along b's axes (3 to 5).
 struct SixBox {
   float low[6];
   float high[6];
@@ -25,7 +26,7 @@ struct SixBox {
   }
 };
 
-/// Eight of them; a lane whose bit is not in `present` holds nothing.
+/// Eight such boxes; a lane whose bit is not in `present` is empty.
 struct SixBoxes {
   HWY_ALIGN float low[6][kWidth];
   HWY_ALIGN float high[6][kWidth];
@@ -41,16 +42,17 @@ struct SixBoxes {
   }
 };
 
-/// A leaf made ready: its triangles' boxes, and their corners and planes along a's axes.
+/// A leaf prepared for tests: its triangles' boxes, and their corners and planes along a's axes.
 struct Facets {
   SixBoxes boxes;
   HWY_ALIGN float corner[3][3][kWidth];  // corner, axis
-  HWY_ALIGN float normal[3][kWidth];     // of two edges
-  HWY_ALIGN float edge[kWidth];          // the largest component of those
-  HWY_ALIGN float margin[kWidth];        // of a: by which its corners and b's may be off together
+  HWY_ALIGN float normal[3][kWidth];     // cross product of two edges
+  HWY_ALIGN float edge[kWidth];          // the largest component of those edges
+  HWY_ALIGN float margin[kWidth];        // for a: how far its corners and b's may be off together
 };
 
-/// Every eighth leaf has the same place: neighbours are asked for again and again, each by several of the other tree.
+/// A small direct-mapped cache of prepared leaves: neighbouring leaves are needed repeatedly, each by several of the
+/// other tree.
 class FacetCache {
  public:
   static constexpr Ref kPlaces = 8;
@@ -58,7 +60,7 @@ class FacetCache {
   FacetCache() { std::fill(std::begin(held_), std::end(held_), kNothing); }
 
   Facets& at(Ref leaf) { return facets_[leaf % kPlaces]; }
-  /// Whether it is there; if not, the caller fills it in.
+  /// Whether the leaf is in the cache; if not, it takes the place and the caller must fill it in.
   bool holds(Ref leaf) {
     Ref& held = held_[leaf % kPlaces];
     if (held == leaf) return true;
@@ -109,7 +111,7 @@ HWY_INLINE Lanes from_center(Lanes place, const PairFrame& frame, int axis) {
   return hn::Sub(hn::Sub(place, hn::Set(kFloats, frame.center_high[axis])), hn::Set(kFloats, frame.center_low[axis]));
 }
 
-/// Low and high ends along three axes of one tree, its boxes grown there by `own` and along the other's by `other`.
+/// Ends along a tree's own three axes, with its boxes grown there by `own`, and along the other's by `other`.
 HWY_INLINE void six_axes(const Lanes (&low)[3], const Lanes (&high)[3], const float (&to_other)[3][3], int own_axis,
                          int other_axis, float own, float other, int first, SixBoxes& out) {
   const Lanes half_of = hn::Set(kFloats, 0.5f);
@@ -237,7 +239,7 @@ HWY_INLINE void triangles_of_b(const Leaf& leaf, int count, bool has_corners, co
   }
 }
 
-/// Lanes of a leaf from `first` on, or one of its triangles in every lane.
+/// Lanes of a leaf from `place` on, or one of its triangles in every lane.
 struct SomeFacets {
   const Facets& facets;
   int place;
@@ -250,10 +252,10 @@ struct SomeFacets {
 
 /// Where all three corners of the points' triangle are surely on one side of the planes' triangle.
 ///
-/// The sign of n . d with n a cross product of two edges (components at most L) and d a way from the plane (at most D).
-/// Floats: a difference, product, difference, product and two sums round each of six products of at most L^2 D, in all
-/// below 2^-18 L^2 D. Places that are off by m together change edges by 2 m and ways by m: with L and D grown by that,
-/// by less than 6 (4 m L D + m L^2).
+/// Decided by the sign of n . d, with n a cross product of two edges (components at most L) and d the difference from a
+/// point of the plane (at most D). In floats a difference, product, difference, product and two sums round each of six
+/// products of at most L^2 D, in all below 2^-18 L^2 D. Positions that are off by m together change edges by 2 m and
+/// differences by m: with L and D grown by that, by less than 6 (4 m L D + m L^2).
 HWY_INLINE unsigned one_sided(const SomeFacets& planes, const SomeFacets& points, Lanes margin) {
   const Facets& plane = planes.facets;
   const Facets& point = points.facets;
@@ -271,7 +273,7 @@ HWY_INLINE unsigned one_sided(const SomeFacets& planes, const SomeFacets& points
     motion = hn::Max(motion, largest_component(dx, dy, dz));
     side[corner] = hn::MulAdd(normal[0], dx, hn::MulAdd(normal[1], dy, hn::Mul(normal[2], dz)));
   }
-  // A hundredth more for the roundings of the bound itself; the last term where products underflow.
+  // One percent more for the roundings of the bound itself; the last term covers products that underflow.
   const Lanes length = hn::MulAdd(margin, hn::Set(kFloats, 2.0f), planes.get(plane.edge));
   const Lanes distance = hn::Add(margin, motion);
   const Lanes of_margin = hn::Mul(margin, hn::MulAdd(hn::Set(kFloats, 24.3f), distance,
@@ -283,7 +285,7 @@ HWY_INLINE unsigned one_sided(const SomeFacets& planes, const SomeFacets& points
   return bits_of(hn::Or(above, below));
 }
 
-/// Triangles of a, out of mask, that no plane of the two parts from triangle `lane` of b.
+/// Triangles of a, out of mask, that neither plane separates from triangle `lane` of b.
 HWY_INLINE unsigned not_parted(const Facets& a, const Facets& b, int lane, unsigned mask) {
   const SomeFacets one{b, lane, true};
   for (int first = 0; first < kWidth; first += kLanes) {
@@ -296,6 +298,7 @@ HWY_INLINE unsigned not_parted(const Facets& a, const Facets& b, int lane, unsig
   return mask;
 }
 
+/// The simultaneous walk over two trees.
 class PairWalk {
  public:
   PairWalk(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped, Bvh::PairCandidate candidate,
@@ -339,7 +342,7 @@ class PairWalk {
     }
   }
 
-  /// False: the walk is over. The boxes of a and b are known to meet.
+  /// False: the walk is over. The boxes of a and b must meet.
   bool visit(Ref a, Ref b, const SixBox& box_a, const SixBox& box_b) {
     ++cost_.nodes;
     if (is_leaf(a) && is_leaf(b)) return leaves(a, b, box_a, box_b);

@@ -1,3 +1,5 @@
+// Prepares two trees for the pair walk: derives the slacks that cover all its float roundings.
+
 #include <algorithm>
 #include <cmath>
 
@@ -6,17 +8,19 @@
 namespace collided::engine::bvh {
 namespace {
 
-/// b no smaller than this in a: there a double resolves little of it, and a float's cubes are near their end.
+/// b must be no smaller than this in a: below, double resolves little of it and cubes of floats are near the end of
+/// their range.
 constexpr int kSmallestRatioExponent = -40;
 constexpr double kLargestSlack = 0x1p20;
-/// How far rotation^T rotation may be from one: far below what floats resolve.
+/// How far rotation^T rotation may be from the identity: far below what floats resolve.
 constexpr double kOrthonormal = 0x1p-30;
 /// Corners kept as edges are off by 5 * 2^-24 of the local unit (see triangle_boxes).
 constexpr double kEdgeRounding = 0x1p-21;
-/// Corners: difference from the centre 2 u of its size; turned, 4 u more a term (the entry, the product, two sums).
+/// Corners: their difference from the centre rounds by 2 u of its size; rotated, by 4 u more per term (the entry, the
+/// product, two sums).
 constexpr double kGrowOwn = 0x1p-22;
 constexpr double kGrowTurned = 0x1p-21;
-/// Boxes: middle and half 2 u, turned 4 u each, their sum 2 u: 12 u of the reach, twice that taken (u = 2^-24).
+/// Boxes: middle and half round by 2 u, rotated by 4 u each, their sum by 2 u: 12 u of the reach, doubled (u = 2^-24).
 constexpr double kGrowBox = 0x1p-19;
 
 double row_sum(const Mat3& m) { return m.cwiseAbs().rowwise().sum().maxCoeff(); }
@@ -52,7 +56,7 @@ PairCase prepare_pairs(const Layout& a, const Layout& b, const Mat3& rotation, c
   const Mat3 to_b = rotation.transpose() / ratio;
   const double rows_a = row_sum(to_a);
   const double rows_b = row_sum(to_b);
-  // The centre took eight roundings in double, its two floats one more of 2^-48.
+  // The centre took eight roundings in double; its two floats add one of 2^-48.
   const double off = (slack_m * a.frame.scale + 0x1p-49 * sum_m * a.frame.scale + 0x1p-45) * (1 + 0x1p-20);
   if (!(off <= kLargestSlack) || !center.allFinite()) return PairCase::odd;
   const double root_slack = off + 0x1p-40 * (rows_a + center.lpNorm<1>());

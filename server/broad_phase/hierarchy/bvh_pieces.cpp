@@ -8,18 +8,18 @@
 namespace collided::engine::bvh {
 namespace {
 
-/// By how much a box is larger than the part it covers, in local units. A cut's points are off by at most 2^-50 each,
-/// over at most 64 cuts. Floats near zero tell such points apart.
+/// Margin of a box around the part that it covers, in local units. The points of a cut are off by at most 2^-50 each,
+/// over at most 64 cuts; floats near zero resolve such differences.
 /// At zero, BvhPieces.CoverAnEdgeBesideTheCut fails.
 constexpr double kPieceSlack = 0x1p-43;
 
-/// More references than this share of the triangles are not worth their memory.
+/// More extra references than this share of the triangles are not worth their memory.
 constexpr double kMostExtraReferences = 0.25;
-/// Least share of the empty area in the triangles' boxes that the splits must remove. A mesh of equal triangles gets
-/// to 0.13 with the references allowed above; a few large slanted ones among many get near 1.
+/// The splits must remove at least this share of the empty area in the triangles' boxes. A mesh of equal triangles
+/// reaches 0.13 with the references allowed above; a few large slanted ones among many approach 1.
 constexpr double kLeastGain = 0.35;
 
-/// Triangles that are looked at in one go.
+/// Triangles that a thread takes at a time.
 constexpr std::size_t kRun = 65536;
 
 struct Polygon {
@@ -30,7 +30,7 @@ struct Polygon {
   const Vec3& operator[](int i) const { return corners[static_cast<std::size_t>(i)]; }
 };
 
-/// The polygon's parts on both sides of a plane; points on it belong to both.
+/// Splits the polygon into its parts on both sides of a plane; points on it belong to both.
 /// source  Sutherland, Hodgman, "Reentrant Polygon Clipping", 1974
 void cut(const Polygon& whole, int axis, double plane, Polygon& below, Polygon& above) {
   for (int i = 0; i < whole.count; ++i) {
@@ -47,7 +47,7 @@ void cut(const Polygon& whole, int axis, double plane, Polygon& below, Polygon& 
   }
 }
 
-/// Around the polygon, within the box of the whole triangle.
+/// A box around the polygon, within the box of the whole triangle.
 Primitive box_of(const Polygon& polygon, const Primitive& within) {
   Primitive box = within;
   for (int axis = 0; axis < 3; ++axis) {
@@ -63,7 +63,8 @@ Primitive box_of(const Polygon& polygon, const Primitive& within) {
   return box;
 }
 
-/// The number in the middle half of [low, high] with the fewest binary digits, so that cuts of neighbours fall together.
+/// The number in the middle half of [low, high] with the fewest binary digits, so that neighbours are cut at the same
+/// planes.
 double round_middle(double low, double high) {
   const double middle = low / 2 + high / 2;
   const double step = std::ldexp(1.0, std::ilogb(high - low) - 1);
@@ -71,7 +72,7 @@ double round_middle(double low, double high) {
   return rounded > low && rounded < high ? rounded : middle;
 }
 
-/// Writes at most count boxes and returns how many.
+/// Covers a part of the triangle; writes at most count boxes and returns how many.
 std::uint32_t cover_part(const Polygon& polygon, const Primitive& box, const Primitive& whole, std::uint32_t count,
                          std::span<Primitive> pieces) {
   int axis = 0;
@@ -100,8 +101,8 @@ std::uint32_t cover_part(const Polygon& polygon, const Primitive& box, const Pri
   return written + cover_part(above, above_box, whole, count - below_count, pieces.subspan(written));
 }
 
-/// Half the surface of the box beyond what the triangle and its twin across the box's diagonal would have: half a
-/// rectangle shares its box with the other half, and to split it brings nothing.
+/// Half the surface of the box beyond what the triangle and its twin across the box's diagonal would need: splitting
+/// gains nothing for half a rectangle, which shares its box with the other half.
 float empty_area(const TriangleMesh& mesh, const LocalFrame& frame, const Primitive& whole) {
   const Triangle world = mesh.triangle(whole.triangle());
   const Vec3 a = frame.to_local(world.a);
@@ -110,6 +111,7 @@ float empty_area(const TriangleMesh& mesh, const LocalFrame& frame, const Primit
   return std::max(0.0f, box.half_area() - static_cast<float>(normal.lpNorm<1>()));
 }
 
+/// Pieces of a triangle, from 1 to kMaxPieces, in proportion to its priority.
 std::uint32_t piece_count(float priority, float scale) {
   return 1 + static_cast<std::uint32_t>(std::min(priority * scale, static_cast<float>(kMaxPieces - 1)));
 }
@@ -120,7 +122,8 @@ std::uint64_t extra_references(std::span<const float> priorities, std::size_t st
   return extra;
 }
 
-/// The largest scale, roughly, with which the pieces are no more than allowed: found on a sample, lowered to fit all.
+/// Roughly the largest scale at which the pieces are within the allowed number: found on a sample, then lowered until
+/// all fit.
 float fitted_scale(std::span<const float> priorities) {
   const float largest = *std::max_element(priorities.begin(), priorities.end());
   if (!(largest > 0)) return 0;

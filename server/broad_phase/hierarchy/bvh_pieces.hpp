@@ -9,15 +9,16 @@
 namespace collided::engine::bvh {
 
 /// Clipped splits: a long, slanted triangle enters the build as several boxes that together cover it, each around a
-/// part of it, so that a large box does not spoil every node above it.
+/// part of it, so that one large box does not enlarge every node above it.
 ///
 /// source  Karras, Aila, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies", 2013, section 5
 
 inline constexpr std::uint32_t kMaxPieces = 64;
 
-/// Boxes, in local coordinates, that cover the triangle, each with its number; a function of mesh, frame and count
-/// alone. Halved at planes across the longest side until there are `count` (1 to kMaxPieces) or a side is too short.
-/// returns how many were written
+/// Boxes in local coordinates that cover the triangle, each with its number; determined by mesh, frame and count alone.
+/// Cuts in half at planes perpendicular to the longest side until there are `count` (1 to kMaxPieces) or a side is too
+/// short.
+/// returns  how many were written
 std::uint32_t cover(const TriangleMesh& mesh, const LocalFrame& frame, std::uint32_t number, std::uint32_t count,
                     std::span<Primitive> pieces);
 

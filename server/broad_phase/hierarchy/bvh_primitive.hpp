@@ -8,17 +8,17 @@
 
 namespace collided::engine::bvh {
 
-/// What the tree says of one triangle, as a function of the mesh and the frame alone: the build writes it, the check
-/// of a saved tree computes it again.
+/// What the tree stores of one triangle, determined by mesh and frame alone: the build writes it, and the check of a
+/// saved tree computes it again.
 
-/// Bounds in local coordinates, rounded outward.
+/// The triangle's bounds in local coordinates, rounded outward, with its number.
 Primitive local_primitive(const TriangleMesh& mesh, const LocalFrame& frame, std::uint32_t number);
 
 /// Writes the triangle into a lane of a leaf.
 void set_lane(const TriangleMesh& mesh, const LocalFrame& frame, bool has_corners, std::uint32_t number, int lane,
               Leaf& leaf);
 
-/// What all triangles have in common. bounds: of every vertex that a triangle has.
+/// The local frame of all triangles: from the bounds of every vertex that a triangle uses.
 struct MeshFrame {
   LocalFrame frame;
   bool has_corners = false;  // every corner of a triangle is a float in the frame

@@ -12,21 +12,21 @@
 
 namespace collided::engine::bvh {
 
-/// A ray made ready for the float walk: local coordinates, its start moved up to the scene, its largest direction
-/// component in [1, 2), and every rounding on the way turned into slack. All slack is outward: the walk may visit
-/// a box or keep a triangle that the ray misses, never the reverse.
+/// A ray prepared for the float walk: in local coordinates, its start moved up to the scene, its largest direction
+/// component in [1, 2), and every rounding on the way turned into slack. All slack is outward: the walk may visit a box
+/// or keep a triangle that the ray misses, never the reverse.
 ///
 /// slabs   near side of axis k: plane * inverse[k] - near_offset[k] is at most the true parameter; far side: at least
-/// leaves  the signs U, V, W of a triangle are trusted beyond sign_slope * E + sign_floor, its parameter beyond
-///         (entry_slope * E + entry_linear) * E + entry_floor; E the largest edge component (derived in bvh_ray.cpp)
+/// leaves  the signs U, V, W of a triangle are certain beyond sign_slope * E + sign_floor, its parameter beyond
+/// (entry_slope * E + entry_linear) * E + entry_floor; E is the largest edge component (derived in bvh_ray.cpp)
 struct alignas(16) RayFrame {
-  // Three axes and a lane for SIMD stores.
+  // Three axes, and a fourth lane for SIMD stores.
   float inverse[4];
   float near_offset[4];
   float far_offset[4];
   float origin[4];
   float direction[4];
-  std::uint32_t near_plane[4];  // byte offset in Node
+  std::uint32_t near_plane[4];  // byte offset within Node
   std::uint32_t far_plane[4];
   std::uint32_t octant;  // bit k: backward along axis k
   float sign_slope, sign_floor;
@@ -34,12 +34,13 @@ struct alignas(16) RayFrame {
   float parameter_cap;  // no triangle is met beyond it
   bool is_moved = false;
 
-  /// Local parameter of a world parameter, rounded up; negative: the walk ends.
+  /// Local parameter of a world parameter, rounded up; negative: the walk is over.
   float local_limit(double limit) const;
-  /// Local parameter of a world parameter that is known to 2^-40, rounded down; negative: none is surely within it.
+  /// Local parameter of a world parameter known to within 2^-40, rounded down; negative: nothing is surely within it.
   float sure_limit(double limit) const;
 
-  double to_local_1, to_local_2;  // their product turns s into the local parameter, before the start was moved
+  double to_local_1, to_local_2;  // their product turns s into the local parameter, before the start is moved
+  // How far the start was moved, in local parameters; is_moved: these count.
   double moved[3];
 };
 
@@ -48,26 +49,28 @@ namespace ray_detail {
 
 inline constexpr double kUnit = 0x1p-24;
 inline constexpr double kTiny = 0x1p-120;
-/// Slabs of an axis across which the direction is smaller than this are as good as parallel: over the longest
-/// path (parameter 16) the ray drifts by 2^-55, half of kLeastSlack.
+/// An axis along which the direction is smaller than this counts as parallel: over the longest path (parameter 16) the
+/// ray drifts by 2^-55, half of kLeastSlack.
 inline constexpr double kLeastDirection = 0x1p-60;
 inline constexpr double kLeastSlack = 0x1p-54;
-/// A start farther out than this is moved up to the scene first, so that floats resolve the scene, not the way.
+/// A start farther out than this is moved up to the scene first, so that floats resolve the scene rather than the
+/// distance to it.
 inline constexpr double kNear = 4;
 inline constexpr double kEverything = 0x1p40;
 
+/// A ray in local coordinates, still in double.
 struct LocalRay {
   double origin[3];
   double direction[3];     // the largest component in [1, 2)
-  double origin_error[3];  // by which the origin may be off
+  double origin_error[3];  // bound on the error of the origin
   double slack;
 };
 
-/// A float at least / at most the value.
+/// A float at or above the value, and one at or below it.
 inline float above(double value) { return static_cast<float>(value + 0x1p-23 * std::abs(value) + kTiny); }
 inline float below(double value) { return static_cast<float>(value - 0x1p-23 * std::abs(value) - kTiny); }
 
-/// From the signs of the inverse directions.
+/// Chooses near and far planes by the signs of the inverse direction.
 inline void set_planes(RayFrame& out) {
   out.octant = 0;
   for (unsigned axis = 0; axis < 3; ++axis) {
@@ -79,7 +82,7 @@ inline void set_planes(RayFrame& out) {
   }
 }
 
-/// worst_error: of any axis; it lengthens the path along which a clamped direction drifts.
+/// Sets one axis. worst_error: the largest of all axes; it lengthens the path along which a clamped direction drifts.
 inline void set_axis(const LocalRay& local, double worst_error, int axis, RayFrame& out) {
   const double d = local.direction[axis];
   const double clamped = std::abs(d) < kLeastDirection ? std::copysign(kLeastDirection, d) : d;
@@ -100,14 +103,14 @@ inline void set_axis(const LocalRay& local, double worst_error, int axis, RayFra
   out.far_offset[axis] = below((start_value - near_shift) * inverse_value);
 }
 
-/// With floors like these every triangle of a met leaf is a candidate.
+/// Makes every triangle of a visited leaf a candidate.
 inline void accept_triangles(RayFrame& out) {
   out.sign_slope = out.entry_slope = out.entry_linear = 0;
   out.sign_floor = out.entry_floor = static_cast<float>(kEverything);
   out.parameter_cap = static_cast<float>(kEverything);
 }
 
-/// The derivation stands at the head of bvh_ray.cpp.
+/// Sets the slack of the triangle test, as derived at the top of bvh_ray.cpp.
 inline void set_leaf_slack(double start_error, double slack, RayFrame& out) {
   if (!(start_error <= 1)) {
     accept_triangles(out);
@@ -129,10 +132,9 @@ inline void set_leaf_slack(double start_error, double slack, RayFrame& out) {
   out.parameter_cap = static_cast<float>(kRaise * c);
 }
 
-/// The same for a start with no other error than its rounding to floats, and no slack. Of a start at most r away, with
-/// w = 1 + r, the sign slope there is 1.01 d u (12 r + 12 + 128 w + 96) = 1.01 d u (140 w + 96), the entry slope
-/// 1.01 u (6 r + 6 + (61 + 48 d) w) = 1.01 u (67 + 48 d) w; terms of 2^-29 of these, and the roundings here, are in the
-/// other 2 in a thousand.
+/// The same for a start with no error but its rounding to floats, and no slack. For a start at most r away, with w = 1
+/// + r, the sign slope is 1.01 d u (12 r + 12 + 128 w + 96) = 1.01 d u (140 w + 96), the entry slope 1.01 u (6 r + 6 +
+/// (61 + 48 d) w) = 1.01 u (67 + 48 d) w; the other 2 per mille cover terms of 2^-29 of these and the roundings here.
 inline void set_usual_leaf_slack(float reach, float d, RayFrame& out) {
   constexpr auto kRaised = static_cast<float>(1.012 * kUnit);
   const float w = 1 + reach;
@@ -160,36 +162,36 @@ inline double power_of_two(int exponent) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
 }
 
-/// Of a non-negative number; far off the usual range for zero, denormals, infinity and NaN.
+/// The exponent of a non-negative number; far outside the usual range for zero, denormals, infinity and NaN.
 inline int exponent_of(double value) { return static_cast<int>(std::bit_cast<std::uint64_t>(value) >> 52) - 1023; }
 
-/// Whether scales and their products stay in range without care.
+/// Whether scales and their products stay in range without special care.
 inline bool is_usual(int direction_exponent, int scale_exponent) {
   constexpr int kUsual = 450;
   return std::abs(direction_exponent) < kUsual && std::abs(scale_exponent) < kUsual;
 }
 
-/// Any ray, in no hurry: starts far out, directions and scenes of extreme scale, slack as large as the scene.
-/// False: it surely misses the scene.
+/// The slow path, for any ray: starts far out, directions and scenes of extreme scale, slack as large as the scene.
+/// False: the ray surely misses the scene.
 bool prepare_any_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& frame);
 
 }  // namespace ray_detail
 
 inline float RayFrame::local_limit(double limit) const {
-  // Never 0 * infinity: an endless ray has no limit at any scale, and where one overflows nothing is known.
+  // Avoids 0 * infinity: an endless ray has no limit at any scale, and where a scale overflows nothing is known.
   if (limit == std::numeric_limits<double>::infinity()) return std::numeric_limits<float>::infinity();
   if (!(limit >= 0)) return -1;
   if (limit == 0 && std::isinf(to_local_1)) return std::numeric_limits<float>::infinity();
   double parameter = limit * to_local_1;
   if (is_moved) {
     parameter *= to_local_2;
-    // Each exact while the two are within a factor of two of each other, else one rounding of the difference.
+    // Each subtraction is exact while the two are within a factor of two of each other, else it rounds once.
     for (const double move : moved) parameter -= move;
   }
   return ray_detail::above(parameter);
 }
 
-/// Of a start that was moved the limit is a difference, which may have lost every digit.
+/// If the start was moved, the limit is a difference, which may have lost all its digits.
 inline float RayFrame::sure_limit(double limit) const {
   if (limit == std::numeric_limits<double>::infinity()) return std::numeric_limits<float>::infinity();
   return is_moved ? -1 : local_limit(limit) * (1 - 0x1p-20f) - static_cast<float>(4 * ray_detail::kTiny);

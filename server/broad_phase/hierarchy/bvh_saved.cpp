@@ -11,10 +11,11 @@ namespace collided::engine::bvh {
 namespace {
 
 constexpr char kMagic[8] = {'C', 'B', 'S', 'P', 'T', 'R', 'E', 'E'};
-/// Grows with every change of what bytes mean; a tree of another version is built anew.
+/// Grows with every change in the meaning of the bytes; a tree of another version is built again.
 constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kByteOrder = 0x01020304;
 
+/// Every field is checked before the bytes after the header are read.
 struct Header {
   char magic[8] = {};
   std::uint32_t version = kVersion;
@@ -47,7 +48,7 @@ std::uint64_t header_checksum(const Header& header) {
   return checksum(std::as_bytes(std::span(&header, 1)).first(offsetof(Header, header_checksum)), 1);
 }
 
-/// What can be said before anything is read besides the header.
+/// The flaws that show before anything but the header is read.
 std::string flaw_of_header(const Header& header, const TriangleMesh& mesh, std::size_t byte_count) {
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) return "it does not begin as one";
   if (header.version != kVersion) return "it is of version " + std::to_string(header.version) + ", this program reads " + std::to_string(kVersion);

@@ -11,17 +11,18 @@
 
 namespace collided::engine::bvh {
 
-/// A tree as bytes: a header of 192, the nodes, the leaves, the split triangles. Written as they lie in memory, so that
-/// they are used where a file is mapped; the header says for which kind of machine, and of which mesh.
+/// A tree as bytes: a header of 192 bytes, the nodes, the leaves, the split triangles. Stored as they lie in memory, so
+/// that a mapped file can be used in place; the header says for which kind of machine and for which mesh.
 
 inline constexpr std::size_t kSavedAlignment = 64;
 
+/// The layout, which must not be empty, as bytes with checksums.
 std::vector<std::byte> save(const Layout& layout, const TriangleMesh& mesh);
 
-/// Makes the checksums right again: the last step of save, and of a test that tampers with what they would tell first.
+/// Recomputes the checksums: the last step of save(), and of tests that tamper with bytes the checksums would reveal.
 void seal(std::span<std::byte> saved, const TriangleMesh& mesh);
 
-/// Fills layout and report; or says what is wrong, and both are to be forgotten.
+/// Fills layout and report; or returns what is wrong, and then both are invalid.
 std::string load(const TriangleMesh& mesh, std::span<const std::byte> bytes, std::shared_ptr<const void> keeper,
                  unsigned threads, Layout& layout, BvhReport& report);
 

@@ -7,7 +7,7 @@ namespace collided::engine::bvh {
 namespace {
 
 constexpr int kBins = 16;
-/// A leaf of eight costs one SIMD test however full it is, so a cut is charged for groups of triangles, not for each.
+/// A leaf of eight costs one SIMD test however full it is, so cost counts groups of triangles rather than triangles.
 constexpr std::uint32_t kGroup = 8;
 
 struct Bin {
@@ -16,11 +16,11 @@ struct Bin {
 };
 
 struct Plane {
-  int axis = -1;  // none
+  int axis = -1;  // -1: no plane separates
   int first_right_bin = 0;
 };
 
-/// Which bin a primitive's centre falls into, on each axis.
+/// The bin into which a primitive's centre falls, on each axis.
 struct Binning {
   Float4 low;
   Float4 scale;
@@ -28,7 +28,7 @@ struct Binning {
   explicit Binning(const FloatBox& centers) : low(centers.low) {
     const Float4 size = centers.high - centers.low;
     for (int axis = 0; axis < 3; ++axis) {
-      // Slightly under the number of bins, so that the highest centre lands in the last.
+      // Slightly below the number of bins, so that the highest centre lands in the last.
       scale[axis] = size[axis] > 1e-30f ? 0.9999f * static_cast<float>(kBins) / size[axis] : 0.0f;
     }
     scale[3] = 0;

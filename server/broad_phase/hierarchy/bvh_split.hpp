@@ -7,9 +7,10 @@
 
 namespace collided::engine::bvh {
 
-/// Four floats: x, y, z and a passenger.
+/// Four floats: x, y, z, and a fourth for other data.
 using Float4 = Eigen::Array4f;
 
+/// A box in local coordinates; empty at first.
 struct FloatBox {
   Float4 low = Float4::Constant(3e38f);
   Float4 high = Float4::Constant(-3e38f);
@@ -26,7 +27,7 @@ struct FloatBox {
   }
 };
 
-/// A triangle's bounds in local coordinates, rounded outward; its number rides in the fourth component of low.
+/// A triangle's bounds in local coordinates, rounded outward; its number is stored in the fourth component of low.
 struct Primitive {
   Float4 low;
   Float4 high;
@@ -34,7 +35,7 @@ struct Primitive {
   std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(low[3]); }
 };
 
-/// Primitives [begin, end) with the bounds of their boxes and of the boxes' centres (times two).
+/// Primitives [begin, end), the bounds of their boxes, and the bounds of the boxes' centres (times two).
 struct Range {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
@@ -49,11 +50,11 @@ struct Range {
   }
 };
 
-/// Cuts a range of at least two primitives in two non-empty ones, reordering them: by the plane of least
-/// surface-area cost among 16 an axis, or in halves by count where planes do not separate or by_count asks.
+/// Cuts a range of at least two primitives into two non-empty ones, reordering them: at the plane of least surface-area
+/// cost among 16 per axis, or in halves by count where no plane separates or `by_count` is set.
 ///
 /// source  Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007
-/// returns the axis along which the right range lies above the left one
+/// returns the axis along which the right range lies above the left one; 0 after halving by count
 int split(std::span<Primitive> primitives, const Range& range, bool by_count, Range& left, Range& right);
 
 }  // namespace collided::engine::bvh

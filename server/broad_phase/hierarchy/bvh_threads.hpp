@@ -10,12 +10,13 @@
 
 namespace collided::engine::bvh {
 
+/// The requested number, or one per core for 0.
 inline unsigned thread_count(unsigned asked) {
   return asked != 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
 }
 
-/// Calls work(i, callers_thread) for i in [0, count) from several threads, the caller's among them; the first
-/// exception is rethrown.
+/// Calls work(i, callers_thread) once for each i in [0, count), on several threads including the caller's; rethrows the
+/// first exception.
 template <typename Work>
 void in_parallel(unsigned threads, std::size_t count, const Work& work) {
   std::atomic<std::size_t> next{0};
@@ -33,7 +34,7 @@ void in_parallel(unsigned threads, std::size_t count, const Work& work) {
     try {
       for (unsigned i = 1; i < threads && i < count; ++i) helpers.emplace_back(run, false);
     } catch (const std::system_error&) {
-      // No memory for another stack: fewer do the work.
+      // No memory for another stack: fewer threads do the work.
     }
     run(true);
   }

@@ -30,8 +30,8 @@ constexpr int kParts = kWidth / kLanes;
 using Axes = hn::CappedTag<double, 4>;
 using AxesFloat = hn::Rebind<float, Axes>;
 
-/// prepare_any_ray for the usual ray, with every error as the worst of its kind; false: not usual. Most rays have no
-/// slack.
+/// The fast path of prepare_any_ray for usual rays, taking each error as the worst of its kind; false: not usual. Most
+/// rays have no slack.
 template <bool kSlack>
 HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& out) {
   using namespace ray_detail;
@@ -42,7 +42,7 @@ HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double s
   static_assert(offsetof(LocalFrame, origin) == 0 && offsetof(LocalFrame, scale) == 3 * sizeof(double));
   const LocalFrame& frame = layout.frame;
   const auto three = hn::FirstN(axes, 3);
-  // Each load takes the member behind along in the spare lane.
+  // Each load also takes the following member into the spare lane.
   const auto start = hn::LoadU(axes, &ray.origin[0]);
   const auto local = hn::IfThenElseZero(
       three, hn::Mul(hn::Sub(start, hn::LoadU(axes, &frame.origin[0])), hn::Set(axes, frame.scale)));
@@ -54,7 +54,7 @@ HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double s
   if (!near || !is_usual(exponent, frame.scale_exponent) || !(slack < 1)) return false;
 
   const auto origin = hn::DemoteTo(floats, local);
-  // 2^-exponent: the exponent fields of the two add up to 2046.
+  // 2^-exponent: the exponent fields of both add up to 2046.
   using Words = hn::RebindToUnsigned<Axes>;
   constexpr Words words;
   const auto field = hn::And(hn::BitCast(words, largest), hn::Set(words, std::uint64_t{0x7ff} << 52));
@@ -63,8 +63,8 @@ HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double s
   const auto clamped = hn::CopySign(
       hn::Max(hn::Abs(rounded), hn::Set(floats, static_cast<float>(kLeastDirection))), rounded);
   const auto inverse = hn::Div(hn::Set(floats, 1.0f), clamped);
-  // Roundings in u: of the start 1 |o|; the inverse 2 (|o| + 1); the offset's sum and product 2 |o|; in the walk the
-  // product 1, the difference 1 + |o|. A hundredth more for their products with each other.
+  // Roundings in u: the start 1 |o|; the inverse 2 (|o| + 1); the offset's sum and product 2 |o|; in the walk the
+  // product 1, the difference 1 + |o|. One percent more for their products with each other.
   const auto wide = hn::MulAdd(hn::Abs(origin), hn::Set(floats, static_cast<float>(6.1 * kUnit)),
                                hn::Set(floats, static_cast<float>(4.1 * kUnit + 2 * kLeastSlack + 1.01 * slack)));
   const auto shift = hn::CopySign(wide, inverse);
@@ -107,7 +107,7 @@ HWY_INLINE const float* plane(const Node& node, std::uint32_t byte_offset) {
   return reinterpret_cast<const float*>(reinterpret_cast<const char*>(&node) + byte_offset);
 }
 
-/// A ray's slabs in every lane, so that a walk from node to node loads only the nodes.
+/// A ray's slabs in every lane, so that a walk loads only nodes.
 struct Slabs {
   const RayFrame& ray;
   Lanes inverse[3];
@@ -123,7 +123,8 @@ struct Slabs {
   }
 };
 
-/// Children of a node in the order of the walk. waiting: those that the ray may meet, the lowest bit first.
+/// Children of a node in the order of the walk. waiting: those that the ray may meet and that are not visited yet, one
+/// bit each, lowest first.
 struct alignas(32) Frame {
   float entry[kWidth];
   Ref child[kWidth];
@@ -131,11 +132,11 @@ struct alignas(32) Frame {
 };
 HWY_INLINE unsigned place_of(unsigned waiting) { return static_cast<unsigned>(__builtin_ctz(waiting)); }
 
-/// Which way a walk takes through a node: near to far, or, where any triangle will do, to the likeliest first.
+/// The order in which a walk takes a node's children: near to far, or, where any triangle is enough, likeliest first.
 enum class Way { near_first, most_occluding_first };
 
-/// Writes the children of a node and returns those that the ray may meet at a parameter in [0, limit], as in
-/// Frame::waiting.
+/// Writes a node's children into the frame and returns those that the ray may meet at a parameter in [0, limit], in the
+/// form of Frame::waiting.
 template <Way kWay>
 HWY_INLINE unsigned met_children(const Node& node, const Slabs& slabs, float limit, Frame& frame) {
   const RayFrame& ray = slabs.ray;
@@ -184,7 +185,7 @@ HWY_INLINE Lanes largest_component(Lanes a, Lanes b, Lanes c) {
   return hn::Max(hn::Max(hn::Abs(a), hn::Abs(b)), hn::Abs(c));
 }
 
-/// A ray against the triangles of a leaf. least, most: of the signs U, V, W; along / size: the parameter.
+/// Tests a ray against the triangles of a leaf. least_, most_: of the signs U, V, W; along_ / size_: the parameter.
 template <bool kCorners>
 class TriangleTest {
  public:
@@ -205,13 +206,13 @@ class TriangleTest {
     }
     return mask;
   }
-  /// Triangles that the ray's line surely meets at a parameter of at least 0: beyond every rounding the signs agree.
+  /// Triangles that the ray's line surely meets at a parameter of at least 0: the signs agree beyond every rounding.
   HWY_INLINE unsigned sure() const {
     unsigned mask = 0;
     for (int part = 0; part < kParts; ++part) mask |= bits_of(is_sure(part)) << (part * kLanes);
     return mask;
   }
-  /// Of these the ones surely met at a parameter of at most the limit.
+  /// Those of them surely met at a parameter of at most the limit.
   HWY_INLINE unsigned sure_within(float limit) const {
     unsigned mask = 0;
     for (int part = 0; part < kParts; ++part) {
@@ -220,14 +221,14 @@ class TriangleTest {
     }
     return mask;
   }
-  /// About where.
+  /// Approximate parameters, for sorting only.
   HWY_INLINE void estimate(float* parameter) const {
     for (int part = 0; part < kParts; ++part) {
       hn::Store(hn::Div(along_[part], divisor(part)), kFloats, parameter + part * kLanes);
     }
   }
-  /// Where at the earliest, and for those that are sure at the latest: the slack holds the error of along and size
-  /// together, and 2^-21 the three roundings of the quotient.
+  /// Lower bounds of the parameters, and upper ones for triangles that are surely met: the slack covers the error of
+  /// along_ and size_ together, 2^-21 the three roundings of the quotient.
   HWY_INLINE void bounds(float* low, float* high) const {
     for (int part = 0; part < kParts; ++part) {
       const Lanes inverse = hn::Div(hn::Set(kFloats, 1.0f), divisor(part));
@@ -245,7 +246,7 @@ class TriangleTest {
     const auto inside = hn::Or(hn::Gt(least_[part], slack), hn::Lt(most_[part], hn::Neg(slack)));
     return hn::And(inside, hn::Ge(along_[part], entry_slack_[part]));
   }
-  /// An edge-on triangle has no parameter of its own: never 0/0, which a host may trap.
+  /// An edge-on triangle has no parameter: avoid 0/0, which a host may trap.
   HWY_INLINE Lanes divisor(int part) const {
     return hn::Max(size_[part], hn::Set(kFloats, std::numeric_limits<float>::min()));
   }
@@ -308,7 +309,7 @@ class TriangleTest {
   Lanes entry_slack_[kParts];
 };
 
-/// Who hears of a ray's candidates: by number, or by number and corners.
+/// The receiver of a ray's candidates: by number here, by number and corners below.
 struct NumberCall {
   Bvh::RayCandidate candidate;
 
@@ -318,7 +319,7 @@ struct NumberCall {
   }
 };
 
-/// The corners as they stand in the mesh: a leaf keeps them only where the way to floats and back loses nothing.
+/// The corners exactly as in the mesh: leaves hold corners only where the conversion to floats loses nothing.
 HWY_INLINE Triangle corners_of(const Leaf& leaf, int lane, const LocalFrame& frame) {
   Triangle triangle;
   for (int axis = 0; axis < 3; ++axis) {
@@ -342,7 +343,7 @@ struct TriangleCall {
   }
 };
 
-/// How far a walk still looks: the caller's limit, and the local one, which sure hits shorten further.
+/// How far a walk still searches: the caller's limit, and the local one, which certain hits shorten further.
 struct Reach {
   double limit;
   float local;
@@ -355,7 +356,7 @@ struct Reach {
   }
 };
 
-/// Tells one candidate; false: the walk is over.
+/// Offers one candidate; false: the walk is over.
 template <bool kCorners, class Call>
 HWY_INLINE bool tell(const Call& call, const RayFrame& ray, const Leaf& leaf, int lane, Reach& reach, WalkCost& cost) {
   ++cost.candidates;
@@ -363,7 +364,7 @@ HWY_INLINE bool tell(const Call& call, const RayFrame& ray, const Leaf& leaf, in
   return !reach.is_over();
 }
 
-/// Tells the candidates of a leaf, nearest first.
+/// Offers the candidates of a leaf, nearest first.
 template <bool kCorners, class Call>
 HWY_INLINE bool tell_every(const Call& call, const RayFrame& ray, const Leaf& leaf, unsigned met, const float* estimate,
                            Reach& reach, WalkCost& cost) {
@@ -379,8 +380,8 @@ HWY_INLINE bool tell_every(const Call& call, const RayFrame& ray, const Leaf& le
   return true;
 }
 
-/// Triangles that are surely hit, of which the nearest is sought: they shorten the reach when they are met, and only
-/// those that no nearer one rules out are told in the end, usually one.
+/// Triangles that are surely hit, when the nearest is wanted: they shorten the reach when found, and only those that no
+/// nearer one rules out are offered in the end, usually one.
 class SureHits {
  public:
   bool empty() const { return count_ == 0; }
@@ -389,7 +390,7 @@ class SureHits {
   int lane(int i) const { return lane_[i]; }
   void clear() { count_ = 0; }
 
-  /// False: the walk is over.
+  /// Takes a leaf's hits, and offers those that are not certain. False: the walk is over.
   template <bool kCorners, class Call>
   HWY_INLINE bool visit(const Call& call, const RayFrame& ray, const Leaf& leaf, const TriangleTest<kCorners>& test,
                         unsigned met, Reach& reach, WalkCost& cost) {
@@ -419,7 +420,7 @@ class SureHits {
     return true;
   }
 
-  /// Tells those that may still be the nearest, by where they begin. False: the walk is over.
+  /// Offers those that may still be the nearest, in order of their lower bounds. False: the walk is over.
   template <bool kCorners, class Call>
   HWY_INLINE bool settle(const Call& call, const RayFrame& ray, Reach& reach, WalkCost& cost) {
     while (count_ > 0) {
@@ -458,8 +459,8 @@ class SureHits {
   std::uint8_t lane_[kMost];
 };
 
-/// The first triangle of a leaf, by place, that the ray meets; told only where floats leave doubt. By place, so that
-/// every instruction set finds the same one.
+/// The first triangle of a leaf, by its lane, that the ray meets; offers candidates only where floats leave doubt. By
+/// lane, so that every instruction set finds the same one.
 template <bool kCorners, class Call>
 HWY_INLINE std::uint32_t first_met(const Call& call, const RayFrame& ray, const Leaf& leaf, unsigned met, unsigned sure,
                                    Reach& reach, WalkCost& cost) {
@@ -470,7 +471,7 @@ HWY_INLINE std::uint32_t first_met(const Call& call, const RayFrame& ray, const 
   return Bvh::kNoTriangle;
 }
 
-/// To the next child that still waits and is not beyond the limit; false: none does.
+/// Goes to the next waiting child that is not beyond the limit; false: there is none.
 HWY_INLINE bool climb(const Frame* stack, float limit, Frame*& top, Ref& ref) {
   float entry;
   do {

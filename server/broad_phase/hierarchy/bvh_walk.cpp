@@ -10,7 +10,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace collided::engine::bvh::HWY_NAMESPACE {
-/// A leaf's triangles as boxes.
+/// Eight boxes of triangles or children, or a part of them that fits the lanes.
 struct Boxes {
   Lanes low[3];
   Lanes high[3];
@@ -81,7 +81,8 @@ void WalkBox(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate cand
   }
 }
 
-/// Squares of distances from the point, rounded down but for the relative 2^-22 that local_limit adds.
+/// Boxes within the limit of the point. Squared distances are rounded down, except for the relative 2^-22 that
+/// local_limit adds.
 HWY_INLINE unsigned within(const Boxes& boxes, const LocalPoint& point, float limit, float* distance) {
   Lanes sum = hn::Zero(kFloats);
   for (int axis = 0; axis < 3; ++axis) {
@@ -94,7 +95,7 @@ HWY_INLINE unsigned within(const Boxes& boxes, const LocalPoint& point, float li
   return bits_of(hn::Le(sum, hn::Set(kFloats, limit)));
 }
 
-/// About: nothing hangs on it.
+/// Boxes that are wholly within the limit, approximately: affects only the cost.
 HWY_INLINE unsigned wholly_within(const Boxes& boxes, const LocalPoint& point, float limit) {
   Lanes sum = hn::Zero(kFloats);
   for (int axis = 0; axis < 3; ++axis) {
@@ -114,7 +115,7 @@ struct Triplet {
 HWY_INLINE Triplet minus(const Triplet& a, const Triplet& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
-/// a + s b
+/// The point a + s b.
 HWY_INLINE Triplet along(const Triplet& a, Lanes s, const Triplet& b) {
   return {hn::MulAdd(s, b.x, a.x), hn::MulAdd(s, b.y, a.y), hn::MulAdd(s, b.z, a.z)};
 }
@@ -129,14 +130,14 @@ HWY_INLINE Lanes largest_of(const Triplet& a) {
   return hn::Max(hn::Abs(a.x), hn::Max(hn::Abs(a.y), hn::Abs(a.z)));
 }
 
-/// The nearest point to the origin on the segment from a along the edge.
+/// The point nearest to the origin on the segment from a along the edge.
 HWY_INLINE Triplet foot_on(const Triplet& a, const Triplet& edge) {
   const Lanes motion = hn::Div(hn::Neg(product(a, edge)), hn::Add(product(edge, edge), hn::Set(kFloats, 0x1p-100f)));
   return along(a, hn::Min(hn::Max(motion, hn::Zero(kFloats)), hn::Set(kFloats, 1.0f)), edge);
 }
 
-/// Triangle corners as seen from about the asked point, with a bound on each coordinate's error but for the rounding of
-/// the differences.
+/// Triangle corners relative to the queried point, with a bound on each coordinate's error beyond the rounding of the
+/// differences.
 struct SeenTriangles {
   Triplet a;
   Triplet b;
@@ -157,11 +158,11 @@ HWY_INLINE SeenTriangles seen_triangles(const Leaf& leaf, int first, bool has_co
     }
   }
   const auto triplet = [&](int i) { return Triplet{corner[i][0], corner[i][1], corner[i][2]}; };
-  // Stored corners are off by 5 * 2^-24 at most, see triangle_boxes.
+  // Stored corners are off by at most 5 * 2^-24, see triangle_boxes.
   return {triplet(0), triplet(1), triplet(2), slack + 0x1p-21f};
 }
 
-/// About the nearest point of each triangle to the origin.
+/// An approximation of each triangle's point nearest to the origin.
 HWY_INLINE Triplet feet_of(const SeenTriangles& t) {
   const Triplet ab = minus(t.b, t.a);
   const Triplet ac = minus(t.c, t.a);
@@ -187,8 +188,8 @@ HWY_INLINE Triplet feet_of(const SeenTriangles& t) {
   return best;
 }
 
-/// What the squared distance of each triangle is not below. However v, the way to the foot, was found, the triangle lies
-/// behind the plane across it at the least of its corners' w . v / |v|. Of w each coordinate is off by `error` and two
+/// Lower bounds of the squared distances. Whatever vector v to the foot was found, the triangle lies behind the plane
+/// perpendicular to it at the least of its corners' w . v / |v|. Each coordinate of w is off by `error` and two
 /// roundings, the product by three more, all of |w| |v| at most: sqrt(3) error + (2 sqrt(3) + 3) 2^-24 |w| in the
 /// quotient, and |w| is at most sqrt(3) times the largest coordinate: below 2 error + 2^-20 of that.
 HWY_INLINE Lanes squares_below(const Leaf& leaf, int first, bool has_corners, const LocalPoint& point) {
@@ -199,17 +200,19 @@ HWY_INLINE Lanes squares_below(const Leaf& leaf, int first, bool has_corners, co
   const Lanes largest = hn::Max(largest_of(t.a), hn::Max(largest_of(t.b), largest_of(t.c)));
   const Lanes error = hn::MulAdd(largest, hn::Set(kFloats, 0x1p-20f), hn::Set(kFloats, 2 * t.error));
   const Lanes behind = hn::Sub(hn::Mul(hn::Div(least, hn::Sqrt(foot2)), hn::Set(kFloats, 1 - 0x1p-19f)), error);
-  // No plane across a way of no length; and so nothing where it is not a number.
+  // A vector of length 0 gives no plane, nor does NaN.
   const auto known = hn::And(hn::Gt(foot2, hn::Set(kFloats, 0x1p-80f)), hn::Gt(behind, hn::Zero(kFloats)));
   return hn::IfThenElseZero(known, hn::Mul(hn::Mul(behind, behind), hn::Set(kFloats, 1 - 0x1p-20f)));
 }
 
+/// A child still to visit, with a lower bound on its squared distance.
 struct Waiting {
   Ref ref;
   float entry;
 };
 
-/// Tells the triangles of a leaf whose bounds in `square` are within the limit, which shrinks meanwhile; the new one.
+/// Offers the triangles of a leaf whose bounds in `square` are within the limit, which shrinks meanwhile; returns the
+/// new limit.
 HWY_INLINE double tell_near(const NumberCall& call, const Leaf& leaf, unsigned mask, const float* square,
                             const LocalPoint& point, double limit_m2, WalkCost& cost) {
   float limit = point.local_limit(limit_m2);
@@ -229,7 +232,7 @@ HWY_INLINE double tell_near(const NumberCall& call, const Leaf& leaf, unsigned m
   return limit_m2;
 }
 
-/// Sorts the children in mask onto the stack, nearest last.
+/// Pushes the children in mask onto the stack, sorted, nearest on top.
 HWY_INLINE int push_sorted(const Node& node, unsigned mask, const float* entry, Waiting* stack, int size) {
   const int base = size;
   while (mask != 0) {
@@ -269,8 +272,8 @@ void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bv
       }
       mask &= (2u << (leaf_count(top.ref) - 1)) - 1;
       if (mask == 0) continue;
-      // Where everything within reach is asked for, a leaf wholly within it has nothing to cull; a search for the nearest
-      // shows itself by its shrinking limit.
+      // A caller that wants everything within reach gains nothing from bounds in a leaf wholly within it; a caller that
+      // wants the nearest is recognised by its shrinking limit.
       const bool all_near = lists_all && (mask & ~inner) == 0;
       for (int first = 0; first < kWidth && !all_near; first += kLanes) {
         hn::Store(squares_below(leaf, first, layout.has_corners, point), kFloats, distance + first);
@@ -302,7 +305,7 @@ HWY_EXPORT(WalkNear);
 float LocalPoint::local_limit(double limit_m2) const {
   if (!(limit_m2 >= 0)) return -1;
   const double local = limit_m2 * limit_scale * limit_scale * (1 + 0x1p-21) + 0x1p-120;
-  // Finite, so that the infinitely far missing children stay out.
+  // Finite, so that missing children, which are infinitely far, stay out.
   return round_up(std::min(local, 0x1p127));
 }
 

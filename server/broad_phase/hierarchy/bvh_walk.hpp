@@ -5,8 +5,8 @@
 
 namespace collided::engine::bvh {
 
-/// The walks in SIMD, each compiled for every instruction set and chosen at run time. The layout is not empty and
-/// limits are not negative.
+/// The walks of Bvh in SIMD, each compiled for every instruction set and chosen at run time. The layout must not be
+/// empty and limits must not be negative.
 
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, Bvh::RayCandidate candidate,
               WalkCost& cost);
@@ -20,24 +20,24 @@ void walk_ray_nearest(const Layout& layout, const Ray& ray, double limit, const 
 std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
                        Bvh::RayTriangle candidate, WalkCost& cost);
 
-/// By one of the two below, whichever suits the first rays; only the costs differ.
+/// Uses whichever of the two functions below suits the first rays; only the cost differs.
 void walk_rays(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
                Bvh::RayGoal goal);
 void walk_rays_in_turn(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
                        Bvh::RayGoal goal);
-/// Eight at a time through each node; for goals nearest and any.
+/// Eight rays at a time through each node; for the goals nearest and any.
 void walk_ray_packets(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh,
                       Bvh::RayGoal goal);
 
-/// A box in local coordinates, already grown by every rounding.
+/// A box in local coordinates, already grown by all roundings.
 struct LocalBox {
   float low[3];
   float high[3];
 };
 void walk_box(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate, WalkCost& cost);
 
-/// The point's low and high ends, already grown by every rounding; squares of distances times limit_scale (twice,
-/// since its square may not fit) are local.
+/// The low and high ends of a point's coordinates, already grown by all roundings. Squared distances times limit_scale
+/// squared are local; multiply twice, because the square itself may not fit a double.
 struct LocalPoint {
   float low[3];
   float high[3];

@@ -14,20 +14,20 @@ namespace collided::engine::bvh::HWY_NAMESPACE {
 
 using Goal = Bvh::RayGoal;
 
-/// A child that waits, with where each ray enters it; infinity where it does not.
+/// A waiting child, with the parameter at which each ray enters it; infinity where it does not.
 struct alignas(32) Waiting {
   float entry[kWidth];
   Ref ref;
 };
 
-/// Rays through the same children in the same order, a lane each: one node, loaded once, serves them all, and none
-/// waits for the end of another's arithmetic. In a leaf each goes its own way, by the same tests as alone.
+/// Walks rays through the same children in the same order, one lane each: a node is loaded once for all of them, and no
+/// ray waits for another's arithmetic. In a leaf each ray is tested on its own, by the same tests as alone.
 template <Goal kGoal, bool kCorners>
 class Packet {
  public:
   Packet(const Layout& layout, const TriangleMesh& mesh) : layout_(layout), mesh_(mesh) {}
 
-  /// False, and nothing done, where the rays do not agree on the order of children.
+  /// False, without doing anything, where the rays do not agree on the order of children.
   bool walk(std::span<Bvh::RayTask> tasks) {
     tasks_ = tasks;
     first_ = nullptr;
@@ -105,10 +105,10 @@ class Packet {
     for (std::size_t i = 0; i < tasks_.size(); ++i) tasks_[i].cost->nodes += static_cast<std::uint32_t>(visited_[i]);
   }
 
-  /// The children that some ray may meet, by the bounds of all their numbers: rounding keeps the order of what it rounds,
-  /// so none is lost. Eight children at once, where each ray by itself asks child by child.
-  /// source  interval arithmetic for packets: Boulos, Wald, Shirley, "Geometric and Arithmetic Culling Methods for Entire
-  ///         Ray Packets", University of Utah, 2006
+  /// The children that some ray may meet, by the bounds of all rays' numbers: rounding preserves order, so none is
+  /// lost. Tests eight children at once, before single rays are tested child by child.
+  /// source  interval arithmetic for packets: Boulos, Wald, Shirley, "Geometric and Arithmetic Culling Methods for
+  /// Entire Ray Packets", University of Utah, 2006
   HWY_INLINE unsigned maybe_met(const Node& node, const RayFrame& first) const {
     unsigned maybe = 0;
     const auto limit = hn::Set(kFloats, *std::max_element(limit_, limit_ + kWidth));
@@ -133,7 +133,7 @@ class Packet {
     return maybe;
   }
 
-  /// The children that some ray meets, the next on top: in the order that each of the rays would take alone.
+  /// Pushes the children that some ray meets, the next on top: in the order that each ray would take alone.
   HWY_INLINE std::size_t push_children(const Node& node, const RayFrame& first, std::size_t size) {
     const std::uint32_t order = kGoal == Goal::any ? node.occlusion_order() : node.order[first.octant];
     const unsigned maybe = maybe_met(node, first);
@@ -168,6 +168,7 @@ class Packet {
     return size;
   }
 
+  /// Tests each active ray against the leaf's triangles.
   HWY_INLINE void visit_leaf(Ref ref, unsigned active) {
     const Leaf& leaf = layout_.leaves[ref & kIndexMask];
     const unsigned present = (2u << (leaf_count(ref) - 1)) - 1;
@@ -194,17 +195,17 @@ class Packet {
   const Layout& layout_;
   const TriangleMesh& mesh_;
   std::span<Bvh::RayTask> tasks_;
-  const RayFrame* first_ = nullptr;  // of the rays under way
+  const RayFrame* first_ = nullptr;  // the first ray under way; all agree on its octant
   bool is_under_way_[kWidth];
   HWY_ALIGN float inverse_[3][kWidth];
   HWY_ALIGN float near_offset_[3][kWidth];
   HWY_ALIGN float far_offset_[3][kWidth];
-  float least_inverse_[3];  // of all rays, as the following
+  float least_inverse_[3];  // over all rays, as are the following three
   float most_inverse_[3];
   float most_near_offset_[3];
   float least_far_offset_[3];
   HWY_ALIGN float limit_[kWidth];    // -1: the ray is done
-  HWY_ALIGN float visited_[kWidth];  // nodes; far below 2^24
+  HWY_ALIGN float visited_[kWidth];  // nodes visited by each ray; far below 2^24, so floats count exactly
   float sure_limit_[kWidth];
   RayFrame ray_[kWidth];
   Reach reach_[kWidth];
@@ -246,8 +247,8 @@ void walk_ray_packets(const Layout& layout, std::span<Bvh::RayTask> tasks, const
 
 namespace {
 
-/// Neighbours in the batch that start close to each other, as the scene is large, and look the same way: they will meet
-/// the same nodes.
+/// Whether neighbours in the batch start close to each other, relative to the scene, and point in the same direction:
+/// then they will visit the same nodes.
 bool is_alike(const Layout& layout, const Ray& a, const Ray& b) {
   constexpr double kClose = 0x1p-7;
   const double along = a.direction.dot(b.direction);
@@ -256,7 +257,7 @@ bool is_alike(const Layout& layout, const Ray& a, const Ray& b) {
   return same_direction && ((a.origin - b.origin) * layout.frame.scale).cwiseAbs().maxCoeff() < kClose;
 }
 
-/// A cheap look at the first few.
+/// A cheap estimate from the first few rays.
 bool is_coherent(const Layout& layout, std::span<const Bvh::RayTask> tasks) {
   constexpr std::size_t kLooks = 16;
   if (tasks.size() < kLooks) return false;

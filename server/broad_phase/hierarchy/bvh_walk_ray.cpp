@@ -11,7 +11,7 @@ namespace collided::engine::bvh::HWY_NAMESPACE {
 
 using Goal = Bvh::RayGoal;
 
-/// One ray's walk through the tree; for Goal::any the triangle it met.
+/// One ray's walk through the tree; for Goal::any it returns the triangle met.
 template <Goal kGoal, bool kCorners, class Call>
 HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray, double limit, const Call& call,
                                        WalkCost& cost) {
@@ -51,7 +51,7 @@ HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray
       if (waiting != 0) {
         ref = top->child[place_of(waiting)];
         top->waiting = waiting & (waiting - 1);
-        // A branch, though hard to foresee: what waits is not needed until the way down has ended.
+        // A branch, though hard to predict: waiting children are not needed until the descent has ended.
         if (top->waiting != 0) {
           fetch(nodes, leaves, top->child[place_of(top->waiting)]);
           ++top;

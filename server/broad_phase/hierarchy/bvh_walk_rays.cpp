@@ -9,21 +9,21 @@
 HWY_BEFORE_NAMESPACE();
 namespace collided::engine::bvh::HWY_NAMESPACE {
 
-/// How many rays are on their way at once: enough that one's memory has come when its turn comes again, few enough
-/// that their stacks stay in the nearest cache.
+/// Rays under way at once: enough that a ray's memory has arrived when its turn comes again, few enough that their
+/// stacks stay in the nearest cache.
 constexpr std::size_t kAtOnce = 16;
 
 using Goal = Bvh::RayGoal;
 
-/// A ray between two turns.
+/// The state of a ray between two turns.
 struct Traveller {
   RayFrame ray;
   Reach reach = {};
   float sure_limit = 0;
   Ref ref = kNothing;
   unsigned met = 0;       // triangles of the leaf `ref` that wait for their corners
-  int fetched = 0;        // how far the way to the corners has been sent for: nothing, indices, corners
-  bool is_ending = false;  // nothing but sure hits is left to tell
+  int fetched = 0;        // stage of prefetching the corners: 0 nothing, 1 indices, 2 corners
+  bool is_ending = false;  // only certain hits are left to offer
   Bvh::RayTask* task = nullptr;
   Frame* top = nullptr;
   SureHits sure_hits;
@@ -31,13 +31,14 @@ struct Traveller {
   Frame stack[kMaxDepth + 1];
 };
 
+/// The steps of many rays' walks; the state of each is in its Traveller.
 template <Goal kGoal, bool kCorners>
 class Journey {
  public:
   Journey(const Layout& layout, const TriangleMesh& mesh)
       : layout_(layout), mesh_(mesh), nodes_(layout.nodes.data()), leaves_(layout.leaves.data()) {}
 
-  /// False: the ray meets nothing here.
+  /// False: the ray meets nothing in this tree.
   HWY_INLINE bool start(Bvh::RayTask& task, Traveller& t) const {
     if (!(task.limit >= 0) || !prepare_ray(layout_, *task.ray, 0, t.ray)) return false;
     t.task = &task;
@@ -51,7 +52,7 @@ class Journey {
     return t.reach.local >= 0;
   }
 
-  /// One node or leaf; false once the ray's walk is over. What the next turn reads has been sent for.
+  /// Visits one node or leaf, and prefetches what the next turn reads; false once the ray's walk is over.
   HWY_INLINE bool turn(Traveller& t) const {
     if constexpr (kGoal == Goal::nearest) {
       if (t.is_ending) return end(t);
@@ -104,7 +105,7 @@ class Journey {
     }
   }
 
-  /// The way to the corners leads over the mesh's index: two turns of waiting.
+  /// Corners are found through the mesh's index: two turns of prefetching.
   HWY_INLINE bool tell_waiting(Traveller& t) const {
     const Leaf& leaf = leaves_[t.ref & kIndexMask];
     if (t.fetched < 2) {
@@ -117,7 +118,7 @@ class Journey {
     return tell_every<kCorners>(call_of(t), t.ray, leaf, met, t.estimate, t.reach, *t.task->cost) && next(t);
   }
 
-  /// Sure hits are told when nothing nearer can come; where their corners are far away, two turns later.
+  /// Offers the certain hits when nothing nearer can follow; where their corners must be prefetched, two turns later.
   HWY_INLINE bool end(Traveller& t) const {
     if (!kCorners && t.fetched < 2) {
       for (int i = 0; i < t.sure_hits.count(); ++i) fetch_corners(t.sure_hits.leaf(i), t.sure_hits.lane(i), t.fetched);
@@ -137,7 +138,7 @@ class Journey {
     }
   }
 
-  /// To the next child that still waits and is not beyond the limit.
+  /// Goes to the next waiting child that is not beyond the limit.
   HWY_INLINE bool next(Traveller& t) const {
     if (climb(t.stack, t.reach.local, t.top, t.ref)) {
       fetch(nodes_, leaves_, t.ref);
@@ -155,6 +156,7 @@ class Journey {
   const Leaf* leaves_;
 };
 
+/// Gives each ray under way a turn, replacing those that finish, until all tasks are done.
 template <Goal kGoal, bool kCorners>
 void walk_in_turn(const Journey<kGoal, kCorners>& journey, std::span<Bvh::RayTask> tasks) {
   Traveller travellers[kAtOnce];

@@ -8,15 +8,16 @@
 namespace collided::engine {
 namespace {
 
-/// An insertion costs about as much as so many steps of a sort from nothing for each box; beyond, that is cheaper.
+/// A full sort costs about this many swaps per box; with more, sorting from the last order is given up.
 constexpr std::uint64_t kSwapsABox = 16;
 
-/// Another axis has to be so much better: a change of axis sorts from nothing.
+/// Another axis must be this much better, because a change of axis needs a full sort.
 constexpr double kWorthChanging = 2;
 
 }  // namespace
 
-/// Where the boxes are spread furthest for their size: fewest overlap there. A box without end counts nowhere.
+/// The axis along which the boxes are spread farthest for their size: fewest overlap there. Unbounded boxes do not
+/// count.
 int SweepAndPrune::best_axis(std::span<const Aabb> boxes) const {
   Aabb middles;
   Vec3 size = Vec3::Zero();
@@ -46,7 +47,7 @@ void SweepAndPrune::start_anew(std::span<const Aabb> boxes, int axis) {
   report_ = {.axis = axis, .swaps = 0, .is_sorted_anew = true};
 }
 
-/// False: so much has moved that it would be cheaper to begin again.
+/// Insertion sort from the last order. False: so much has moved that a full sort is cheaper.
 bool SweepAndPrune::sort_from_last() {
   const std::uint64_t most = kSwapsABox * order_.size();
   report_.swaps = 0;

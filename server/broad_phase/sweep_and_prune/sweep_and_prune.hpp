@@ -10,34 +10,34 @@
 
 namespace collided::engine {
 
-/// Sweep-and-prune along one axis: boxes in the order of their low ends there, kept from frame to frame, so that where
-/// little moves little is sorted again. Generous, never misses. Worth it where the boxes are few or lie along a line:
-/// every two that overlap on that axis are compared. Source: Cohen, Lin, Manocha and Ponamgi, "I-COLLIDE" (1995), on
-/// one axis instead of three.
-/// One thread updates; while nobody updates, any number may walk.
+/// Sweep-and-prune along one axis: keeps boxes in the order of their low ends from frame to frame, so that where little
+/// moves, little is sorted again. Generous, never misses. Worth it where boxes are few or lie along a line: all pairs
+/// that overlap on the axis are compared.
+/// threads  one updates; while none does, any number may walk
+/// source   Cohen, Lin, Manocha and Ponamgi, "I-COLLIDE", 1995, on one axis instead of three
 class SweepAndPrune {
  public:
-  /// Of the last update. A swap moves one box past another.
+  /// About the last update. A swap moves one box past another.
   struct Report {
     int axis = 0;
     std::uint64_t swaps = 0;
-    bool is_sorted_anew = false;  // the order of the last frame was of no use
+    bool is_sorted_anew = false;  // the last frame's order could not be used
   };
 
-  /// Boxes are numbered by their place in the span; empty ones are left out. Keeps its memory and, where the number of
-  /// boxes is the same, its order.
+  /// Boxes are numbered by their index in the span; empty ones are left out. Keeps its memory and, if the same boxes
+  /// are non-empty, its order.
   void update(std::span<const Aabb> boxes);
 
   void clear();
 
   std::size_t size() const { return order_.size(); }
-  /// Of the box at a place in the order.
+  /// The number of the box at a place in the order.
   std::uint32_t number(std::uint32_t place) const { return order_[place].number; }
   std::size_t bytes() const;
   const Report& report() const { return report_; }
 
-  /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order. False ends
-  /// the walk.
+  /// All pairs (first < second) of overlapping boxes, touching included, each once, in no particular order. `found`
+  /// returns false to end the walk.
   using PairFound = FunctionRef<bool(std::uint32_t first, std::uint32_t second)>;
   void pairs(PairFound found, WalkCost& cost) const;
 
@@ -51,10 +51,10 @@ class SweepAndPrune {
   void start_anew(std::span<const Aabb> boxes, int axis);
   bool sort_from_last();
 
-  std::vector<Place> order_;        // ascending
-  std::vector<BoxBlock> blocks_;    // in that order; NaN behind the last
+  std::vector<Place> order_;        // ascending by low end
+  std::vector<BoxBlock> blocks_;    // in that order; NaN after the last
   std::vector<std::uint32_t> numbers_;
-  std::size_t box_count_ = 0;       // of the last update, empty ones too
+  std::size_t box_count_ = 0;       // of the last update, including empty ones
   Report report_;
 };
 

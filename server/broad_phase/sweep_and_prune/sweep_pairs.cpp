@@ -13,14 +13,14 @@ namespace collided::engine::sweep::HWY_NAMESPACE {
 
 constexpr std::uint32_t kBlock = BoxBlock::kSize;
 
-/// Every box against those that begin, on the axis, before it ends. The NaN behind the last ends the last ways.
+/// Compares every box with those that begin, on the axis, before it ends. The NaN after the last box ends the search.
 void FindPairs(const Ordered& ordered, SweepAndPrune::PairFound found, WalkCost& cost) {
   const std::uint32_t* numbers = ordered.numbers.data();
   for (std::uint32_t place = 0; place < ordered.count; ++place) {
     const BoxBlock& own = ordered.blocks[place / kBlock];
     const engine::HWY_NAMESPACE::AskedBox asked(own, place % kBlock);
     const double end = own.high[ordered.axis][place % kBlock];
-    // Those behind the box in its own block, then whole blocks.
+    // First those after the box in its own block, then whole blocks.
     unsigned wanted = 0xfeu << place % kBlock & 0xffu;
     for (std::uint32_t block = place / kBlock;; wanted = 0xffu) {
       for (unsigned met = asked.overlapping(ordered.blocks[block]) & wanted; met != 0; met &= met - 1) {

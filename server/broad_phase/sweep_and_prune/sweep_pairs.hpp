@@ -7,7 +7,7 @@
 
 namespace collided::engine::sweep {
 
-/// Boxes in the order of their low ends on an axis; behind the last the block is NaN.
+/// Boxes in the order of their low ends on an axis; lanes after the last box are NaN.
 struct Ordered {
   std::span<const BoxBlock> blocks;
   std::span<const std::uint32_t> numbers;
@@ -15,6 +15,7 @@ struct Ordered {
   int axis;
 };
 
+/// As SweepAndPrune::pairs; SIMD, chosen at run time.
 void find_pairs(const Ordered& ordered, SweepAndPrune::PairFound found, WalkCost& cost);
 
 }  // namespace collided::engine::sweep

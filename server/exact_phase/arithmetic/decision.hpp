@@ -4,12 +4,13 @@
 
 namespace collided::engine {
 
-/// Out of range, time or iterations is `undecided`, never `no`.
+/// The answer of an exact test. A test that runs out of range, time or iterations is `undecided`, never `no`.
 enum class Decision : std::uint8_t { no, yes, undecided };
 
-/// The rung of the ladder that decided: double with an error bound, expansions or intervals, rationals.
+/// Which rung of the arithmetic decided: double with an error bound, expansions or scaled numbers, rationals.
 enum class Level : std::uint8_t { filter, expansion, rational };
 
+/// A decision and the rung that it needed.
 struct ExactResult {
   Decision decision = Decision::no;
   Level level = Level::filter;

@@ -8,9 +8,9 @@
 namespace collided::engine {
 
 /// An exact rational whose denominator is a power of two: mantissa * 2^exponent. Sums, differences and products of
-/// doubles never leave this set, so no common divisor is ever sought. Not finite: answers nothing.
+/// doubles never leave this set, so no common divisor is ever computed. A number that is not finite has no sign.
 ///
-/// cost  about 0.1 to 0.3 us an operation; allocates. Only the .cpp files of the exact phase may include this.
+/// cost  about 0.1 to 0.3 us per operation; allocates
 class Dyadic {
  public:
   Dyadic() = default;
@@ -19,7 +19,7 @@ class Dyadic {
     int exponent;
     mantissa_ = std::ldexp(std::frexp(exact, &exponent), 53);
     exponent_ = exponent - 53;
-    // Short mantissas stay short: most scenes are full of small integers and halves.
+    // Keep mantissas short: most scenes are full of small integers and halves.
     const mp_bitcnt_t zeros = mpz_scan1(mantissa_.get_mpz_t(), 0);
     mantissa_ >>= zeros;
     exponent_ += static_cast<long>(zeros);
@@ -28,7 +28,7 @@ class Dyadic {
   Dyadic(mpz_class mantissa, long exponent) : mantissa_(std::move(mantissa)), exponent_(exponent) {}
 
   bool finite() const { return finite_; }
-  /// The number is mantissa * 2^exponent.
+  /// The number is mantissa() * 2^exponent().
   const mpz_class& mantissa() const { return mantissa_; }
   long exponent() const { return exponent_; }
   int sign() const { return sgn(mantissa_); }
@@ -41,7 +41,7 @@ class Dyadic {
     return {fraction, power + exponent_};
   }
 
-  /// split() loses nothing.
+  /// split() would lose no digit.
   bool short_mantissa() const { return mpz_sizeinbase(mantissa_.get_mpz_t(), 2) <= 53; }
 
   friend Dyadic operator-(Dyadic a) {

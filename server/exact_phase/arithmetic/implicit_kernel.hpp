@@ -9,7 +9,7 @@
 
 namespace collided::engine::kernel {
 
-/// f along a ray, in the ray's parameter.
+/// f along a ray, as a polynomial in the ray's parameter.
 template <class N>
 using RayPolynomial = Polynomial<N, ImplicitSurface::kMostDegree>;
 
@@ -39,6 +39,7 @@ Jet<Ring> operator*(const Jet<Ring>& a, const Jet<Ring>& b) {
   return product;
 }
 
+/// How each ring writes a constant.
 template <class Ring>
 struct ConstantOf {
   static Ring make(double c) { return Ring(c); }
@@ -60,7 +61,7 @@ Ring powered(const Ring& base, int exponent) {
   return exponent % 2 == 0 ? half * half : half * half * base;
 }
 
-/// f over any ring: numbers at a point, polynomials along a ray, jets of either for the gradient.
+/// f over any ring: numbers at a point, polynomials along a ray, or jets of either for the gradient.
 template <class Ring>
 Ring evaluate(const ImplicitSurface& surface, const Ring& x, const Ring& y, const Ring& z) {
   using Kind = PolynomialStep::Kind;
@@ -103,13 +104,14 @@ Ring evaluate(const ImplicitSurface& surface, const Ring& x, const Ring& y, cons
   return std::move(stack[0]);
 }
 
+/// f along origin + t * direction.
 template <class N>
 RayPolynomial<N> along(const ImplicitSurface& surface, const Vector<N>& origin, const Vector<N>& direction) {
   using P = RayPolynomial<N>;
   return evaluate(surface, P(origin.x, direction.x), P(origin.y, direction.y), P(origin.z, direction.z));
 }
 
-/// A coordinate with its derivatives.
+/// A coordinate as a jet: its own derivative is 1.
 template <class Ring>
 Jet<Ring> coordinate(Ring value, int axis) {
   Jet<Ring> jet{std::move(value), {}};
@@ -117,7 +119,7 @@ Jet<Ring> coordinate(Ring value, int axis) {
   return jet;
 }
 
-/// Of f, by x, y, z.
+/// The gradient of f by x, y, z.
 template <class Ring>
 std::array<Ring, 3> gradient(const ImplicitSurface& surface, Ring x, Ring y, Ring z) {
   return std::move(

@@ -6,16 +6,16 @@
 
 namespace collided::engine::kernel {
 
-// A question is written once over its rungs, `Climb` says which of them it may stand on.
+// A test is written once over the number types; a ladder says which of them it may use.
 
-/// From double upward: what the product answers with.
+/// All rungs from double upward: what answers clients.
 struct WholeLadder {
   template <class Kernel>
   static ExactResult climb(const Kernel& kernel) {
     return kernel::climb(kernel);
   }
 
-  /// value<N>() from the first rung on which it is crisp.
+  /// value<N>() from the first number type for which it is crisp.
   template <class Value>
   static auto sharpened(const Value& value) {
     auto quick = value.template operator()<Bounded>();
@@ -34,7 +34,7 @@ struct WholeLadder {
   }
 };
 
-/// Rationals and nothing else: what the product is audited with.
+/// Rationals alone: what audits use.
 struct RationalsAlone {
   template <class Kernel>
   static ExactResult climb(const Kernel& kernel) {
@@ -47,6 +47,7 @@ struct RationalsAlone {
   }
 };
 
+/// The disjunction of two tests, at the higher of their levels.
 inline ExactResult joined(const ExactResult& a, const ExactResult& b) {
   return {either(a.decision, b.decision), std::max(a.level, b.level)};
 }

@@ -14,15 +14,17 @@
 
 namespace collided::engine::kernel {
 
-// The number types under one set of questions. A kernel is written once, as a template over the number type N, and
-// uses only N(double), + - *, and the questions below. "Undecided" may come from Bounded and Traced (too close), from
-// Expansion (out of room) and from Scaled (too close, of what is out of a double's range); Dyadic decides everything finite.
+// The number types under one set of predicates. A kernel is written once, as a template over the number type N, and
+// uses only N(double), + - * and the predicates below. "Undecided" may come from Bounded and Traced (too close), from
+// Expansion (out of room) and from Scaled (too close, for numbers out of a double's range); Dyadic decides everything
+// finite.
 
+// A sign, or unsure where the number's bound contains zero.
 enum class Sign : signed char { negative = -1, zero = 0, positive = 1, unsure = 2 };
 
 template <class N>
 concept Rounding = std::same_as<N, Bounded> || std::same_as<N, Traced>;
-/// Known up to a bound only.
+/// Number types that are known only up to a bound.
 template <class N>
 concept Inexact = Rounding<N> || std::same_as<N, Scaled>;
 
@@ -72,10 +74,10 @@ Decision is_zero(const N& x) {
   return s == Sign::zero ? Decision::yes : Decision::no;
 }
 
-/// Yes as soon as one is yes; undecided only while none is.
+/// Yes as soon as one is yes; undecided while none is and one is undecided.
 class AnyOf {
  public:
-  /// True when the answer is settled.
+  /// True: the answer is yes, whatever follows.
   bool add(Decision d) {
     if (d != Decision::no && result_ != Decision::yes) result_ = d;
     return result_ == Decision::yes;
@@ -86,9 +88,10 @@ class AnyOf {
   Decision result_ = Decision::no;
 };
 
-/// No as soon as one is no.
+/// No as soon as one is no; undecided while none is and one is undecided.
 class AllOf {
  public:
+  /// True: the answer is no, whatever follows.
   bool add(Decision d) {
     if (d != Decision::yes && result_ != Decision::no) result_ = d;
     return result_ == Decision::no;
@@ -117,7 +120,7 @@ inline Expansion abs(const Expansion& x) { return x.leading() < 0 ? -x : x; }
 inline Dyadic abs(const Dyadic& x) { return x.sign() < 0 ? -x : x; }
 using engine::abs;
 
-/// Of a number that answers nothing and another one: one that answers nothing.
+/// The larger of two; without a sign if either has none.
 inline Expansion max(const Expansion& a, const Expansion& b) {
   const Expansion rest = a - b;
   if (rest.lost()) return rest;
@@ -133,8 +136,8 @@ N min(const N& a, const N& b) {
   return -max(-a, -b);
 }
 
-/// Kernels take raw coordinates and start with differences of them, so that errors scale with the size of the
-/// configuration and not with its place in the world, and equal points differ by exactly zero.
+/// Kernels take raw coordinates and first form differences of them, so that errors scale with the size of the
+/// configuration rather than its place in the world, and equal points differ by exactly zero.
 template <class N>
 struct Vector {
   N x;
@@ -175,7 +178,8 @@ Vector<N> cross(const Vector<N>& a, const Vector<N>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Runs `kernel.operator()<N>()` on each rung until one decides or the thread's precision ends.
+/// Runs `kernel.operator()<N>()` on one number type after the other, until one decides or the thread's precision allows
+/// no more.
 template <class Kernel>
 ExactResult climb(const Kernel& kernel) {
   Decision decision = kernel.template operator()<Bounded>();
@@ -185,7 +189,7 @@ ExactResult climb(const Kernel& kernel) {
   decision = kernel.template operator()<Traced>();
   if (decision != Decision::undecided || precision.highest == Level::filter) return {decision, Level::filter};
   ++rungs.expansion;
-  // Out of range expansions are lost, but then most answers are not close.
+  // Out of range, expansions lose digits; such answers are seldom close, so Scaled decides most of them.
   if (!range.was_left()) decision = kernel.template operator()<Expansion>();
   if (decision == Decision::undecided) decision = kernel.template operator()<Scaled>();
   if (decision != Decision::undecided || precision.highest == Level::expansion) return {decision, Level::expansion};

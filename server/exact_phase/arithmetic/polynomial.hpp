@@ -7,7 +7,7 @@
 
 namespace collided::engine::kernel {
 
-/// Binomial coefficients by row.
+/// Binomial coefficients: entry [n][j] is n over j.
 template <int kRows>
 constexpr std::array<std::array<double, kRows>, kRows> binomials() {
   std::array<std::array<double, kRows>, kRows> rows{};
@@ -18,10 +18,10 @@ constexpr std::array<std::array<double, kRows>, kRows> binomials() {
   return rows;
 }
 
-/// A polynomial in time, or in the parameter of a ray, over a number type, itself enough of a number (+ - *) for the
-/// vectors of number.hpp: the coplanarity of four moving points is dot(a, cross(b, c)) of polynomials of degree 1.
+/// A polynomial in time or in a ray's parameter, over a number type; it supports + - * like a number, so the vectors of
+/// number.hpp can hold it: the coplanarity of four moving points is dot(a, cross(b, c)) of polynomials of degree 1.
 ///
-/// range  degree kDegree; a product beyond it is a fault of the caller
+/// range  degree kDegree; a product of higher degree is an error of the caller
 template <class N, int kDegree = 3>
 class Polynomial {
  public:
@@ -35,10 +35,10 @@ class Polynomial {
     coefficient_[1] = std::move(slope);
   }
 
-  /// The first `count` of them, the constant first.
+  /// The first `count` coefficients, the constant first.
   Polynomial(Coefficients coefficient, int count) : coefficient_(std::move(coefficient)), count_(count) {}
 
-  /// Formal: the highest may be zero.
+  /// Number of coefficients, 0 for the zero polynomial; the highest ones may be zero until trim().
   int count() const { return count_; }
   const N& operator[](int power) const { return coefficient_[power]; }
 
@@ -47,7 +47,7 @@ class Polynomial {
     while (count_ > 0 && sign(coefficient_[count_ - 1]) == Sign::zero) --count_;
   }
 
-  /// Divided by its variable; the constant coefficient is zero.
+  /// Divided by its variable; the constant coefficient must be zero.
   Polynomial without_root_at_zero() const {
     Polynomial result;
     result.count_ = count_ - 1;
@@ -88,7 +88,7 @@ class Polynomial {
     return span;
   }
 
-  /// The sign on all of the closed interval; unsure where that is not sure or there is more than one.
+  /// The sign on the whole closed interval; unsure where it changes or cannot be told.
   Sign sign_on(const N& low, const N& high) const {
     if (count_ == 0) return Sign::zero;
     const Coefficients span = on_span(low, high);
@@ -132,7 +132,8 @@ class Polynomial {
     return result;
   }
 
-  /// a modulo b, times a power of b's highest coefficient, and the quotient likewise. Both trimmed, b not zero.
+  /// Remainder and quotient of a by b: (quotient, remainder), both times a power of b's leading coefficient. Both
+  /// trimmed, b not zero.
   static std::pair<Polynomial, Polynomial> divided(Polynomial a, const Polynomial& b) {
     Polynomial quotient;
     const N& top = b.coefficient_[b.count_ - 1];

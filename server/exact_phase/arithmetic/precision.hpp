@@ -6,30 +6,30 @@
 
 namespace collided::engine {
 
-/// What the tests of one thread may spend. The defaults decide everything and sharpen every number.
+/// How much arithmetic the tests of one thread may use. The defaults decide everything and refine every number.
 struct Precision {
-  /// Above this rung nothing is tried: `undecided` instead, and numbers keep the bound they have.
+  /// Rungs above this are not used: tests give `undecided` instead, and numbers keep the bound they have.
   Level highest = Level::rational;
-  /// A distance, depth or time known to this many metres is not sharpened further. Decisions stay exact.
+  /// A distance, depth or time known to within this many metres is not refined further. Decisions stay exact.
   double error_asked_m = 0;
 };
 
-/// What the tests of one thread have needed since it started: the honest price of exactness.
+/// What the tests of one thread have needed since it started.
 struct RungCounts {
-  std::uint64_t uncertain = 0;  // questions that double with a running bound left open
-  std::uint64_t expansion = 0;  // of those, asked of expansions or, out of a double's range, of scaled numbers
-  std::uint64_t rational = 0;   // of those, asked of rationals
-  std::uint64_t sharpened = 0;  // numbers worked out again because double knew too few digits
+  std::uint64_t uncertain = 0;  // tests that double with a running bound left open
+  std::uint64_t expansion = 0;  // of those, tried with expansions or, out of a double's range, with scaled numbers
+  std::uint64_t rational = 0;   // of those, decided by rationals
+  std::uint64_t sharpened = 0;  // numbers calculated again because double knew too few digits
 };
 
 namespace kernel {
-// Read only where a filter has failed, so that the sure majority never pays for it.
+// Read only where a filter has failed, so that the certain majority never pays for it.
 inline thread_local constinit Precision precision;
 // Counted only where a filter has failed, for the same reason.
 inline thread_local constinit RungCounts rungs;
 }  // namespace kernel
 
-/// Sets the calling thread's precision for as long as it lives; scopes nest.
+/// Sets the calling thread's precision for the scope's lifetime; scopes nest.
 class PrecisionScope {
  public:
   explicit PrecisionScope(const Precision& wanted) : before_(kernel::precision) { kernel::precision = wanted; }

@@ -8,8 +8,8 @@
 
 namespace collided::engine::kernel {
 
-/// Whether double arithmetic since it was made overflowed or underflowed: the processor keeps flags of that. It says only
-/// which rung is worth trying next, so nothing hangs on what the compiler moves across it.
+/// Tells whether double arithmetic since its construction overflowed or underflowed, from the processor's flags. It
+/// only chooses the number type to try next, so no answer depends on what the compiler moves across it.
 ///
 /// cost  15 ns
 class RangeWatch {

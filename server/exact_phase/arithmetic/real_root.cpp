@@ -13,10 +13,10 @@ namespace {
 
 Dyadic two_to(long power) { return Dyadic(mpz_class(1), power); }
 
-/// Above |x|, and at most 2 |x|.
+/// The exponent e with |x| < 2^e <= 2 |x|.
 long power_above(const Dyadic& x) { return x.split().second; }
 
-/// Strictly between, 0 <= low < high: by value when the two are close, by exponent when they are far apart.
+/// Strictly between, for 0 <= low < high: the middle if the two are close, by exponent if they are far apart.
 Dyadic between(const Dyadic& low, const Dyadic& high) {
   const long above_low = power_above(low);
   const long above_high = power_above(high);
@@ -24,11 +24,11 @@ Dyadic between(const Dyadic& low, const Dyadic& high) {
   return two_to(above_low + (above_high - above_low) / 2);
 }
 
-/// Whole, n / d rounded up, d > 0.
+/// n / d rounded up, for d > 0.
 long ceiling(long n, long d) { return n > 0 ? (n + d - 1) / d : -(-n / d); }
 
-/// Powers of two that all positive roots lie strictly between. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n - k)), and the
-/// same of the reversed polynomial; c_0 and c_n are not zero.
+/// Powers of two strictly below and above all positive roots. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n - k)), and
+/// the same for the reversed polynomial; c_0 and c_n must not be zero.
 std::pair<long, long> powers_around_roots(const ExactRayPolynomial& p) {
   const int n = p.count() - 1;
   long high = std::numeric_limits<long>::min();
@@ -43,7 +43,7 @@ std::pair<long, long> powers_around_roots(const ExactRayPolynomial& p) {
   return {-(low + 1) - 1, high + 1 + 1};
 }
 
-/// The coefficients in double, by one common power of two.
+/// The coefficients in double, scaled by one common power of two.
 std::array<double, ExactRayPolynomial::kCoefficients> approximated(const ExactRayPolynomial& polynomial) {
   long power = std::numeric_limits<long>::min();
   for (int i = 0; i < polynomial.count(); ++i) {
@@ -57,8 +57,8 @@ std::array<double, ExactRayPolynomial::kCoefficients> approximated(const ExactRa
   return result;
 }
 
-/// Steps of one search. Roots that doubles near 1 make are told apart within some thousand; who writes exponents hundreds
-/// apart may come here, and is told that it is undecided.
+/// Steps of one search. Roots of polynomials with coefficients near 1 are separated within some thousand; coefficients
+/// with exponents hundreds apart may exhaust it, and give undecided.
 constexpr int kMostHalvings = 20'000;
 
 }  // namespace
@@ -78,6 +78,7 @@ void RealRoot::halve() {
   if (!known_) split_at(between(low_, high_));
 }
 
+// Brackets the root in double arithmetic, then splits exactly beside that guess: a few exact steps in place of many.
 void RealRoot::split_beside_guess() {
   const auto coefficient = approximated(polynomial_);
   const auto value = [&](double t) {
@@ -92,7 +93,7 @@ void RealRoot::split_beside_guess() {
     if (!(t > low && t < high)) break;
     ((value(t) > 0) == (before_high_ == Sign::positive) ? high : low) = t;
   }
-  // Whole numbers and the like are met exactly.
+  // Roots that are doubles, as whole numbers, are met exactly.
   split_at(Dyadic(high));
   split_at(Dyadic(low));
   double reach = kRoundoff * high;
@@ -125,7 +126,7 @@ Sign RealRoot::sign_of(const ExactRayPolynomial& other) {
   Sign s = other.sign_on(low_, high_);
   if (s != Sign::unsure) return s;
   const ExactRayPolynomial shared = common_divisor(polynomial_, other);
-  // The interval holds one root of ours, so at most one of a divisor.
+  // The interval holds one root of this polynomial, so at most one of a divisor.
   if (shared.count() > 1 && sign_changes(shared, low_, high_).count % 2 == 1) return Sign::zero;
   for (int step = 0; step < kMostHalvings && s == Sign::unsure; ++step) {
     halve();

@@ -7,24 +7,28 @@
 
 namespace collided::engine::kernel {
 
-/// One root >= 0 of a polynomial without multiple roots, held by an interval around it that contains no other. What
-/// AlgebraicTime is for time in [0, 1], for the parameter of a ray, which has no end, and to degree 8.
+/// One root >= 0 of a polynomial without multiple roots, held by an interval around it that contains no other root. The
+/// counterpart of AlgebraicTime, whose times end at 1, for the parameter of a ray, which has no end, and up to degree
+/// 8.
 class RealRoot {
  public:
-  /// The root in the open interval; `before_high` is the polynomial's sign between it and high.
+  /// The root in the open interval; `before_high` is the polynomial's sign between the root and high.
   RealRoot(ExactRayPolynomial polynomial, Dyadic low, Dyadic high, Sign before_high)
       : polynomial_(std::move(polynomial)), low_(std::move(low)), high_(std::move(high)), before_high_(before_high) {}
+  /// A root that is known exactly.
   explicit RealRoot(const Dyadic& known) : low_(known), high_(known), known_(true) {}
 
-  /// Exact; zero by a common divisor, else by closing in until the sign is one; unsure when out of steps. The other one is
-  /// trimmed.
+  /// The sign of another polynomial at the root. Exact: zero is proved by a common divisor, other signs by narrowing
+  /// until one sign is left; unsure when out of steps. `other` must be trimmed.
   Sign sign_of(const ExactRayPolynomial& other);
 
-  /// Until the doubles around it are no farther apart than this share of the upper one, or neighbours.
+  /// Narrows until the doubles around the root are no farther apart than this share of the upper one, or are
+  /// neighbours.
   void narrow(double relative_width);
+  /// Narrows by one step.
   void halve();
 
-  /// The doubles around it; equal where it is one. The upper may be infinite.
+  /// The doubles around the root; equal where the root is one. The upper may be infinite.
   std::pair<double, double> bracket() const;
   const Dyadic& low() const { return low_; }
   const Dyadic& high() const { return high_; }
@@ -38,14 +42,15 @@ class RealRoot {
   Dyadic high_;
   Sign before_high_ = Sign::zero;
   bool known_ = false;  // both ends are the root
-};
+};  // low_ and high_ are both the root
 
+/// Roots found, and whether they are all.
 struct RealRoots {
-  std::vector<RealRoot> roots;  // in order
-  bool complete = true;         // else there may be more behind the last one: out of steps
+  std::vector<RealRoot> roots;  // ascending
+  bool complete = true;         // else the search ran out of steps: there may be more beyond the last one
 };
 
-/// Every root >= 0, multiple ones once. Trimmed and not zero.
+/// Every root >= 0, multiple ones once. The polynomial must be trimmed and not zero.
 /// source  Descartes' rule of signs with bisection (Collins, Akritas, 1976)
 RealRoots roots_from_zero(const ExactRayPolynomial& polynomial);
 

@@ -12,7 +12,7 @@ inline double rounded_down(const Dyadic& x) {
   const auto [fraction, power] = x.split();
   const double rounded = std::ldexp(fraction, static_cast<int>(std::clamp(power, -4000L, 4000L)));
   if (!std::isfinite(rounded)) return std::numeric_limits<double>::max();
-  // Cut toward zero by split(), but ldexp rounds to nearest among the denormals.
+  // split() truncates toward zero, but ldexp rounds to nearest among the denormals.
   return sign(Dyadic(rounded) - x) == Sign::positive ? std::nextafter(rounded, 0.0) : rounded;
 }
 

@@ -8,8 +8,8 @@
 
 namespace collided::engine::kernel {
 
-/// value * 2^power: a double with its bound, the exponent apart, so that no square or product of what fits a double leaves
-/// the range (the square of 1e-200 m, a ball of 1e300 m).
+/// value * 2^power: a double with its bound and a separate exponent, so that no square or product of doubles leaves the
+/// range (the square of 1e-200 m, a sphere of 1e300 m).
 ///
 /// cost  about three times that of Bounded, a quarter of that of exact numbers (a point near a triangle)
 struct Scaled {
@@ -25,20 +25,21 @@ struct Scaled {
     power = own;
   }
 
-  /// Products of two such, and sums of those, are far from both ends of a double's range.
+  /// Products of two such values, and sums of those, stay far from both ends of a double's range.
   static bool is_near_one(double size) {
     constexpr double kFarFromOne = 0x1p200;
     return size >= 1 / kFarFromOne && size <= kFarFromOne;
   }
 };
 
+/// x * 2^power, with the rounding at the ends of the range.
 inline Bounded shifted(const Bounded& x, long power) {
   if (power == 0) return x;
   const int clipped = static_cast<int>(std::clamp(power, -4000L, 4000L));
   return {std::ldexp(x.value, clipped), std::ldexp(x.error, clipped) + (x.exactly_zero() ? 0 : kUnderflow)};
 }
 
-/// The same number, its value near 1 where it is known to be other than zero, else its error.
+/// The same number with a value near 1; where the value is zero, its error is near 1.
 inline Scaled settled(const Bounded& value, long power) {
   const double size = std::max(std::abs(value.value), value.error);
   if (size == 0 || !std::isfinite(size) || Scaled::is_near_one(size)) return {value, power};
@@ -61,13 +62,13 @@ inline Scaled operator+(const Scaled& a, const Scaled& b) {
 inline Scaled operator-(const Scaled& a, const Scaled& b) { return a + -b; }
 
 inline Scaled abs(const Scaled& a) { return {abs(a.value), a.power}; }
-/// Where it is not known which is greater, the bound covers both.
+/// Where it is unknown which is greater, the bound covers both.
 inline Scaled max(const Scaled& a, const Scaled& b) {
   const long power = std::max(a.power, b.power);
   return settled(max(shifted(a.value, a.power - power), shifted(b.value, b.power - power)), power);
 }
 
-/// Of a number known to be >= 0.
+/// For a number known to be >= 0.
 inline Scaled sqrt(const Scaled& x) {
   const bool odd = x.power % 2 != 0;
   return {engine::sqrt(odd ? Bounded(2) * x.value : x.value), (x.power - (odd ? 1 : 0)) / 2};

@@ -7,13 +7,14 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// Whole coefficients without a common divisor; the highest is not zero. Empty: zero.
+/// Whole coefficients, the constant first; the highest is not zero. Empty: the zero polynomial.
 using Whole = std::vector<mpz_class>;
 
 void trim(Whole& p) {
   while (!p.empty() && sgn(p.back()) == 0) p.pop_back();
 }
 
+/// Divides by the greatest common divisor of the coefficients.
 void take_content_out(Whole& p) {
   trim(p);
   mpz_class content = 0;
@@ -22,7 +23,7 @@ void take_content_out(Whole& p) {
   for (mpz_class& c : p) mpz_divexact(c.get_mpz_t(), c.get_mpz_t(), content.get_mpz_t());
 }
 
-/// Times the power of two that makes them whole, and less.
+/// The polynomial times a constant that makes its coefficients whole and as small as possible.
 Whole whole(const ExactRayPolynomial& polynomial) {
   long lowest = std::numeric_limits<long>::max();
   for (int i = 0; i < polynomial.count(); ++i) {
@@ -44,7 +45,7 @@ ExactRayPolynomial with_exponents(const Whole& p) {
   return ExactRayPolynomial(std::move(coefficient), static_cast<int>(p.size()));
 }
 
-/// a modulo b times a number; a becomes that, quotient (may be null) the quotient times the same.
+/// Replaces a by its remainder modulo b, up to a constant factor; the quotient, unless null, gets the same factor.
 void divide(Whole& a, const Whole& b, Whole* quotient) {
   while (a.size() >= b.size()) {
     const std::size_t shift = a.size() - b.size();

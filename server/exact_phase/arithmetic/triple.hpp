@@ -8,13 +8,14 @@
 namespace collided::engine::kernel {
 
 /// Three doubles in registers, for the filters: Eigen's vectors of three go through memory here, and these are the
-/// innermost loops. The order of operations is what the error bounds in tolerance.hpp count.
+/// innermost loops. The error bounds in tolerance.hpp count on this order of operations.
 struct Triple {
   double x;
   double y;
   double z;
 
   Triple operator-(const Triple& o) const { return {x - o.x, y - o.y, z - o.z}; }
+  /// The largest absolute coordinate.
   double largest() const { return std::max({std::abs(x), std::abs(y), std::abs(z)}); }
 };
 

@@ -9,8 +9,8 @@
 
 namespace collided::engine::kernel {
 
-// From a kernel's numbers to reported doubles with bounds. Ratios and roots of exact numbers leave the range of double
-// long before the answer does (the square of 1e-200 m), so the exponent travels apart.
+// Turns a kernel's numbers into reported doubles with bounds. Quotients and roots of exact numbers leave the range of
+// double long before the answer does (the square of 1e-200 m), so the exponent is kept apart.
 
 inline Scaled scaled(const Bounded& x) { return {x, 0}; }
 
@@ -39,7 +39,7 @@ inline Bounded plain(const Scaled& x) {
   if (!std::isfinite(value)) {
     return {std::copysign(std::numeric_limits<double>::max(), value), std::numeric_limits<double>::infinity()};
   }
-  // Into the denormals ldexp rounds once more: the value, or an error far below it.
+  // Among the denormals ldexp rounds once more: the value, or an error far below it.
   const bool value_cut = std::abs(value) < std::numeric_limits<double>::min() && !x.value.exactly_zero();
   const bool cut = value_cut || (x.value.error != 0 && std::abs(value) < kSmallestPlain);
   const double denormal = cut ? std::numeric_limits<double>::denorm_min() : 0.0;
@@ -51,7 +51,7 @@ double rounded(const N& x) {
   return plain(scaled(x)).value;
 }
 
-/// The same direction, its longest component near 1.
+/// The same direction, scaled so that its longest component is near 1.
 inline Vector<Bounded> in_range(const Vector<Scaled>& v) {
   const Scaled* component[3] = {&v.x, &v.y, &v.z};
   long power = std::numeric_limits<long>::min();
@@ -64,7 +64,7 @@ inline Vector<Bounded> in_range(const Vector<Scaled>& v) {
   return {shifted(v.x.value, v.x.power - power), shifted(v.y.value, v.y.power - power), shifted(v.z.value, v.z.power - power)};
 }
 
-/// The unit vector along v, or zero if v is.
+/// The unit vector along v, or zero if v is zero.
 template <class N>
 Vec3 unit(const Vector<N>& v) {
   const Vector<Bounded> near_one = in_range({scaled(v.x), scaled(v.y), scaled(v.z)});
@@ -74,7 +74,7 @@ Vec3 unit(const Vector<N>& v) {
 
 inline Vec3 unit(const Vec3& v) { return unit(Vector<Bounded>(v)); }
 
-/// The lesser of two values; where they compete, the bound covers both.
+/// The smaller of two values; where their intervals overlap, the bound covers both.
 inline Bounded lesser(const Bounded& a, const Bounded& b) {
   if (a.high() < b.low()) return a;
   if (b.high() < a.low()) return b;
@@ -82,8 +82,8 @@ inline Bounded lesser(const Bounded& a, const Bounded& b) {
 }
 inline Bounded greater(const Bounded& a, const Bounded& b) { return -lesser(-a, -b); }
 
-/// Whether a value is known well enough to report, given the relative width that is worth an exact evaluation: also
-/// when the thread's precision asks for no more, or allows none.
+/// Whether a value is known well enough to report: within the relative width below which an exact evaluation pays,
+/// within the error that the thread's precision allows, or where that allows no exact evaluation.
 inline bool sharp(const Bounded& x, double relative_width) {
   const double bound = x.bound();
   if (!std::isfinite(bound)) return false;
@@ -91,7 +91,7 @@ inline bool sharp(const Bounded& x, double relative_width) {
          precision.highest == Level::filter;
 }
 
-/// A distance along a ray that is worth no higher rung.
+/// A distance along a ray that is precise enough to report.
 inline bool crisp(const Bounded& along_ray) { return sharp(along_ray, kRefineRay); }
 
 }  // namespace collided::engine::kernel

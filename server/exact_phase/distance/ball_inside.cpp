@@ -11,12 +11,14 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// Errors on a face with edges of at most E and corners of at most M by largest coordinate, as for kSeparationError: the
-/// normal is off by 8 u E^2 a coordinate (14 as a length), its product with a corner by 40 u E^2 M, the difference of two
-/// of them by 80 and a rounding of 12. 128 covers each with the roundings of the bound. No unit.
+/// Errors on a face with edges of at most E and corners of at most M, by largest coordinate, as for kSeparationError:
+/// the normal is off by 8 u E^2 per coordinate (14 as a length), its product with a corner by 40 u E^2 M, the
+/// difference of two of them by 80 and a rounding of 12. 128 covers each together with the roundings of the bound. No
+/// unit.
 /// At zero, ExactBallInside.HoldsWhatRationalsSay fails.
 constexpr double kFaceError = 128 * kRoundoff;
 
+/// By plain double.
 bool quickly_holds_ball(const Triple* corner, double radius_m) {
   const double largest = std::max({corner[0].largest(), corner[1].largest(), corner[2].largest(), corner[3].largest()});
   for (int skipped = 0; skipped < 4; ++skipped) {
@@ -28,17 +30,17 @@ bool quickly_holds_ball(const Triple* corner, double radius_m) {
     const double error = kFaceError * edge * edge;
     const double of_face = dot(n, p);
     const double of_corner = dot(n, corner[skipped]) - of_face;
-    // The origin must be on the corner's side of the plane, and far enough. Written so that what is not a number fails.
+    // The origin must be on the corner's side of the plane, and far enough from it. Written so that NaN fails.
     const double inward = of_corner > 0 ? -of_face : of_face;
     const double length = std::sqrt(dot(n, n)) + error;
     if (!(std::abs(of_corner) > error * largest) || !(inward - error * largest > radius_m * length * (1 + 8 * kRoundoff))) return false;
   }
-  // Products of such lengths keep their digits.
+  // In this range products of such lengths keep their digits.
   constexpr double kLargest = 0x1p300;  // up to it products of three stay in the range of double
   return largest < kLargest && largest > 1 / kLargest;
 }
 
-/// At most the radius of the ball about the origin that the tetrahedron holds; not positive: nothing is sure.
+/// A lower bound on the radius of the ball about the origin that the tetrahedron contains; 0: nothing is certain.
 double ball_inside(const DifferencePoint* corner) {
   double least = std::numeric_limits<double>::infinity();
   for (int skipped = 0; skipped < 4; ++skipped) {

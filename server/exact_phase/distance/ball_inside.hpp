@@ -4,10 +4,10 @@
 
 namespace collided::engine::kernel {
 
-/// Whether the tetrahedron of the four points surely holds the ball of that radius about the origin. "No" says nothing: the
-/// ball may be there all the same. Plain double with one bound for each face, then a running bound where that is too wide.
+/// Whether the tetrahedron of the four points surely contains the ball of that radius about the origin. False proves
+/// nothing: it may contain the ball all the same. Tries plain double with one bound per face, then a running bound.
 ///
-/// cost  about 40 ns, 150 where the second is asked
+/// cost  about 40 ns, 150 where the running bound is needed
 bool surely_holds_ball(const DifferencePoint* corner, double radius_m);
 
 }  // namespace collided::engine::kernel

@@ -4,15 +4,16 @@
 
 namespace collided::engine {
 
-/// Nearest point of a closed set. |true distance - distance_m| <= distance_error_m; 0 inside a solid.
+/// The nearest point of a closed set. |true distance - distance_m| <= distance_error_m; distance 0 inside a solid.
 struct Closest {
   double distance_m = 0;
   double distance_error_m = 0;
   Vec3 point = Vec3::Zero();   // on the set, |true point - point| <= point_error_m
-  Vec3 normal = Vec3::Zero();  // unit, from the set towards the asked point; of the nearest face when inside
+  Vec3 normal = Vec3::Zero();  // unit, from the set towards the given point; of the nearest face if that is inside
   double point_error_m = 0;
 };
 
+/// The point of a shape nearest to a given point; coordinates of both in one frame. Pure; any thread.
 Closest closest(const Vec3& point, const Sphere& sphere);
 Closest closest(const Vec3& point, const Box& box);
 Closest closest(const Vec3& point, const Capsule& capsule);

@@ -9,7 +9,7 @@ namespace collided::engine::kernel {
 
 inline Closest inside_at(const Vec3& point, const Vec3& normal) { return {0, 0, point, normal, 0}; }
 
-/// The foot, and from there the radius along the direction: the errors of both, of their product (1 u) and of their sum.
+/// The foot plus the radius along the direction: sums the errors of both, of their product (1 u) and of their sum.
 inline Closest outside_at(const NearestValue& nearest, double radius_m) {
   Closest result{nearest.gap.value, nearest.gap.bound(), nearest.foot + radius_m * nearest.away, nearest.away};
   result.point_error_m = nearest.foot_error_m;
@@ -20,14 +20,16 @@ inline Closest outside_at(const NearestValue& nearest, double radius_m) {
   return result;
 }
 
-/// The outward normal of the face that the inner point is nearest to. In plain double: no decision hangs on it.
+/// The outward normal of the face nearest to a point inside. In plain double, since no decision depends on it.
 Vec3 nearest_face_normal(const Vec3& point, const Box& box);
 
+/// Whether the closed shape contains the point, decided by the ladder.
 template <class Climb, class Shape>
 bool holds(const Shape& shape, const Vec3& point) {
   return Climb::climb([&]<class N>() { return sets_meet<N>(Sphere{point, 0}, shape); }).yes();
 }
 
+/// closest() with a ladder of one's choice: WholeLadder for answers, RationalsAlone for audits.
 template <class Climb>
 Closest closest_by(const Vec3& point, const Sphere& sphere) {
   const NearestValue nearest = nearest_by<Climb>(point, 0, sphere);

@@ -23,17 +23,18 @@ Contact flipped(Contact c) {
 }
 
 Contact make_contact(const Vec3& point, const Vec3& normal, const Bounded& depth) {
-  // Cores that touch in exact arithmetic may come out a rounding below zero.
+  // Cores that touch in exact arithmetic may come out slightly below zero.
   const double depth_m = std::max(depth.value, 0.0);
   return {point, normal, depth_m, depth.bound() + std::abs(depth_m - depth.value)};
 }
 
-/// Half the least push, from the surface of a core's rounding towards the other.
+/// Halfway into the overlap: from the rounded surface of a core towards the other.
 Vec3 middle_along(const Vec3& on_a, double radius_a_m, const Vec3& normal, double depth_m) {
   return on_a + (radius_a_m - depth_m / 2) * normal;
 }
 
-/// The sphere's centre is outside the core of `other` or on it: the depth is the radii less the distance.
+/// For a sphere whose centre is outside the core of `other` or on it: the depth is the sum of the radii less the
+/// distance.
 Contact ball_contact(const Sphere& a, double other_radius_m, const NearestValue& nearest, const Vec3& fallback) {
   const Vec3 towards = nearest.away.isZero(0) ? fallback : nearest.away;
   const Vec3 normal = -towards;
@@ -43,7 +44,7 @@ Contact ball_contact(const Sphere& a, double other_radius_m, const NearestValue&
           contact.depth_error_m};
 }
 
-/// At least the largest distance between two points of the pair.
+/// An upper bound on the distance between any two points of the pair.
 double size_of(const Core& a, const Core& b) {
   double size = 0;
   for (const Core* core : {&a, &b}) {
@@ -53,7 +54,7 @@ double size_of(const Core& a, const Core& b) {
   return size;
 }
 
-/// The push along one facet axis, in the direction that needs less.
+/// The translation of b along one facet axis that separates the two, in the direction that needs less.
 struct Push {
   Bounded depth;
   Vec3 normal = Vec3::Zero();
@@ -72,12 +73,13 @@ Push push_out(const FacetAxis& axis, const Core& a, const Core& b) {
   return backward.value < forward.value ? Push{backward, -normal, true} : Push{forward, normal, true};
 }
 
-/// By the error really made, which is none on small integers; exactly where that is still too wide.
+/// With the error really made, which is none on small integers; exactly where that is still too wide.
 Push push_out_sharply(const FacetAxis& axis, const Core& a, const Core& b) {
   const Push traced = push_out<Traced>(axis, a, b);
   return traced.exists && sharp(traced.depth, kRefineRay) ? traced : push_out<Dyadic>(axis, a, b);
 }
 
+/// The pushes along all facet axes of a pair.
 struct PushList {
   std::array<Push, 15> push;
   int count = 0;
@@ -89,8 +91,8 @@ struct PushList {
   }
   bool competes(int i, double least) const { return push[i].exists && push[i].depth.low() <= least; }
 
-  /// The push that wins, its depth widened over all that compete. Depths within `blunt` keep the earlier axis: faces
-  /// before edge pairs, in a fixed order.
+  /// The smallest push, its depth widened over all that may be smaller. Depths within `blunt` of each other keep the
+  /// earlier axis: faces before edge pairs, in a fixed order.
   Push least(double blunt) const {
     const double high = least_high();
     Push winner;
@@ -105,8 +107,8 @@ struct PushList {
   }
 };
 
-/// Least push that parts two cores that share a point: the nearest facet of the Minkowski difference. It is flat, and
-/// the push zero, when all facet axes vanish.
+/// The smallest push that separates two cores with a common point: the nearest facet of the Minkowski difference. No
+/// push exists, and the depth is zero, where the difference is flat and all facet axes vanish.
 Push least_push(const Core& a, const Core& b) {
   const FacetAxes axes = facet_axes(a, b);
   PushList list;
@@ -121,7 +123,7 @@ Push least_push(const Core& a, const Core& b) {
   }
   const Push least = list.least(blunt);
   if (!least.exists || sharp(least.depth, kRefineRay)) return least;
-  // Hardly touching: the digits that cancelled are worth having, and a touch is exactly zero.
+  // Barely touching: recover the digits that cancelled, so that a touch is exactly zero.
   const double narrow = list.least_high();
   for (int i = 0; i < axes.count; ++i) {
     if (list.competes(i, narrow)) list.push[i] = push_out_sharply(axes.axis[i], a, b);
@@ -131,6 +133,7 @@ Push least_push(const Core& a, const Core& b) {
 
 Vec3 edge_normal(const Core& core) { return any_normal(Vec3(core.point[1] - core.point[0])); }
 
+/// Some normal where no facet gives one.
 Vec3 normal_without_facets(const Core& a, const Core& b) {
   if (a.point_count == 3) return any_normal(Triangle{a.point[0], a.point[1], a.point[2]});
   if (b.point_count == 3) return any_normal(Triangle{b.point[0], b.point[1], b.point[2]});
@@ -138,6 +141,7 @@ Vec3 normal_without_facets(const Core& a, const Core& b) {
   return b.point_count == 2 ? edge_normal(b) : Vec3(Vec3::UnitX());
 }
 
+/// Cores that share a point: the push out of each other plus both radii.
 Contact contact_of_meeting_cores(const Core& a, const Core& b) {
   Push push = least_push(a, b);
   if (!push.exists) push = {Bounded(), normal_without_facets(a, b), true};
@@ -145,8 +149,8 @@ Contact contact_of_meeting_cores(const Core& a, const Core& b) {
   return make_contact(middle_of_both(a, b, push.normal), push.normal, depth);
 }
 
-/// The depth is at most the push along any direction that parts the two: the one across the witnesses, or, when they
-/// are so near that rounding made their direction, the best facet axis.
+/// The depth is at most the push along any separating direction: use the one between the witnesses, or, if they are so
+/// close that rounding made their direction, the best facet axis.
 Push best_known_push(const Core& a, const Core& b, const WitnessPair& pair, double low_m) {
   Push best{Bounded(0, std::numeric_limits<double>::infinity()), normal_without_facets(a, b), true};
   const Vec3 across = unit(Vec3(pair.on_b - pair.on_a));
@@ -166,12 +170,12 @@ Push best_known_push(const Core& a, const Core& b, const WitnessPair& pair, doub
   return best;
 }
 
-/// Cores apart, radii overlapping. Two witnesses bound the distance from above, a plane between them from below, and
-/// both bounds hold whatever the witnesses are worth.
+/// Cores apart, rounded surfaces overlapping. Two witnesses bound the distance from above, a plane between them from
+/// below; both bounds hold however good the witnesses are.
 Contact contact_of_apart_cores(const Core& a, const Core& b) {
   const WitnessPair pair = nearest_witnesses(a, b);
   const double apart_m = (pair.on_b - pair.on_a).stableNorm();
-  // The witnesses are off their cores by roundings of the extents, the norm by roundings of itself.
+  // The witnesses are off their cores by roundings of the extents, the norm by roundings of its own.
   const Bounded apart(apart_m, kWitnessError * (extent(a) + extent(b)) + 16 * kRoundoff * apart_m);
   const Bounded radii = Bounded(a.radius_m) + Bounded(b.radius_m);
   const Push push = best_known_push(a, b, pair, -apart.high());
@@ -182,8 +186,8 @@ Contact contact_of_apart_cores(const Core& a, const Core& b) {
   return make_contact(middle_along(pair.on_a, a.radius_m, push.normal, middle), push.normal, depth);
 }
 
-/// Solves at a size near 1 and scales back: squares of tiny and huge coordinates leave the range of double. A power of
-/// two changes no digit but those of coordinates that vanish beside the extent.
+/// Solves at a size near 1 and scales back, because squares of tiny and huge coordinates leave the range of double. A
+/// power of two changes no digits, except of coordinates that vanish beside the extent.
 template <class Solve>
 Contact at_unit_size(Core a, Core b, const Solve& solve) {
   const double largest = std::max(extent(a) + a.radius_m, extent(b) + b.radius_m);
@@ -247,6 +251,7 @@ Contact contact(const Triangle& a, const Triangle& b) { return contact_of_cores(
 namespace {
 
 template <class Shape>
+/// Order of the kinds in the list of contacts.
 constexpr int kRank = std::is_same_v<Shape, Sphere> ? 0 : std::is_same_v<Shape, Box> ? 1 : std::is_same_v<Shape, Capsule> ? 2 : 3;
 
 }  // namespace

@@ -10,16 +10,16 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// About the farthest point of the disc of radius 1 across the axis. Made perpendicular twice, since the first time
-/// cancels where n runs almost along the axis; there the middle of the disc is as good.
+/// About the farthest point of the disc of radius 1 perpendicular to the axis. Made perpendicular twice, because the
+/// first time cancels digits where n runs almost along the axis; there the disc's centre is as good.
 Vec3 disc_support(const Vec3& n, const Vec3& d) {
   Vec3 across = n - n.dot(d) * d;
   const double length2 = across.squaredNorm();
   const double whole2 = n.squaredNorm();
   if (!(length2 > kDiscSeenFlat * kDiscSeenFlat * whole2)) return Vec3::Zero();
   across /= std::sqrt(length2);
-  // At 30 degrees to the axis and more the first time was off by 5 u of |n|, 10 u of what is across, and 4 u for the unit
-  // vector: within what kSupportError has room for.
+  // At 30 degrees to the axis and more the first time is off by 5 u of |n|, 10 u of what is perpendicular, and 4 u for
+  // the unit vector: within what kSupportError allows.
   if (length2 > 0.25 * whole2) return across;
   across -= across.dot(d) * d;
   return across / across.norm();
@@ -61,7 +61,7 @@ Convex::Convex(const Ellipsoid& e) : carrier{e.center}, plus(Plus::ellipsoid), a
 }
 
 Convex::Convex(const Hull& h) : carrier{vertex_of(h, 0)}, hull(&h), hull_count(static_cast<int>(h.mesh->vertices.size())) {
-  // In the hull's own frame, which turning and rounding leave as it is but for the last digits.
+  // Measured in the hull's own frame: rotation and rounding change only the last digits.
   const std::vector<Vec3>& vertices = h.mesh->vertices;
   double reach = 0;
   Vec3 sum = Vec3::Zero();
@@ -85,7 +85,7 @@ Vec3 Convex::point(int i) const { return hull == nullptr ? carrier[i] : vertex_o
 Vec3 Convex::support(const Vec3& n) const {
   Vec3 best = Vec3::Zero();
   double most = 0;
-  // Discs of one axis are alike, so the carriers compete with them or without.
+  // Both discs of a cylinder are alike, so the carriers can be compared with the disc added.
   const Vec3 disc = disc_m > 0 ? Vec3(disc_m * disc_support(n, disc_unit)) : Vec3(Vec3::Zero());
   if (hull != nullptr) {
     // The vertex farthest along n in the hull's own frame.

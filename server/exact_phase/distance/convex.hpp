@@ -7,23 +7,24 @@
 
 namespace collided::engine::kernel {
 
-/// What all convex shapes are: the hull of a few points (carriers), of which those from first_disc on carry a disc, plus
-/// a box or an ellipsoid and a ball. For solvers that know a set by how far it reaches along a direction.
+/// The common form of all convex shapes: the hull of a few points (carriers), of which those from first_disc on carry a
+/// disc, plus a box or an ellipsoid, plus a ball. For solvers that know a set only by how far it reaches along a
+/// direction.
 struct Convex {
   Vec3 carrier[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   int carrier_count = 1;
-  const Hull* hull = nullptr;  // then its placed vertices are the carriers, the first of them in carrier[0]
+  const Hull* hull = nullptr;  // then its placed vertices are the carriers, the first of them in carrier[0]; not owned
   enum class Plus { nothing, box, ellipsoid } plus = Plus::nothing;
   Mat3 axes = Mat3::Zero();
   Vec3 half_m = Vec3::Zero();
   double ball_m = 0;
-  double disc_m = 0;  // about carriers from first_disc on, across disc_axis
+  double disc_m = 0;  // radius of the disc about carriers from first_disc on, perpendicular to disc_axis
   int first_disc = 0;
   EdgeDirection disc_axis;
-  Vec3 disc_unit = Vec3::UnitZ();  // about along the axis, of unit length
-  double reach_m = 0;  // at least the distance of any of its points, without the ball, from carrier[0]
+  Vec3 disc_unit = Vec3::UnitZ();  // the axis as a unit vector, rounded
+  double reach_m = 0;  // upper bound on the distance of any point, without the ball, from carrier[0]
 
-  /// A point in the midst of the set, from carrier[0], to begin a search with.
+  /// A point well inside the set, relative to carrier[0], to start a search from.
   Vec3 middle() const;
 
   explicit Convex(const Sphere& s);
@@ -33,16 +34,16 @@ struct Convex {
   explicit Convex(const Cylinder& c);
   explicit Convex(const Cone& c);
   explicit Convex(const Ellipsoid& e);
-  /// Keeps a pointer to the hull.
+  /// Keeps a pointer to the hull, which must outlive this.
   explicit Convex(const Hull& h);
 
+  /// Number of carriers.
   int count() const { return hull != nullptr ? hull_count : carrier_count; }
   Vec3 point(int i) const;
-  /// Flat facets and a ball: decided exactly, whatever it meets of its kind.
+  /// Flat facets and a ball: any two such sets are decided exactly.
   bool is_polytope() const { return plus != Plus::ellipsoid && disc_m == 0; }
 
-  /// About the farthest point along n, without the ball, as seen from carrier[0]; `nearest_to` is where a search over
-  /// many points begins and ends.
+  /// About the farthest point along n, without the ball, relative to carrier[0].
   Vec3 support(const Vec3& n) const;
 
  private:
@@ -50,7 +51,7 @@ struct Convex {
   Vec3 hull_middle_ = Vec3::Zero();  // from carrier[0]
 };
 
-/// rational + sqrt(numerator / denominator): how far a part of a set reaches along a direction.
+/// How far a part of a set reaches along a direction, as rational + sqrt(numerator / denominator).
 template <class N>
 struct ReachPart {
   N rational;
@@ -58,7 +59,7 @@ struct ReachPart {
   N denominator;
 };
 
-/// How far a set reaches along n from `origin`, times |n|: the larger of the parts (cones have two).
+/// How far a set reaches along n from `origin`, times |n|: the larger of its parts (cones have two).
 template <class N>
 struct ReachAlong {
   ReachPart<N> part[2];
@@ -96,18 +97,18 @@ ReachAlong<N> reach_along(const Convex& set, const Vector<N>& n, const Vec3& ori
   return reach;
 }
 
-/// sign +1: along n; -1: along -n, so that both sets of a pair are asked with one vector.
+/// side +1: along n; -1: along -n, so that one vector serves both sets of a pair.
 template <class N>
 ReachAlong<N> reach_along(const Convex& set, const Vec3& n, int side, const Vec3& origin) {
   return reach_along<N>(set, side > 0 ? Vector<N>(n) : -Vector<N>(n), origin);
 }
 
-/// p + sqrt(q) + sqrt(r) < 0, the roots' arguments as quotients of positive denominators.
+/// Whether p + sqrt(q) + sqrt(r) < 0, with the roots' arguments as quotients with positive denominators.
 template <class N>
 Decision root_sum_negative(const N& p, const ReachPart<N>& q, const ReachPart<N>& r) {
   const Decision below = less(p, N(0.0));
   if (below != Decision::yes) return below;
-  // Both sides of sqrt(q) + sqrt(r) < -p squared, and what is left of the roots once more.
+  // Squares both sides of sqrt(q) + sqrt(r) < -p, and squares again what is left of the roots.
   const N rest = (p * p * q.denominator * r.denominator - q.numerator * r.denominator) - r.numerator * q.denominator;
   const Decision room = is_positive(rest);
   if (room != Decision::yes) return room;
@@ -115,7 +116,7 @@ Decision root_sum_negative(const N& p, const ReachPart<N>& q, const ReachPart<N>
   return less(N(4.0) * product, rest * rest);
 }
 
-/// Whether some plane across n has the two sets strictly on its two sides, b ahead.
+/// Whether some plane perpendicular to n has the two sets strictly on opposite sides, b ahead.
 template <class N>
 Decision parted_along(const Vector<N>& n, const Convex& a, const Convex& b) {
   const Vec3& origin = b.carrier[0];
@@ -138,7 +139,7 @@ Decision parted_along(const Vec3& n, const Convex& a, const Convex& b) {
 /// How far the set reaches along n (side +1) or against it (-1) from the origin, times |n|.
 Bounded reach_value(const Convex& set, const Vec3& n, int side, const Vec3& origin);
 
-/// How far b must move along n, of any length, until the sets only touch, as a length; negative: they are parted.
+/// How far b must move along n, of any length, until the sets only touch, in metres; negative: they are separate.
 Bounded push_along(const Vec3& n, const Convex& a, const Convex& b);
 
 }  // namespace collided::engine::kernel

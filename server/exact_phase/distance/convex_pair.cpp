@@ -15,16 +15,17 @@
 namespace collided::engine::kernel {
 namespace {
 
+/// The size of the pair, on which the error of support points depends.
 double reach_of(const ConvexPair& pair) {
   return (pair.a.carrier[0] - pair.b.carrier[0]).cwiseAbs().sum() + pair.a.reach_m + pair.b.reach_m;
 }
 
-/// How far a difference point may be from the true difference set.
+/// How far a computed difference point may be from the true difference set.
 double support_error_m(const ConvexPair& pair) { return kSupportError * reach_of(pair) * (1 + 16 * kRoundoff); }
 
 double balls_m(const ConvexPair& pair) { return pair.a.ball_m + pair.b.ball_m; }
 
-/// The proposal alone proves an answer.
+/// What the proposal alone proves.
 Decision quick_decision(const ConvexPair& pair, const Proposal& proposal) {
   if (proposal.parted) return Decision::no;
   const double error_m = support_error_m(pair);
@@ -35,7 +36,7 @@ Decision quick_decision(const ConvexPair& pair, const Proposal& proposal) {
   return push_along(Vec3(-proposal.nearest), pair.a, pair.b).high() < 0 ? Decision::no : Decision::undecided;
 }
 
-/// Planes and points that the search came by, for sets with round parts.
+/// Planes and points that the search found, for sets with round parts; each is then tested exactly.
 struct Witnesses {
   Vec3 normal[4];
   Vec3 point[10];
@@ -45,18 +46,18 @@ struct Witnesses {
     point[1] = pair.a.carrier[0] + depth.on_a;
     point[2] = pair.b.carrier[0] + depth.on_b;
     point[0] = point[1] / 2 + point[2] / 2;
-    // The same on the plane that a reaches: where two faces touch, the search comes only near it.
+    // The same points moved onto the plane that a reaches: where two faces touch, the search only comes near it.
     for (int which = 0; which < 2; ++which) {
       const Vec3& n = normal[which];
       const Vec3 reached = pair.a.carrier[0] + pair.a.support(n) + pair.a.ball_m * n;
       for (int i = 0; i < 3; ++i) point[3 + 3 * which + i] = point[i] + n.dot(reached - point[i]) * n;
     }
-    // Between the nearest points of the two without their balls, the middle of what both balls cover.
+    // Between the nearest points of the two without their balls: the middle of what both balls cover.
     const Vec3 near_a = pair.a.carrier[0] + proposal.on_a();
     const double apart_m = proposal.nearest.stableNorm();
     point[9] = near_a + (pair.a.ball_m + (apart_m - pair.b.ball_m)) / 2 * unit(Vec3(-proposal.nearest));
   }
-  /// Of unit length, without the components that are rounding: in aligned scenes the true direction has none.
+  /// A unit vector without the components that are rounding: in axis-aligned scenes the true direction has none.
   static Vec3 squared_up(const Vec3& n) {
     Vec3 result = unit(n);
     for (double& x : result) x = std::abs(x) < 1e-7 ? 0 : x;
@@ -64,10 +65,10 @@ struct Witnesses {
   }
 };
 
-/// The point with its last digits off: where everyday scenes touch, coordinates have few.
+/// The point rounded to multiples of `step`: where everyday scenes touch, coordinates have few digits.
 Vec3 rounded_off(const Vec3& point, double step) { return ((point / step).array().round() * step).matrix(); }
 
-/// What no algebra here decides.
+/// The last attempt, for touching sets that no algebra here decides: rounded points that may lie in both.
 Decision holds_rounded_point(const ConvexPair& pair, const Witnesses& witnesses) {
   for (const Vec3& point : witnesses.point) {
     constexpr double kEverydaySteps_m[] = {0x1p-24, 1e-9, 1e-6, 0x1p-16, 1e-4, 0x1p-10, 1e-3};
@@ -79,7 +80,7 @@ Decision holds_rounded_point(const ConvexPair& pair, const Witnesses& witnesses)
   return Decision::undecided;
 }
 
-/// Near touching: each plane and point is asked exactly, then algebra.
+/// Near touching: tests each plane and point exactly, then decides by algebra.
 ExactResult careful_decision(const ConvexPair& pair, const Proposal& proposal) {
   const DepthProposal depth = depth_proposal(pair.a, pair.b, proposal, 0);
   if (depth.least_m > support_error_m(pair)) return {Decision::yes, Level::filter};
@@ -102,6 +103,7 @@ ExactResult careful_decision(const ConvexPair& pair, const Proposal& proposal) {
   return {decision != Decision::undecided ? decision : holds_rounded_point(pair, witnesses), Level::rational};
 }
 
+/// A contact with the middle of a bracket as its depth.
 Contact bracketed(const Vec3& point, const Vec3& normal, double low, double high) {
   const double least = std::max(low, 0.0);
   const double middle = least + std::max(high - least, 0.0) / 2;
@@ -111,8 +113,8 @@ Contact bracketed(const Vec3& point, const Vec3& normal, double low, double high
 }  // namespace
 
 ExactResult sets_overlap(const ConvexPair& pair) {
-  // Most pairs are parted by the first plane that comes, or enclose each other's points; the others are worth a search to
-  // the end.
+  // Most pairs are separated by the first plane found, or enclose the origin early; only the others need a complete
+  // search.
   const Decision quick = quick_decision(pair, nearest_proposal(pair.a, pair.b, Seek::plane));
   if (quick != Decision::undecided) return {quick, Level::filter};
   const Proposal proposal = nearest_proposal(pair.a, pair.b, Seek::distance);

@@ -8,7 +8,7 @@
 
 namespace collided::engine::kernel {
 
-/// Two convex sets, and how to ask whether both hold a point.
+/// Two convex sets, and a test of whether both contain a point.
 struct ConvexPair {
   Convex a;
   Convex b;
@@ -16,27 +16,28 @@ struct ConvexPair {
   using BothHold = FunctionRef<ExactResult(const Vec3& point)>;
   BothHold both_hold = leave_open;
 
-  /// For pairs that nobody asks whether they overlap.
+  /// For pairs that are known to overlap or not.
   static ExactResult leave_open(const Vec3&) { return {Decision::undecided, Level::filter}; }
 };
 
 /// Whether two convex sets share a point. A search in plain double proposes, a certificate decides: a plane between the
-/// sets, by the sign of a sum of two roots over the ladder; a ball inside the difference set; a point that both hold;
-/// for sets of flat facets and balls, the search itself over rationals; else the algebra of round_pair.hpp.
+/// sets, by the sign of a sum of two roots over the ladder; a ball inside the difference set; a point in both sets; for
+/// sets of flat facets and balls, the same search in rationals; else the algebra of round_pair.hpp.
 ///
-/// returns  undecided only for two sets with round parts that nearly touch, as round_pair.hpp says, at no point that the
-///          search came by; a hull of more than a thousand corners that a turn has bent, against a cylinder or cone
+/// returns  undecided only for two sets with round parts that nearly touch, as round_pair.hpp says, and whose common
+/// point the search did not find; and for a hull of more than a thousand corners, bent by a rotation, against a
+/// cylinder or cone
 /// threads  pure; allocates only beyond Level::filter
 ExactResult sets_overlap(const ConvexPair& pair);
 
-/// The same by rationals alone, for the audit: no ball, no bound, only planes, points and algebra.
+/// The same by rationals alone, for audits: no ball, no bound, only planes, points and algebra.
 Decision sets_overlap_by_rationals(const ConvexPair& pair);
 
-/// As in contact.hpp, for a pair that overlaps. The depth's bracket: a ball inside the difference set and a push that
-/// parts the two.
+/// As in contact.hpp, for a pair that overlaps. The depth is bracketed by a ball inside the difference set and a push
+/// that separates the two.
 Contact contact_of(const ConvexPair& pair);
 
-/// Of two sets that do not overlap.
+/// The distance of two sets that do not overlap.
 Separation separation_of(const ConvexPair& pair);
 
 }  // namespace collided::engine::kernel

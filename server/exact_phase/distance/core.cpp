@@ -11,6 +11,7 @@
 namespace collided::engine::kernel {
 namespace {
 
+/// The directions of a core's edges; returns how many.
 int edge_directions(const Core& core, EdgeDirection* edges) {
   if (core.is_box) {
     for (int i = 0; i < 3; ++i) edges[i] = {core.axes.col(i), Vec3::Zero()};
@@ -31,7 +32,7 @@ struct Edge {
   Vec3 b;
 };
 
-/// Up to `Capacity` of something, on the stack: contacts are made while a request waits, so nothing is allocated.
+/// Up to `Capacity` items, on the stack: contacts are computed while a request waits, so nothing is allocated.
 template <class T, int Capacity>
 class Few {
  public:
@@ -68,7 +69,7 @@ Edges edges_of(const Core& core) {
   return edges;
 }
 
-/// {x : normal . x <= offset}; enough of them bound a core.
+/// {x : normal . x <= offset}; a few of them bound a core.
 struct HalfSpace {
   Vec3 normal;
   double offset;
@@ -76,6 +77,7 @@ struct HalfSpace {
 
 using HalfSpaces = Few<HalfSpace, 6>;
 
+/// The half-spaces that bound a core, grown by the slack of clipping; none for points and segments.
 HalfSpaces half_spaces_of(const Core& core, double size_m) {
   HalfSpaces spaces;
   const double slack = kClipSlack * size_m;
@@ -100,7 +102,7 @@ HalfSpaces half_spaces_of(const Core& core, double size_m) {
   return spaces;
 }
 
-/// The middle of the part of an edge that all half-spaces keep.
+/// The middle of the part of an edge that lies in all half-spaces; false: there is none.
 bool clipped_middle(const Edge& edge, const HalfSpaces& spaces, Vec3& middle) {
   double low = 0;
   double high = 1;
@@ -116,6 +118,7 @@ bool clipped_middle(const Edge& edge, const HalfSpaces& spaces, Vec3& middle) {
   return true;
 }
 
+/// The point of a core farthest along n.
 Vec3 farthest_along(const Core& core, const Vec3& n) {
   Vec3 best = core.point[0];
   for (int i = 1; i < core.point_count; ++i) {
@@ -123,14 +126,14 @@ Vec3 farthest_along(const Core& core, const Vec3& n) {
   }
   for (int i = 0; core.is_box && i < 3; ++i) {
     const Vec3 axis = core.axes.col(i);
-    // A face across n is met in its middle, not in one of its corners.
+    // A face perpendicular to n counts with its middle, not with one of its corners.
     const double along = n.dot(axis);
     if (std::abs(along) > kClipSlack * axis.norm()) best += std::copysign(core.half_m[i], along) * axis;
   }
   return best;
 }
 
-/// Nearest points of two segments (Ericson 5.1.9), parameters clamped to [0, 1].
+/// Nearest points of two segments (Ericson 5.1.9), with parameters clamped to [0, 1].
 WitnessPair nearest_on_edges(const Edge& s, const Edge& t) {
   const Vec3 d = s.b - s.a;
   const Vec3 e = t.b - t.a;

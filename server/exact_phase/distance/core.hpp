@@ -5,13 +5,14 @@
 
 namespace collided::engine::kernel {
 
-/// The part of a shape that is left when its radius is taken off: the hull of up to three points, or a box.
+/// What is left of a shape without its radius: the hull of up to three points, or a box.
 struct Core {
   Vec3 point[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   int point_count = 1;
   bool is_box = false;
   Mat3 axes = Mat3::Zero();
   Vec3 half_m = Vec3::Zero();
+  // Of the ball around every point.
   double radius_m = 0;
 
   explicit Core(const Sphere& s) : point{s.center}, radius_m(s.radius_m) {}
@@ -20,25 +21,25 @@ struct Core {
   explicit Core(const Triangle& t) : point{t.a, t.b, t.c}, point_count(3) {}
 };
 
-/// At least the largest coordinate of any of its points.
+/// An upper bound on the coordinates of its points.
 double extent(const Core& core);
 
-/// Every length times 2^power.
+/// Multiplies every length by 2^power.
 void scale(Core& core, int power);
 
-/// The direction of an edge as the difference of two doubles each: from - to.
+/// The direction of an edge, to - from, kept as two points so that exact arithmetic can form the difference.
 struct EdgeDirection {
   Vec3 to = Vec3::Zero();
   Vec3 from = Vec3::Zero();
 };
 
-/// A direction that may bound the Minkowski difference of two cores: the cross product of two edges.
+/// The normal of a possible facet of two cores' Minkowski difference: the cross product of two edges.
 struct FacetAxis {
   EdgeDirection u;
   EdgeDirection v;
 };
 
-/// Every facet normal of the Minkowski difference, up to sign.
+/// All facet normals of the Minkowski difference, up to sign.
 struct FacetAxes {
   FacetAxis axis[15];
   int count = 0;
@@ -46,13 +47,14 @@ struct FacetAxes {
 
 FacetAxes facet_axes(const Core& a, const Core& b);
 
+/// The facet's normal, of any length; zero where the edges are parallel.
 template <class N>
 Vector<N> direction(const FacetAxis& axis) {
   return cross(Vector<N>(axis.u.to) - Vector<N>(axis.u.from), Vector<N>(axis.v.to) - Vector<N>(axis.v.from));
 }
 
-/// How far b must move along n, and how far along -n, until the cores only touch; both times |n|. The first is the
-/// largest n . (x_a - x_b).
+/// How far b must move along n, and along -n, until the cores only touch; both times |n|. `forward` is the largest n .
+/// (x_a - x_b).
 template <class N>
 struct Pushes {
   N forward;
@@ -77,11 +79,11 @@ Pushes<N> pushes_along(const Vector<N>& n, const Core& a, const Core& b) {
   return {largest + reach, reach - smallest};
 }
 
-/// A point of both cores, near the middle of what they share, given that they do. In plain double: it is a place to
-/// draw the contact and to apply its force, and no decision hangs on it.
+/// A point of both cores near the middle of their overlap, given that they do overlap. In plain double: it is where the
+/// contact is drawn and its force applied; no decision depends on it.
 Vec3 middle_of_both(const Core& a, const Core& b, const Vec3& normal);
 
-/// Points of two cores at about the least distance, each on its core but for a few roundings of its extent. b is a
+/// Points of two cores at about the least distance, each on its core but for a few roundings of its extent. b must be a
 /// point or a segment.
 struct WitnessPair {
   Vec3 on_a = Vec3::Zero();

@@ -1,3 +1,5 @@
+// The depth of two overlapping convex sets, by growing a polytope inside their difference set.
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,24 +21,27 @@ struct Face {
   double offset_m;  // of its plane from the origin
 };
 
-/// A polytope of difference points that is star-shaped about a point inside, so every face hides a part of the border.
+/// A polytope of difference points that is star-shaped about an inner point, so a support point beyond a face lies
+/// outside.
 class Polytope {
  public:
   Polytope(const Convex& a, const Convex& b) : a_(a), b_(b), size_m_(a.reach_m + b.reach_m) {}
 
-  /// A tetrahedron that is not flat, from the proposal's corners and then some; false: the difference set is flat along
-  /// flat_normal.
+  /// Builds a tetrahedron that is not flat, from the proposal's corners and further supports; false: the difference set
+  /// is flat along flat_normal().
   bool begin(const Proposal& start);
   const Vec3& flat_normal() const { return flat_normal_; }
 
   int nearest_face() const;
   const Face& face(int i) const { return faces_[static_cast<std::size_t>(i)]; }
-  /// Pushes the border out to the support of a face; false: the face is on the border already, or there is no room.
+  /// Moves the border out to the support along a face's normal; false: the face is on the set's border already, or
+  /// there is no room.
   bool grow(int face, double tolerance_m);
-  /// The radius of a ball about the origin that lies in the hull of the corners, whatever rounding did to the faces: a
-  /// closed surface that the ball does not meet winds around all of it or nothing.
+  /// The radius of a ball about the origin inside the hull of the corners, whatever rounding did to the faces: a closed
+  /// surface that does not meet the ball winds around all of it or none of it.
   double least_offset() const;
   bool encloses_origin() const;
+  // The points of a and b whose difference is the face's point nearest to the origin.
   void witnesses(int face, Vec3& on_a, Vec3& on_b) const;
 
  private:
@@ -62,7 +67,7 @@ void Polytope::add_face(int i, int j, int k) {
   const Vec3 v = at(k).w - at(i).w;
   const Vec3 normal = u.cross(v);
   const double length = normal.norm();
-  // A face without area has no normal: it is never the nearest, and never seen.
+  // A face without area has no normal: it is never the nearest and never visible.
   if (length > 0) {
     face.normal = normal / length;
     face.offset_m = face.normal.dot(at(i).w);
@@ -77,7 +82,7 @@ Vec3 Polytope::across_edge() const {
   return edge.cross(Vec3::Unit(least)).normalized();
 }
 
-/// The support along n or against it, whichever leaves the span of what is there by more than rounding.
+/// Adds the support along n or against it, whichever leaves the span of the present corners by more than rounding.
 bool Polytope::add_beyond(const Vec3& n) {
   for (const double side : {1.0, -1.0}) {
     const DifferencePoint p = difference_support(side * n, a_, b_);
@@ -95,7 +100,7 @@ bool Polytope::begin(const Proposal& start) {
     const Vec3 edge = at(1).w - at(0).w;
     return edge.cross(p.w - at(0).w).norm() > apart_m * edge.norm();
   };
-  // The proposal's corners as far as each leaves the span of those before it.
+  // Takes the proposal's corners as far as each leaves the span of those before it.
   add_corner(start.corner[0]);
   for (int i = 1; i < start.count; ++i) {
     if (corner_count_ == 1 ? off_point(start.corner[i]) : corner_count_ == 2 && off_line(start.corner[i])) {
@@ -143,7 +148,7 @@ bool Polytope::grow(int nearest, double tolerance_m) {
   const Vec3 normal = face(nearest).normal;
   const DifferencePoint p = difference_support(normal, a_, b_);
   if (!(normal.dot(p.w) - face(nearest).offset_m > std::max(tolerance_m, kSeenFrom * size_m_))) return false;
-  // A flat side of several faces is seen as a whole or not at all, so less than rounding does not count.
+  // A flat side of several faces must be visible as a whole or not at all, so distances below rounding do not count.
   const double least_seen_m = kSeenFrom * size_m_;
   const auto sees = [&](const Face& f) { return f.normal.dot(p.w - at(f.corner[0]).w) > least_seen_m; };
   std::array<std::pair<int, int>, 3 * kMostFaces> rim;
@@ -154,7 +159,7 @@ bool Polytope::grow(int nearest, double tolerance_m) {
     ++seen;
     for (int e = 0; e < 3; ++e) {
       const std::pair<int, int> edge{face(i).corner[e], face(i).corner[(e + 1) % 3]};
-      // An edge between two seen faces comes once each way.
+      // An edge between two visible faces comes once in each direction.
       const auto end = rim.begin() + static_cast<std::ptrdiff_t>(rim_count);
       const auto twin = std::find(rim.begin(), end, std::pair(edge.second, edge.first));
       if (twin != end) *twin = rim[--rim_count];
@@ -169,7 +174,7 @@ bool Polytope::grow(int nearest, double tolerance_m) {
   return true;
 }
 
-/// A lower bound on how near the triangle comes to the origin: by its plane, or for a sliver, whose plane nobody knows,
+/// A lower bound on the triangle's distance from the origin: by its plane, or for a sliver, whose plane is uncertain,
 /// by its longest edge and its height over that.
 double face_distance(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vector<Bounded> corner(a);
@@ -193,15 +198,15 @@ double face_distance(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::max(by_plane, (from + at * edge).norm() - height - 64 * kRoundoff * size);
 }
 
-/// Twice the sign of d . (p x q), or 1 where it is not sure.
+/// Twice the sign of d . (p x q), or 1 where it is uncertain.
 int side_of(const Vec3& d, const Vec3& p, const Vec3& q) {
   const Bounded volume = dot(Vector<Bounded>(d), cross(Vector<Bounded>(p), Vector<Bounded>(q)));
   const Sign s = sign(volume);
   return s == Sign::unsure || s == Sign::zero ? 1 : 2 * static_cast<int>(s);
 }
 
-/// By the parity of how often a ray from the origin passes the faces; directions on which a face leaves doubt are
-/// passed over.
+/// Decides by how often a ray from the origin crosses the faces, even or odd; skips directions for which a face is
+/// uncertain.
 bool Polytope::encloses_origin() const {
   for (const Vec3& d : {Vec3(0.53, 0.61, 0.59), Vec3(-0.71, 0.37, 0.6), Vec3(0.23, -0.81, 0.54), Vec3(-0.3, -0.44, -0.85)}) {
     int crossed = 0;

@@ -18,6 +18,7 @@ Convex convex(const ShapeView& view) {
   return std::visit([](const auto* shape) { return Convex(*shape); }, view);
 }
 
+/// Whether the shape contains the point, by the ladder.
 ExactResult holds(const ShapeView& view, const Vec3& point) {
   return std::visit(
       [&](const auto* shape) {
@@ -30,6 +31,7 @@ ExactResult holds(const ShapeView& view, const Vec3& point) {
       view);
 }
 
+/// The exact test of a common point that convex_pair.hpp requires.
 struct BothHold {
   const ShapeView& a;
   const ShapeView& b;
@@ -42,7 +44,7 @@ struct BothHold {
   }
 };
 
-/// Rationals alone.
+/// Whether the shape contains the point, by rationals alone.
 Decision surely_holds(const ShapeView& view, const Vec3& point) {
   return std::visit(
       [&](const auto* shape) {
@@ -61,7 +63,7 @@ ExactResult overlaps_in_general(const ShapeView& a, const ShapeView& b) {
   const BothHold both_hold{a, b};
   const ExactResult verdict = kernel::sets_overlap({convex(a), convex(b), both_hold});
   if (verdict.decision != Decision::undecided) return verdict;
-  // Both orders are tried, so that the order asked in is not to be seen.
+  // Tries both orders, so that the answer does not depend on the order of the request.
   return kernel::sets_overlap({convex(b), convex(a), both_hold});
 }
 
@@ -84,8 +86,9 @@ Closest closest_in_general(const Vec3& point, const ShapeView& shape) {
   if (kernel::sets_overlap(pair).yes()) return {0, 0, point, kernel::contact_of(pair).normal, 0};
   const Separation apart = kernel::separation_of(pair);
   Closest result{apart.distance_m, apart.error_m, apart.on_a, apart.normal};
-  // The nearest point of a convex set is within sqrt(h^2 - l^2) of any of its points at distance h, if it is at l or more.
-  // With h and l an error off the distance that is the root of 4 distance error; h - l itself would lose its digits.
+  // If the nearest point of a convex set is at distance l or more, it is within sqrt(h^2 - l^2) of any point of the set
+  // at distance h. With h and l one error off the distance, that is the root of 4 distance error; h - l itself would
+  // cancel.
   const double distance = apart.distance_m;
   const double error = apart.error_m;
   const double within_m = distance > error ? 2 * std::sqrt(distance) * std::sqrt(error) : distance + error;

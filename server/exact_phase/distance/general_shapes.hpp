@@ -10,24 +10,25 @@
 
 namespace collided::engine {
 
-/// Shapes whose pairs have no closed form here: they go through one search with certificates (convex_pair.hpp).
+/// Shapes without a closed form for pairs: they use one search with certificates (convex_pair.hpp).
 template <class Shape>
 concept General = std::same_as<Shape, Cylinder> || std::same_as<Shape, Cone> || std::same_as<Shape, Ellipsoid> ||
                   std::same_as<Shape, Hull>;
 
-/// Any convex shape, looked at for the time of a call.
+/// A pointer to any convex shape; the shape must outlive the call.
 using ShapeView = std::variant<const Sphere*, const Box*, const Capsule*, const Cylinder*, const Cone*, const Ellipsoid*,
                                const Hull*, const Triangle*>;
 
+/// Shapes that a ShapeView can point to.
 template <class Shape>
 concept Viewable = std::constructible_from<ShapeView, const Shape*>;
 
-/// As overlaps, contact and closest of the shapes that the views show.
+/// The same as overlaps, contact and closest, for the shapes that the views point to.
 ExactResult overlaps_in_general(const ShapeView& a, const ShapeView& b);
 Contact contact_in_general(const ShapeView& a, const ShapeView& b);
 Closest closest_in_general(const Vec3& point, const ShapeView& shape);
 
-/// The same decision without the filter's way out: planes and points are asked of rationals alone.
+/// The same decision without filters: planes and points are tested by rationals alone.
 Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b);
 
 template <class A, class B>

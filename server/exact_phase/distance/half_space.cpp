@@ -13,8 +13,8 @@ using namespace kernel;
 
 ExactResult opposite_of(const ExactResult& verdict) { return {opposite(verdict.decision), verdict.level}; }
 
-/// The middle of what the set has deepest against n, without its ball: of a face, an edge or a corner. In plain double:
-/// it is a place to draw the contact, and no decision hangs on it.
+/// The middle of the face, edge or corner of the set that lies deepest against n, without the ball. In plain double: it
+/// is where the contact is drawn; no decision depends on it.
 Vec3 deepest_middle(const Convex& set, const Vec3& n) {
   const double slack_m = kClipSlack * (set.reach_m + set.carrier[0].cwiseAbs().maxCoeff());
   if (set.disc_m > 0) {
@@ -73,7 +73,7 @@ Contact contact_half_space(const HalfSpace& a, const ShapeView& b) {
 }
 
 Contact contact(const HalfSpace& a, const HalfSpace&) {
-  // No finite push parts two that overlap in the end.
+  // Two half-spaces that overlap overlap without end, so no finite push separates them.
   return {a.point, unit(a.normal), 0, std::numeric_limits<double>::infinity()};
 }
 

@@ -4,13 +4,14 @@
 
 namespace collided::engine {
 
-/// Half-spaces against everything: one reach along one normal decides, and the depth is along that normal.
-/// The same promises as in overlap.hpp, contact.hpp and closest.hpp.
+/// Half-spaces against all shapes: the reach along one normal decides, and the depth is along that normal.
+/// The same guarantees as in overlap.hpp, contact.hpp and closest.hpp.
 ExactResult overlaps_half_space(const HalfSpace& a, const ShapeView& b);
 Contact contact_half_space(const HalfSpace& a, const ShapeView& b);
 Closest closest(const Vec3& point, const HalfSpace& half_space);
 
-/// Apart only with opposite normals and a gap. Neither moves, so the world never asks for their contact.
+/// Separate only with opposite normals and a gap between the planes. Neither moves, so the world never needs their
+/// contact.
 ExactResult overlaps(const HalfSpace& a, const HalfSpace& b);
 Contact contact(const HalfSpace& a, const HalfSpace& b);
 
@@ -33,7 +34,7 @@ Contact contact(const Shape& a, const HalfSpace& b) {
   return turned;
 }
 
-/// The decision by rationals alone, for the audit.
+/// The decision by rationals alone, for audits.
 Decision half_space_by_rationals(const HalfSpace& a, const ShapeView& b);
 Decision half_space_by_rationals(const HalfSpace& a, const HalfSpace& b);
 

@@ -10,7 +10,7 @@
 
 namespace collided::engine::kernel {
 
-/// Whether the convex set lies wholly ahead of the plane.
+/// Whether the convex set lies strictly outside of the half-space.
 template <class N>
 Decision is_ahead(const HalfSpace& a, const Convex& b) {
   const ReachAlong<N> reach = reach_along<N>(b, a.normal, -1, a.point);
@@ -22,7 +22,7 @@ Decision is_ahead(const HalfSpace& a, const Convex& b) {
   return all.result();
 }
 
-/// Opposite normals, and the one's plane ahead of the other's.
+/// Whether the two normals are opposite and the planes leave a gap.
 template <class N>
 Decision are_apart(const HalfSpace& a, const HalfSpace& b) {
   const Vector<N> n(a.normal);
@@ -35,13 +35,13 @@ Decision are_apart(const HalfSpace& a, const HalfSpace& b) {
   return all.result();
 }
 
-/// How far ahead of the plane a point is, times |normal|.
+/// The height of a point over the plane, times |normal|.
 template <class N>
 N ahead_of(const HalfSpace& h, const Vec3& point) {
   return dot(Vector<N>(h.normal), Vector<N>(point) - Vector<N>(h.point));
 }
 
-/// The distance along the ray to the plane, which it meets.
+/// The distance along the ray to the plane; the ray must meet it.
 template <class Climb>
 Bounded distance_to_plane(const Ray& ray, const HalfSpace& h) {
   return Climb::sharpened([&]<class N>() {
@@ -50,6 +50,7 @@ Bounded distance_to_plane(const Ray& ray, const HalfSpace& h) {
   });
 }
 
+/// As cast_ray: a hit where the ray enters or starts inside; it leaves, or exit_m is infinite.
 template <class Climb>
 ExactResult cast_half_space(const Ray& ray, const HalfSpace& h, RayHit& hit) {
   const auto slope_is = [&](int side) {
@@ -89,7 +90,7 @@ Closest closest_half_space(const Vec3& point, const HalfSpace& h) {
   });
   const double distance_m = std::max(ahead.value, 0.0);
   Closest result{distance_m, ahead.bound() + (distance_m - ahead.value), point - distance_m * normal, normal};
-  // The distance's own error, the unit vector's (4 u) and the product's, and the difference in each coordinate.
+  // The error of the distance, of the unit vector (4 u) and of their product, and of the difference in each coordinate.
   result.point_error_m = (result.distance_error_m + 8 * kRoundoff * distance_m +
                           kPointSum * result.point.cwiseAbs().maxCoeff()) * (1 + kBoundSlack) + kUnderflow;
   return result;

@@ -9,16 +9,16 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// A sum, which no corner that is not a number slips through.
+/// Tests a sum of squares; NaN in any corner fails.
 bool in_range(double corners2) { return corners2 >= kFilterLowest2 && corners2 <= 1 / kFilterLowest2; }
 
-/// Weights of b and c in the nearest point of the triangle, with the point at the origin; right but for rounding.
+/// Weights of b and c in the triangle's point nearest to the origin, right up to rounding.
 struct Weights {
   double b;
   double c;
 };
 
-/// 0 of nothing, as on an edge of no length, where any weight gives a point of the triangle.
+/// 0 for an empty whole, as on an edge of length 0, where any weight gives a point of the triangle.
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
 Weights nearest_weights(const Triple& a, const Triple& b, const Triple& c, const Triple& ab, const Triple& ac) {

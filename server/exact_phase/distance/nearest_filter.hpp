@@ -8,28 +8,28 @@
 
 namespace collided::engine::kernel {
 
-/// low2 <= the squared distance between a point and a triangle <= high2.
+/// low2_m2 <= the squared distance between a point and a triangle <= high2_m2.
 struct SquareBracket {
   double low2_m2;
   double high2_m2;
 };
 
-/// In plain double, proved by what it finds and not by how: a point of the triangle bounds the distance from above, a
-/// plane before all three corners from below. Where that says nothing (coordinates out of range, slivers): 0 and
-/// infinity.
+/// In plain double. The bounds hold whatever the search is worth: a point of the triangle bounds the distance from
+/// above, a plane in front of all three corners from below. Where neither is certain (coordinates out of range,
+/// slivers): 0 and infinity.
 ///
-/// error   high2 - low2 is about 2^-46 of the squared distance to the farthest corner, if the triangle is not a sliver
+/// error   high2 - low2 is about 2^-46 of the squared distance to the farthest corner, if the triangle is no sliver
 /// cost    about 20 ns; no allocation
 /// source  nearest point: Ericson, "Real-Time Collision Detection", 2005, 5.1.5; plane: Gilbert, Johnson, Keerthi, "A
-///         Fast Procedure for Computing the Distance Between Complex Objects", 1988, theorem 1
+/// Fast Procedure for Computing the Distance Between Complex Objects", 1988, theorem 1
 SquareBracket quick_square_distance(const Vec3& point, const Triangle& triangle);
 
-/// The least squared distance to a corner, relative error 8 u; infinity for a corner that is not finite or squares that
-/// leave the range.
+/// The least squared distance to a corner, with relative error 8 u; infinity if a corner is not finite or squares leave
+/// the range.
 double quick_nearest_corner2(const Vec3& point, const Triangle& triangle);
 
-/// What the reported value of a depth does not exceed, when the depth itself does not exceed depth_m and the pair is of
-/// that size: reported depths are sharp to kRefineRay of it, or as blunt as the thread has asked for.
+/// A bound on the reported depth of a pair of that size whose true depth is at most depth_m: reported depths are
+/// accurate to kRefineRay of the size, or to what the thread's precision allows.
 inline double reported_at_most(double depth_m, double size_m) {
   if (precision.highest == Level::filter) return std::numeric_limits<double>::infinity();
   return depth_m + (2 * kRefineRay * size_m + precision.error_asked_m);

@@ -8,7 +8,7 @@ namespace {
 
 using Point = Vector<Dyadic>;
 
-/// The number of the corner farthest along n.
+/// The index of the corner farthest along n.
 std::size_t farthest(const std::vector<Point>& corners, const Point& n) {
   std::size_t best = 0;
   Dyadic most = dot(n, corners[0]);
@@ -21,14 +21,14 @@ std::size_t farthest(const std::vector<Point>& corners, const Point& n) {
   return best;
 }
 
-/// A corner of a less one of b.
+/// A corner of a minus one of b.
 struct Difference {
   Point w;
   std::size_t of_a = 0;
   std::size_t of_b = 0;
 };
 
-/// A nearest point to the origin as sum / total, and how it is made of the corners.
+/// The point nearest to the origin as sum / total, and its weights of the corners.
 struct Foot {
   Point sum;
   Dyadic total;
@@ -36,7 +36,7 @@ struct Foot {
   std::vector<Dyadic> weights;
 };
 
-/// The origin's foot on the plane, line or point through all of them: weights that add up to a total of at least zero.
+/// The weights of the origin's foot on the plane, line or point through all corners; their sum is at least zero.
 std::vector<Dyadic> weights_of(const std::vector<Difference>& corners) {
   if (corners.size() == 1) return {Dyadic(1.0)};
   std::vector<Point> w;
@@ -46,12 +46,13 @@ std::vector<Dyadic> weights_of(const std::vector<Difference>& corners) {
   if (w.size() == 3) return {dot(n, cross(w[1], w[2])), dot(n, cross(w[2], w[0])), dot(n, cross(w[0], w[1]))};
   const Dyadic volume = dot(n, w[3] - w[0]);
   const Dyadic turn(volume.sign() < 0 ? -1.0 : 1.0);
-  // Volumes with the origin in the place of each corner.
+  // Volumes of the tetrahedron with the origin in place of each corner.
   return {turn * dot(w[1], cross(w[2], w[3])), -turn * dot(w[0], cross(w[2], w[3])), turn * dot(w[0], cross(w[1], w[3])),
           -turn * dot(w[0], cross(w[1], w[2]))};
 }
 
-/// The simplex's nearest point to the origin lies inside exactly one of its faces that none of the other corners beats.
+/// The point of the simplex nearest to the origin lies inside exactly one of its faces: the one for which no other
+/// corner is nearer along the foot. Tests one face.
 bool nearest_in(const std::vector<Difference>& simplex, unsigned which, Foot& foot) {
   std::vector<Difference> face;
   for (std::size_t i = 0; i < simplex.size(); ++i) {
@@ -80,7 +81,7 @@ bool nearest_of(const std::vector<Difference>& simplex, Foot& foot) {
 
 bool is_origin(const Point& p) { return p.x.sign() == 0 && p.y.sign() == 0 && p.z.sign() == 0; }
 
-/// Whether the hulls' distance is at most the balls; the foot of the last step is then as near as that.
+/// Whether the hulls' distance is at most the sum of the balls' radii; if so, `foot` is that near.
 Decision search(const std::vector<Point>& of_a, const std::vector<Point>& of_b, const Dyadic& ball, Foot& foot) {
   for (const std::vector<Point>* corners : {&of_a, &of_b}) {
     for (const Point& p : *corners) {
@@ -147,7 +148,8 @@ std::optional<CommonPoint> common_point(const Convex& a, const Convex& b) {
   const std::vector<Point> of_b = corners_of(b);
   Foot foot;
   if (search(of_a, of_b, Dyadic(a.ball_m) + Dyadic(b.ball_m), foot) != Decision::yes) return std::nullopt;
-  // On the way from a's hull to b's as far as a's ball reaches of both; the hulls themselves meet where there is no way.
+  // The point between a's hull and b's that divides the gap in proportion to the balls; without balls, the hulls'
+  // common point.
   const bool no_balls = a.ball_m == 0 && b.ball_m == 0;
   const Dyadic share_a = no_balls ? Dyadic(1.0) : Dyadic(b.ball_m);
   const Dyadic share_b = no_balls ? Dyadic() : Dyadic(a.ball_m);

@@ -10,27 +10,28 @@
 
 namespace collided::engine::kernel {
 
-/// Whether two polytopes, each with its ball about every point, share a point: rationals alone.
+/// Whether two polytopes, each with a ball around every point, share a point; by rationals alone.
 ///
 /// returns  undecided only where a coordinate is not finite
 /// cost     0.1 to 10 ms; allocates
 /// source   Gilbert, Johnson, Keerthi 1988 as in simplex_search.hpp; in exact arithmetic every step comes nearer, so
-///          the search over finitely many simplices ends
+/// the search over finitely many simplices ends
 Decision polytopes_meet(const Convex& a, const Convex& b);
 
-/// The same at any time of a's motion against b.
+/// The same for any time of a's motion against b.
 Decision polytopes_meet_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion);
 
-/// The points whose hull the set is, without its ball: of a box the eight corners, else the carriers.
+/// The points whose hull is the set without its ball: the eight corners of a box, else the carriers.
 std::vector<Vector<Dyadic>> corners_of(const Convex& set);
-/// Those of what it covers on a way.
+/// The corners of what the set covers during a translation.
 std::vector<Vector<Dyadic>> corners_swept(const Convex& set, const Vector<Dyadic>& displacement);
 
 /// Whether the hull of the points comes within radius_m of the origin; as polytopes_meet.
 Decision hull_meets_ball(const std::vector<Vector<Dyadic>>& points, const Dyadic& radius_m);
 
-/// A point of both sets as point / divisor, exactly, and near which point of each hull it is: the weights of corners (of a
-/// box the eight, else the carriers), above 0 and not scaled; without balls it is that point.
+/// A point of both sets, exactly, as point / divisor, and the points of the two hulls next to which it lies: as weights
+/// of corners (the eight of a box, else the carriers), positive and not normalised. Without balls those points equal
+/// it.
 struct CommonPoint {
   using Mix = std::vector<std::pair<std::uint32_t, Dyadic>>;
   Vector<Dyadic> point;
@@ -39,7 +40,7 @@ struct CommonPoint {
   Mix mix_b = {};
 };
 
-/// Nothing where the sets do not meet, or a number is not finite. Both are polytopes.
+/// Nothing where the sets do not meet, or a number is not finite. Both must be polytopes.
 std::optional<CommonPoint> common_point(const Convex& a, const Convex& b);
 
 }  // namespace collided::engine::kernel

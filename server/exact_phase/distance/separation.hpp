@@ -4,7 +4,8 @@
 
 namespace collided::engine {
 
-/// Between two sets that do not overlap: |true distance - distance_m| <= error_m, from two points and a plane.
+/// The distance between two sets that do not overlap: |true distance - distance_m| <= error_m, bounded by two points
+/// and a plane.
 struct Separation {
   double distance_m = 0;
   double error_m = 0;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMostSteps = 128;
 
-/// Which corners carry the nearest point, and how much each.
+/// The nearest point so far: the corners that carry it, and their weights.
 struct Nearest {
   Vec3 point = Vec3::Zero();
   double distance2 = std::numeric_limits<double>::infinity();
@@ -50,11 +50,11 @@ void consider_face(Nearest& best, const DifferencePoint* w, int i, int j, int k)
   const double of_b = n.dot(ac.cross(a)) / nn;
   const double of_c = n.dot(a.cross(ab)) / nn;
   if (!(of_b > 0 && of_c > 0 && of_b + of_c < 1)) return;
-  // A combination of the corners whatever the weights are worth, not the foot on the plane, which leaves a sliver.
+  // A combination of the corners whatever the weights are worth; the foot on the plane may lie off a sliver.
   consider(best, a + of_b * ab + of_c * ac, {{i, 1 - of_b - of_c}, {j, of_b}, {k, of_c}});
 }
 
-/// Every step comes nearer, so the newest corner, the last, has a part in it.
+/// Every step comes nearer, so the newest corner, the last, is always part of the result.
 Nearest nearest_of(const DifferencePoint* w, int count) {
   Nearest best;
   const int newest = count - 1;
@@ -66,7 +66,7 @@ Nearest nearest_of(const DifferencePoint* w, int count) {
   return best;
 }
 
-/// The origin's weights in a tetrahedron; false when it is outside, on the border, or the tetrahedron is flat.
+/// The origin's weights in a tetrahedron; false where it is outside or on the border, or the tetrahedron is flat.
 bool enclosed(const DifferencePoint* w, double* weight) {
   const Vec3 e[3] = {w[1].w - w[0].w, w[2].w - w[0].w, w[3].w - w[0].w};
   const double volume = e[0].dot(e[1].cross(e[2]));
@@ -79,6 +79,7 @@ bool enclosed(const DifferencePoint* w, double* weight) {
   return std::all_of(weight, weight + 4, [](double part) { return part > 0; });
 }
 
+/// Drops the corners that do not carry the nearest point.
 void keep(Proposal& proposal, const Nearest& nearest) {
   DifferencePoint kept[4];
   for (int i = 0; i < nearest.count; ++i) {
@@ -90,15 +91,16 @@ void keep(Proposal& proposal, const Nearest& nearest) {
   proposal.nearest = nearest.point;
 }
 
-/// Farther than this from the origin, the plane through a support point has the whole difference set behind it, balls
-/// and roundings included.
+/// If a support point lies farther from the origin than this, the plane through it has the whole difference set behind
+/// it, balls and roundings included.
 double clearance_m(const Convex& a, const Convex& b) {
   const double size = a.reach_m + b.reach_m + (a.carrier[0] - b.carrier[0]).norm() + a.carrier[0].cwiseAbs().maxCoeff() +
                       b.carrier[0].cwiseAbs().maxCoeff();
   return (a.ball_m + b.ball_m + kSupportValueError * size + kDiscSeenFlat * (a.disc_m + b.disc_m)) * (1 + 16 * kRoundoff);
 }
 
-/// Nearer than this to the origin, a point of the difference set is within the balls by more than any rounding.
+/// A point of the difference set nearer to the origin than this is covered by the balls, with more than any rounding to
+/// spare.
 double near_m(const Convex& a, const Convex& b) {
   const double size = a.reach_m + b.reach_m + (a.carrier[0] - b.carrier[0]).cwiseAbs().sum();
   return std::max(0.0, (a.ball_m + b.ball_m) * (1 - 32 * kRoundoff) - 2 * kSupportError * size);
@@ -144,7 +146,7 @@ Proposal nearest_proposal(const Convex& a, const Convex& b, Seek seek) {
       proposal.parted = true;
       return proposal;
     }
-    // No point of the set is nearer than its support is along the way to the nearest known.
+    // The support bounds how much nearer any point of the set can be: stop when that is only rounding.
     if (distance2 - along <= 4 * kRoundoff * distance2) return proposal;
     const bool known = std::any_of(proposal.corner, proposal.corner + proposal.count,
                                    [&](const DifferencePoint& p) { return p.w == next.w; });

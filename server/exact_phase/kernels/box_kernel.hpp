@@ -12,10 +12,10 @@ struct Solid {
   Vector<N> center;
   std::array<Vector<N>, 3> axis;
   std::array<Vector<N>, 3> reach;   // half * axis: from the centre to the middle of a face
-  std::array<Vector<N>, 3> normal;  // of the faces: cross products of the other two axes
+  std::array<Vector<N>, 3> normal;  // of the faces: cross product of the other two axes
   std::array<N, 3> half;
   std::array<N, 3> height;  // |normal . reach|, the largest |normal . (x - center)| inside
-  Sign volume;              // zero: the axes do not span space, and nothing here decides
+  Sign volume;              // zero: the axes do not span space, and no test here decides
 
   explicit Solid(const Box& box) : center(box.center) {
     for (int i = 0; i < 3; ++i) {
@@ -41,7 +41,7 @@ struct Solid {
   }
 };
 
-/// w is measured from the centre here and below.
+/// In this and the functions below, w is relative to the centre.
 template <class N>
 Decision point_in_solid(const Vector<N>& w, const Solid<N>& box) {
   AllOf all;
@@ -51,7 +51,7 @@ Decision point_in_solid(const Vector<N>& w, const Solid<N>& box) {
   return all.result();
 }
 
-/// The point is over the inside of face i on its own side, outside and within R of the face's plane.
+/// Whether the point stands over face i on the face's outer side, within R of its plane.
 template <class N>
 Decision point_near_solid_face(const Vector<N>& w, const Solid<N>& box, int i, const N& R2) {
   const Vector<N>& n = box.normal[i];
@@ -66,13 +66,13 @@ Decision point_near_solid_face(const Vector<N>& w, const Solid<N>& box, int i, c
   const Vector<N> from_face = side == point_side ? w - box.reach[i] : w + box.reach[i];
   const int j = (i + 1) % 3;
   const int k = (i + 2) % 3;
-  // Coordinates of the foot in the face's own two axes, times n . n.
+  // Coordinates of the foot along the face's two axes, times n . n.
   all.add(at_most(abs(dot(from_face, cross(box.axis[k], n))), box.half[j] * nn));
   all.add(at_most(abs(dot(from_face, cross(n, box.axis[j]))), box.half[k] * nn));
   return all.result();
 }
 
-/// A face plane has the whole segment w0 w1 on its outer side, farther than R.
+/// Whether the whole segment w0 w1 is beyond a face's plane, farther than R.
 template <class N>
 bool face_keeps_away(const Vector<N>& w0, const Vector<N>& w1, const Solid<N>& box, const N& R2) {
   for (int i = 0; i < 3; ++i) {
@@ -84,6 +84,7 @@ bool face_keeps_away(const Vector<N>& w0, const Vector<N>& w1, const Solid<N>& b
   return false;
 }
 
+/// Whether the point is within R of the box.
 template <class N>
 Decision point_near_solid(const Vector<N>& w, const Solid<N>& box, const N& R2) {
   if (!box.spans()) return Decision::undecided;
@@ -99,12 +100,12 @@ Decision point_near_solid(const Vector<N>& w, const Solid<N>& box, const N& R2) 
   return any.result();
 }
 
-/// What a box is tested against along an axis: the hull of up to three points, plus the spans of up to three axes.
+/// What separating axes are tested on: the hull of up to three points, plus the extent of a box.
 template <class N>
 struct Body {
   std::array<Vector<N>, 3> point;
   int point_count = 0;
-  std::array<Vector<N>, 3> direction;  // of every edge
+  std::array<Vector<N>, 3> direction;  // directions of all edges
   int direction_count = 0;
   const Solid<N>* box = nullptr;
 
@@ -113,7 +114,7 @@ struct Body {
   explicit Body(const Segment<N>& s) : point{s.a, s.b}, point_count(2), direction{s.d}, direction_count(1) {}
 };
 
-/// Surely or surely not separated by planes across n: the gap between the projections is positive.
+/// Whether planes perpendicular to n separate the two: the gap between the projections is positive.
 template <class N>
 Decision separates(const Vector<N>& n, const Body<N>& a, const Body<N>& b) {
   N reach(0.0);
@@ -121,7 +122,7 @@ Decision separates(const Vector<N>& n, const Body<N>& a, const Body<N>& b) {
     if (!body->box) continue;
     for (int i = 0; i < 3; ++i) reach = reach + body->box->half[i] * abs(dot(n, body->box->axis[i]));
   }
-  // b's points from a's: differences first.
+  // Differences of the points first, so that errors scale with the pair's size.
   N nearest = dot(n, b.point[0] - a.point[0]);
   N farthest = nearest;
   for (int i = 0; i < a.point_count; ++i) {
@@ -135,7 +136,8 @@ Decision separates(const Vector<N>& n, const Body<N>& a, const Body<N>& b) {
   return either(less(reach, nearest), less(reach, -farthest));
 }
 
-/// The cross product of equal or opposite columns is zero, which rounding hides from a running error bound.
+/// Whether two axes are exactly equal or opposite: their cross product is zero, which rounding hides from a running
+/// error bound.
 template <class N>
 bool same_line(const Vector<N>&, const Vector<N>&) {
   return false;
@@ -149,9 +151,9 @@ bool same_line(const Vector<N>& a, const Vector<N>& b) {
   return equal(1) || equal(-1);
 }
 
-/// Separating axes: face normals of both and cross products of their edges (Gottschalk, Lin, Manocha, "OBBTree",
-/// 1996). Complete because one of the two is a box: the Minkowski difference is then full-dimensional, also when
-/// sizes are zero (as a limit of small ones) or the other is a degenerate triangle.
+/// Separating axes: the face normals of both and the cross products of their edges (Gottschalk, Lin, Manocha,
+/// "OBBTree", 1996). Complete because one of the two is a box: the Minkowski difference is then full-dimensional, even
+/// for boxes of size zero (as a limit of small ones) and degenerate triangles.
 template <class N>
 Decision bodies_meet(const Body<N>& a, const Body<N>& b) {
   AllOf together;
@@ -175,6 +177,7 @@ Decision bodies_meet(const Body<N>& a, const Body<N>& b) {
   return together.result();
 }
 
+/// Whether the segment comes within R of the box.
 template <class N>
 Decision segment_near_solid(const Segment<N>& s, const Solid<N>& box, const N& R2) {
   if (!box.spans()) return Decision::undecided;

@@ -4,13 +4,13 @@
 
 namespace collided::engine::kernel {
 
-// Whether a closed set holds a point, over any number type.
+// Whether a closed set contains a point, over any number type.
 
-/// A point against an axis from one end to the other.
+/// The position of a point relative to an axis with two ends.
 template <class N>
 struct AlongAxis {
   N length2;
-  N along;    // times the length
+  N along;    // along the axis, times its length
   N across2;  // squared distance from the line, times length2
   Decision is_between;
 
@@ -37,7 +37,7 @@ Decision holds_point(const Cone& c, const Vec3& point) {
   return both(at.is_between, at_most(at.across2 * at.length2, wide * wide));
 }
 
-/// The coordinates along the axes by Cramer's rule: u_i half_i det = to . (the cross product of the other two axes).
+/// Coordinates along the axes by Cramer's rule: u_i half_i det = to . (cross product of the other two axes).
 template <class N>
 Decision holds_point(const Ellipsoid& e, const Vec3& point) {
   Vector<N> axis[3];
@@ -50,7 +50,7 @@ Decision holds_point(const Ellipsoid& e, const Vec3& point) {
     sum = sum + u * u;
   }
   AllOf all;
-  // Flat ellipsoids are refused at intake; here they would hold their whole plane.
+  // Flat ellipsoids are refused at intake; here they would contain their whole plane.
   if (all.add(opposite(is_zero(determinant)))) return Decision::undecided;
   all.add(at_most(sum, determinant * determinant));
   return all.result();

@@ -5,8 +5,8 @@
 
 namespace collided::engine::kernel {
 
-/// The nearest point of a set to a point p, without its rounding: the squared distance is square / scale, the vector
-/// away / (a positive number) leads from the set to p, and the foot is base + step / step_scale.
+/// The nearest point of a set to a point p, unrounded: the squared distance is square / scale, away / (a positive
+/// number) leads from the set to p, and the foot is base + step / step_scale.
 template <class N>
 struct Nearest {
   Decision sure = Decision::undecided;
@@ -16,7 +16,7 @@ struct Nearest {
   Vector<N> base;
   Vector<N> step;
   N step_scale;
-  int corner = -1;  // of a segment or facet, when the nearest point is one
+  int corner = -1;  // number of the segment's or facet's corner that is the nearest point; -1: none
 };
 
 template <class N>
@@ -25,7 +25,7 @@ Nearest<N> at_corner(const Vector<N>& w, const Vector<N>& corner, int index) {
   return {Decision::yes, square(w), N(1.0), w, corner, {zero, zero, zero}, N(1.0), index};
 }
 
-/// Corner numbers are those of the segment's ends in the set it belongs to.
+/// The corner numbers are those that the segment's ends have in the set they belong to.
 template <class N>
 Nearest<N> nearest_on_segment(const Vector<N>& p, const Segment<N>& s, int corner_a = 0, int corner_b = 1) {
   const Vector<N>& d = s.d;
@@ -47,7 +47,7 @@ Nearest<N> nearest_on_segment(const Vector<N>& p, const Segment<N>& s, int corne
           -1};
 }
 
-/// The nearest point of a convex facet that is not above p lies on an edge that p is outside of.
+/// Where p is not above the facet, the nearest point lies on an edge that p is outside of.
 template <class N>
 Nearest<N> nearest_on_facet(const Vector<N>& p, const Facet<N>& f) {
   const Decision flat = is_zero(f.normal);
@@ -80,10 +80,10 @@ Nearest<N> nearest_on_facet(const Vector<N>& p, const Facet<N>& f) {
   return best;
 }
 
-/// Which bound each box coordinate of the nearest point is at: -1, +1, or 0 for strictly between.
+/// Where the nearest point lies within the box along each axis: at the bound -1 or +1, or 0 for strictly between.
 using Pattern = std::array<int, 3>;
 
-/// The coordinates of p, clamped: right for perpendicular axes, a good guess for ours.
+/// The pattern by clamping the coordinates of p: right for perpendicular axes, a good guess for others.
 Pattern guessed_pattern(const Vec3& p, const Box& box);
 
 template <class N>
@@ -91,7 +91,7 @@ Vector<N> signed_reach(const Solid<N>& box, int i, int side) {
   return side > 0 ? box.reach[i] : -box.reach[i];
 }
 
-/// side * x >= 0.
+/// Whether side * x >= 0.
 template <class N>
 Decision on_side(int side, const N& x) {
   return side > 0 ? at_most(N(0.0), x) : at_most(x, N(0.0));
@@ -124,7 +124,7 @@ Nearest<N> nearest_on_box_edge(const Vector<N>& w, const Solid<N>& box, int k, c
   const N dd = square(d);
   AllOf valid;
   valid.add(at_most(abs(along), box.half[k] * dd));
-  // The rest of v must point outward against both sides that the edge lies on.
+  // The remainder of v must point outward on both sides that meet in the edge.
   valid.add(on_side(at[i], dot(v, box.axis[i]) * dd - dot(d, box.axis[i]) * along));
   valid.add(on_side(at[j], dot(v, box.axis[j]) * dd - dot(d, box.axis[j]) * along));
   return {valid.result(), square(cross(v, d)), dd,          dd * v - along * d, box.center,
@@ -141,8 +141,8 @@ Nearest<N> nearest_at_box_corner(const Vector<N>& w, const Solid<N>& box, const 
   return {valid.result(), square(v), N(1.0), v, box.center, corner, N(1.0), -1};
 }
 
-/// The candidate of one pattern, `sure` when it satisfies the conditions of a nearest point (Karush, Kuhn, Tucker;
-/// sufficient because the set is convex). For a point outside the box.
+/// The candidate for one pattern; `sure` where it satisfies the conditions of a nearest point (Karush, Kuhn, Tucker;
+/// sufficient because the set is convex). The point must be outside the box.
 template <class N>
 Nearest<N> nearest_at(const Vector<N>& w, const Solid<N>& box, const Pattern& at) {
   const int bound_count = std::abs(at[0]) + std::abs(at[1]) + std::abs(at[2]);
@@ -154,7 +154,7 @@ Nearest<N> nearest_at(const Vector<N>& w, const Solid<N>& box, const Pattern& at
   return {};
 }
 
-/// For a point outside the box: the guessed feature when it proves right, else the first of all 26 that does.
+/// For a point outside the box: the guessed feature if it proves right, else the first of all 26 that does.
 template <class N>
 Nearest<N> nearest_on_solid(const Vector<N>& p, const Solid<N>& box, const Pattern& guess) {
   if (!box.spans()) return {};
@@ -168,7 +168,7 @@ Nearest<N> nearest_on_solid(const Vector<N>& p, const Solid<N>& box, const Patte
   return {};
 }
 
-/// sqrt(square / scale) - radius, without cancellation: (q - r^2) / (sqrt(q) + r).
+/// sqrt(square / scale) - radius, without cancellation: as (q - r^2) / (sqrt(q) + r).
 template <class N>
 Bounded gap(const Nearest<N>& nearest, const N& radius) {
   const N excess = nearest.square - radius * radius * nearest.scale;
@@ -178,7 +178,7 @@ Bounded gap(const Nearest<N>& nearest, const N& radius) {
   return plain(scaled(excess) / scale / (root + scaled(radius)));
 }
 
-/// A point and a bound on the length by which it is off.
+/// A point, and a bound on its distance from the true one, metres.
 struct BoundedPoint {
   Vec3 point;
   double error_m;
@@ -198,18 +198,19 @@ BoundedPoint foot(const Nearest<N>& nearest) {
   return result;
 }
 
-/// A nearest point ready to report.
+/// A nearest point with bounds, ready to report.
 struct NearestValue {
   Bounded gap{0, std::numeric_limits<double>::infinity()};
-  Vec3 away = Vec3::Zero();  // unit, or zero if p is on the (unrounded) set
+  Vec3 away = Vec3::Zero();  // unit, from the set to p; zero if p is on the set without its radius
+  // Of the set without its radius.
   Vec3 foot = Vec3::Zero();
   double foot_error_m = 0;  // |true foot - foot| at most
   double away_error = 0;    // |true direction - away| at most
   bool known = false;
-  bool crisp = false;  // gap and direction are both sharp
+  bool crisp = false;  // gap and direction are precise enough to report
 };
 
-/// The error of a direction, relative to its length, at which a contact's normal still parts the shapes by its depth.
+/// Whether a direction is precise enough to be a normal: moving along it by the depth still separates the shapes.
 template <class N>
 bool sharp_direction(const Vector<N>&) {
   return true;
@@ -223,8 +224,8 @@ bool sharp_direction(const Vector<N>& v) {
 
 inline bool sharp_direction(const Vector<Scaled>& v) { return sharp_direction(in_range(v)); }
 
-/// |true unit vector - unit(v)|: at most |error| / |v| for the direction (the chord of an angle below 2^-30), and the
-/// roundings of making it a unit vector.
+/// |true unit vector - unit(v)|: at most |error| / |v| for the direction (the chord of an angle below 2^-30), plus the
+/// roundings of normalising.
 template <class N>
 double unit_error(const Vector<N>&) {
   return kUnitVector;
@@ -249,7 +250,7 @@ NearestValue value_of(const Nearest<N>& nearest, const N& radius) {
 
 inline bool crisp(const NearestValue& nearest) { return nearest.crisp; }
 
-/// The nearest point of each set to a point, the set grown by a radius (its sum with the set's own is not rounded).
+/// The nearest point of each set, grown by a radius; the sum with the set's own radius is not rounded.
 template <class N>
 NearestValue nearest_in(const Vec3& point, double radius_m, const Sphere& sphere) {
   const Vector<N> center(sphere.center);

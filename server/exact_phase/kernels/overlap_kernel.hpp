@@ -5,7 +5,7 @@
 
 namespace collided::engine::kernel {
 
-// Whether two closed sets share a point, one function a pair, over any number type.
+// Whether two closed sets share a point: one function per pair of kinds, over any number type.
 
 template <class N>
 N radius2(double a, double b) {
@@ -18,6 +18,7 @@ N radius2(double radius_m) {
   return N(radius_m) * N(radius_m);
 }
 
+/// The segment of a capsule.
 template <class N>
 Segment<N> core(const Capsule& capsule) {
   return {Vector<N>(capsule.a), Vector<N>(capsule.b)};
@@ -33,7 +34,7 @@ Decision sets_meet(const Sphere& a, const Box& b) {
   const Pattern guess = guessed_pattern(a.center, b);
   const Solid<N> box(b);
   const Vector<N> w = Vector<N>(a.center) - box.center;
-  // The guessed feature, once it proves to be the nearest, decides alone.
+  // The guessed feature decides alone if it proves to be the nearest.
   if (guess != Pattern{} && box.spans()) {
     const Nearest<N> nearest = nearest_at(w, box, guess);
     if (nearest.sure == Decision::yes) return at_most(nearest.square, radius2<N>(a.radius_m) * nearest.scale);

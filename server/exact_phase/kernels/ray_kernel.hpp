@@ -5,8 +5,8 @@
 
 namespace collided::engine::kernel {
 
-/// Where a ray first meets a set, as a fraction of its direction: parameter = numerator / denominator, which is
-/// positive. The length limit is not applied.
+/// Where a ray first meets a set, as a multiple of its direction: numerator / denominator, with a positive denominator.
+/// Ignores the ray's length.
 template <class N>
 struct Reach {
   Decision meets = Decision::no;
@@ -51,7 +51,7 @@ Reach<N> ray_to_segment(const Line<N>& ray, const Segment<N>& s) {
   return {all.result(), along_ray, nn};
 }
 
-/// The ray's line lies in the plane of the triangle, or the triangle has no plane.
+/// For a ray in the triangle's plane, or a triangle without one.
 template <class N>
 Reach<N> ray_to_flat_facet(const Line<N>& ray, const Facet<N>& f) {
   const int axis = dropped_axis(f.normal);
@@ -71,8 +71,8 @@ Reach<N> ray_to_flat_facet(const Line<N>& ray, const Facet<N>& f) {
   return first;
 }
 
-/// On which side of each edge the ray's line passes: edge . (corner - origin) x direction (the line's moment about the
-/// edge, half of its Pluecker product). Edge i runs from corner i to i + 1; the three sum to -(direction . normal).
+/// The side of each edge on which the ray's line passes: edge . (corner - origin) x direction (the line's moment about
+/// the edge, half of its Pluecker product). Edge i runs from corner i to i + 1; the three sum to -(direction . normal).
 template <class N>
 std::array<N, 3> edge_sides(const Line<N>& ray, const Facet<N>& f) {
   std::array<N, 3> side;
@@ -80,7 +80,7 @@ std::array<N, 3> edge_sides(const Line<N>& ray, const Facet<N>& f) {
   return side;
 }
 
-/// `against`: the direction has a negative product with the normal.
+/// against: the direction points against the normal.
 template <class N>
 Reach<N> ray_to_plane(const Line<N>& ray, const Facet<N>& f, bool against) {
   N numerator = dot(f.corner[0] - ray.origin, f.normal);
@@ -110,7 +110,7 @@ Reach<N> ray_to_facet(const Line<N>& ray, const Facet<N>& f) {
   return ray_to_plane(ray, f, positive);
 }
 
-/// numerator / denominator * |direction| <= length_m.
+/// Whether numerator / denominator * |direction| <= length_m.
 template <class N>
 Decision within_length(const Reach<N>& reach, const Ray& ray) {
   if (std::isinf(ray.length_m)) return Decision::yes;

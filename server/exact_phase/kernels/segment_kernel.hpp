@@ -4,16 +4,16 @@
 
 namespace collided::engine::kernel {
 
-// Nearness of points and segments, by squared distances: a set within the radius R of another, given R^2. The nearest
-// pair lies on *some* pair of features; asking every pair "are you within R?" and joining by "or" needs no selection
-// of the nearest one, so a tie between features never costs an exact evaluation.
+// Nearness of points and segments by squared distances: whether one set is within R of another, given R^2. The nearest
+// pair lies on some pair of features; testing every pair against R and joining the answers by "or" needs no choice of
+// the nearest one, so a tie between features never costs an exact evaluation.
 // Source of the features: Ericson, "Real-Time Collision Detection", 2005, 5.1.
 
 template <class N>
 struct Segment {
   Vector<N> a;
   Vector<N> b;
-  Vector<N> d;  // b - a, kept because a path of no length must have a direction of exactly zero
+  Vector<N> d;  // b - a; kept because a path of length 0 must have a direction of exactly zero
 
   Segment() = default;
   Segment(const Vector<N>& from, const Vector<N>& to) : a(from), b(to), d(to - from) {}
@@ -27,12 +27,12 @@ struct Segment {
   }
 };
 
-/// |w| <= R for the point w measured from the segment's start, whose direction is d.
+/// Whether |w| <= R from a segment with direction d; the point w is relative to the segment's start.
 template <class N>
 Decision point_near_segment(const Vector<N>& w, const Vector<N>& d, const N& R2) {
   const N dd = square(d);
   const Decision near_line = at_most(square(cross(w, d)), R2 * dd);
-  // Outside the infinite cylinder; for a segment of no length this says 0 <= 0, which decides nothing.
+  // Outside the infinite cylinder. For a segment of length 0 this reads 0 <= 0, which rules nothing out.
   if (near_line == Decision::no) return Decision::no;
   const N along = dot(w, d);
   AnyOf any;
@@ -57,7 +57,7 @@ Decision segments_near(const Segment<N>& s, const Segment<N>& t, const N& R2) {
   const N height = dot(w, n);
   const Decision lines_near = at_most(height * height, R2 * nn);
   if (lines_near == Decision::no) return Decision::no;
-  // Both feet strictly inside; that also says n is not zero.
+  // Both feet lie strictly inside; this also implies that n is not zero.
   const N along_s = -dot(w, cross(e, n));
   const N along_t = -dot(w, cross(d, n));
   AllOf inner;

@@ -4,7 +4,7 @@
 
 namespace collided::engine::kernel {
 
-/// How a goes against b while both go straight, at even speed, from time 0 to `until` in [0, 1]; not rounded.
+/// The motion of a against b while both move straight at constant speed, from time 0 to `until` in [0, 1]; not rounded.
 struct StraightMotion {
   Vec3 from_a = Vec3::Zero();
   Vec3 to_a = Vec3::Zero();
@@ -12,12 +12,12 @@ struct StraightMotion {
   Vec3 to_b = Vec3::Zero();
   double until = 1;
 
-  /// What a has gone as seen from b.
+  /// The translation of a relative to b.
   template <class N>
   Vector<N> displacement() const {
     return N(until) * ((Vector<N>(to_a) - Vector<N>(from_a)) - (Vector<N>(to_b) - Vector<N>(from_b)));
   }
-  /// The same as seen from a, of b.
+  /// The same with a and b exchanged.
   StraightMotion turned() const { return {from_b, to_b, from_a, to_a, until}; }
 };
 

@@ -7,7 +7,7 @@
 
 namespace collided::engine::kernel {
 
-/// A triangle with its edges and normal worked out once.
+/// A triangle with its edges and normal, computed once.
 template <class N>
 struct Facet {
   std::array<Vector<N>, 3> corner;
@@ -23,7 +23,7 @@ struct Facet {
   Segment<N> side(int i) const { return {corner[i], corner[(i + 1) % 3], edge[i]}; }
 };
 
-/// The point stands over the inside of the facet (strictly), within R of its plane.
+/// Whether the point stands strictly over the facet's inside; `near_plane` says whether it is within R of the plane.
 template <class N>
 Decision point_near_face(const Vector<N>& p, const Facet<N>& f, Decision near_plane) {
   AllOf all;
@@ -47,8 +47,7 @@ Decision point_near_facet(const Vector<N>& p, const Facet<N>& f, const N& R2) {
   return any.result();
 }
 
-/// The coordinates that stay when the largest (here: any surely non-zero) component of n is dropped; -1 if unsure,
-/// 3 if n is zero.
+/// The axis to drop for a projection: one along which n is surely not zero; -1 if unsure, 3 if n is zero.
 template <class N>
 int dropped_axis(const Vector<N>& n) {
   bool unsure = false;
@@ -61,7 +60,7 @@ int dropped_axis(const Vector<N>& n) {
   return unsure ? -1 : 3;
 }
 
-/// One component of the cross product of (b - a) and (c - a).
+/// The sign of one component of the cross product of (b - a) and (c - a).
 template <class N>
 Sign turn(const Vector<N>& a, const Vector<N>& b, const Vector<N>& c, int axis) {
   if (axis == 0) return sign((b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y));
@@ -69,7 +68,7 @@ Sign turn(const Vector<N>& a, const Vector<N>& b, const Vector<N>& c, int axis) 
   return sign((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
 }
 
-/// The intervals [a, b] and [c, d], in either order of their ends, share a number.
+/// Whether the ranges [a, b] and [c, d], their ends in either order, share a number.
 template <class N>
 Decision ranges_meet(const N& a, const N& b, const N& c, const N& d) {
   return both(at_most(min(a, b), max(c, d)), at_most(min(c, d), max(a, b)));
@@ -93,7 +92,7 @@ Decision is_zero(const Vector<N>& v) {
   return all.result();
 }
 
-/// Two closed segments in space, each possibly a point.
+/// Whether two closed segments in space, each possibly a point, meet.
 template <class N>
 Decision segments_meet(const Segment<N>& s, const Segment<N>& t) {
   const Decision boxes = boxes_meet(s, t);
@@ -105,7 +104,7 @@ Decision segments_meet(const Segment<N>& s, const Segment<N>& t) {
   const int axis = dropped_axis(n);
   if (axis < 0) return Decision::undecided;
   if (axis == 3) {
-    // Parallel, or one a point: on one line, coordinate ranges say everything.
+    // Parallel, or one a point: on a common line the coordinate ranges decide.
     return both(both(is_zero(cross(w, d)), is_zero(cross(w, e))), boxes);
   }
   const Decision coplanar = is_zero(dot(w, n));
@@ -119,7 +118,8 @@ Decision segments_meet(const Segment<N>& s, const Segment<N>& t) {
   return both(coplanar, both(straddles(s, t), straddles(t, s)));
 }
 
-/// A point in the plane of a facet whose normal has a non-zero component `axis`: inside or on the border.
+/// Whether a point in the plane of a facet is inside or on the border; the facet's normal must have a non-zero
+/// component `axis`.
 template <class N>
 Decision point_in_facet(const Vector<N>& p, const Facet<N>& f, int axis) {
   bool negative = false;
@@ -143,7 +143,8 @@ Decision flat_segment_meets_facet(const Segment<N>& s, const Facet<N>& f, int ax
   return any.result();
 }
 
-/// The line through s passes the facet's three edges on the same side, touching allowed. s is not parallel to it.
+/// Whether the line through s passes the facet's three edges on the same side, touching included. s must not be
+/// parallel to the facet.
 template <class N>
 Decision line_pierces_facet(const Segment<N>& s, const Facet<N>& f) {
   bool negative = false;
@@ -160,20 +161,20 @@ Decision line_pierces_facet(const Segment<N>& s, const Facet<N>& f) {
   return unsure ? Decision::undecided : Decision::yes;
 }
 
-/// On which side of the facet's plane a point is.
+/// The side of the facet's plane that a point is on.
 template <class N>
 Sign plane_side(const Vector<N>& p, const Facet<N>& f) {
   return sign(dot(f.normal, p - f.corner[0]));
 }
 
-/// A closed segment (possibly a point) and a closed triangle (possibly a segment or a point), given the sides of the
-/// segment's ends.
+/// Whether a closed segment (possibly a point) meets a closed triangle (possibly a segment or a point), given the sides
+/// of the segment's ends.
 template <class N>
 Decision segment_meets_facet(const Segment<N>& s, const Facet<N>& f, Sign a, Sign b) {
   if ((a == Sign::positive && b == Sign::positive) || (a == Sign::negative && b == Sign::negative)) return Decision::no;
   if (a == Sign::unsure || b == Sign::unsure) {
-    // The plane may or may not be reached, but a line that misses the triangle for sure settles it all the same
-    // unless the two lie in one plane; then all three sides would be zero, never of both signs.
+    // Whether the plane is reached is uncertain, but a line that surely misses the triangle decides all the same. If
+    // the two lie in one plane, all three sides are zero, so they never have both signs.
     return line_pierces_facet(s, f) == Decision::no ? Decision::no : Decision::undecided;
   }
   if (a != Sign::zero || b != Sign::zero) return line_pierces_facet(s, f);
@@ -192,6 +193,7 @@ Decision segment_meets_facet(const Segment<N>& s, const Facet<N>& f) {
   return segment_meets_facet(s, f, plane_side(s.a, f), plane_side(s.b, f));
 }
 
+/// The sides of a plane that three corners are on.
 using Sides = std::array<Sign, 3>;
 
 template <class N>

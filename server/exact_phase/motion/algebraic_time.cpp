@@ -28,7 +28,7 @@ TimePolynomial without_multiple_roots(TimePolynomial polynomial) {
 
 Dyadic middle(const Dyadic& a, const Dyadic& b) { return (a + b) * Dyadic(0.5); }
 
-/// The coefficients in double, by one common power of two.
+/// The coefficients in double, scaled by one common power of two.
 std::array<double, 4> approximated(const TimePolynomial& polynomial) {
   long power = std::numeric_limits<long>::min();
   for (int i = 0; i < polynomial.count(); ++i) {
@@ -42,7 +42,7 @@ std::array<double, 4> approximated(const TimePolynomial& polynomial) {
   return result;
 }
 
-/// Separated roots of these degrees and doubles are much farther apart than 2^-20000.
+/// Distinct roots of polynomials of these degrees with double coefficients are much farther apart than 2^-20000.
 constexpr int kMostHalvings = 20000;
 
 }  // namespace

@@ -10,8 +10,9 @@ namespace collided::engine::kernel {
 
 using TimePolynomial = Polynomial<Dyadic>;
 
-/// One real root of a polynomial without multiple roots, held by an interval around it that contains no other. Signs of
-/// other polynomials at it are exact: zero by a common divisor, else by closing in until the sign is one.
+/// One real root of a polynomial without multiple roots, held by an interval around it that contains no other root.
+/// Signs of other polynomials at it are exact: zero is proved by a common divisor, other signs by narrowing until one
+/// sign is left.
 class AlgebraicTime {
  public:
   /// The root in the open interval; `before_high` is the polynomial's sign between it and high.
@@ -19,10 +20,11 @@ class AlgebraicTime {
       : polynomial_(std::move(polynomial)), low_(std::move(low)), high_(std::move(high)), before_high_(before_high) {}
   explicit AlgebraicTime(const Dyadic& known) : low_(known), high_(known), known_(true) {}
 
-  /// Sharpens the interval to `width`, or to neighbouring doubles.
+  /// Narrows the interval to `width`, or to neighbouring doubles.
   void narrow(double width);
+  /// The sign of another polynomial at the root; unsure when out of steps.
   Sign sign_of(TimePolynomial other);
-  /// The root is in (low, high], or it is 0 and so are both.
+  /// A bracket of doubles: the root is in (low, high], or both and the root are 0.
   TimeBracket bracket() const;
 
   const Dyadic& low() const { return low_; }
@@ -35,13 +37,14 @@ class AlgebraicTime {
   Dyadic low_;
   Dyadic high_;
   Sign before_high_ = Sign::zero;
-  bool known_ = false;  // both ends are the root
+  bool known_ = false;  // low_ and high_ are both the root
 };
 
-/// About the root of a polynomial that changes its sign once in [low, high], to the one given. Nothing is decided here.
+/// An approximation of the root of a polynomial that changes sign once in [low, high], ending with before_high. Only a
+/// guess: no decision depends on it.
 double guessed_root(const std::array<double, 4>& coefficient, double low, double high, Sign before_high);
 
-/// Every root in [low, high], multiple ones once, in order. A polynomial that is zero everywhere has none here.
+/// Every root in [low, high], multiple ones once, ascending. The zero polynomial gives none.
 /// source  Descartes' rule of signs with bisection (Collins, Akritas, 1976)
 std::vector<AlgebraicTime> roots_between(TimePolynomial polynomial, const Dyadic& low, const Dyadic& high);
 

@@ -5,10 +5,10 @@
 
 namespace collided::engine::kernel {
 
-/// Whether a ball on its straight way certainly never meets another that rests: the distance of a point from a segment
-/// in plain double with one bound for all its roundings. False says nothing.
+/// Whether a moving sphere certainly never meets one at rest: the distance of a point from a segment in plain double,
+/// with one bound for all roundings. False proves nothing.
 ///
-/// cost  about 5 ns against 300 for the end of the way and the time of contact; no allocation
+/// cost  about 5 ns, against 300 for a test at the end and the time of contact; no allocation
 bool surely_apart(const MovingSphere& mover, const Sphere& other);
 
 }  // namespace collided::engine::kernel

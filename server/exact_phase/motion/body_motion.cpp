@@ -26,8 +26,8 @@ double BodyMotion::error_m(double reach_m) const {
   return kWayError * (from.position.cwiseAbs().maxCoeff() + to.position.cwiseAbs().maxCoeff() + reach_m);
 }
 
-/// Its own place and turn are known as well as where the way takes the point; within the slack the origin goes on, and the
-/// point's arm turns with it.
+/// The error of position and rotation is that of the motion at that point; within the slack of the time the origin
+/// moves on and the point's arm rotates.
 BodyMotion::PointVelocity BodyMotion::velocity(const Vec3& point, double t, double motion_s, double slack_s) const {
   const Vec3 arm = point - at(t).position;
   const Vec3 turn = turn_rad * axis;

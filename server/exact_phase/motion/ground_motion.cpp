@@ -10,14 +10,14 @@
 namespace collided::engine {
 namespace {
 
-/// One part going down to one plane.
+/// The search for a rotating part's first contact with a plane.
 class Landing {
  public:
   Landing(const PartMotion& part, const HalfSpace& ground, double width, TimeBracket& bracket)
       : part_(part), ground_(ground), plane_(Sphere{ground.point, 0}), width_(width), bracket_(bracket),
         motion_m_(part.motion->length_m(part.reach_m)), error_m_(2 * part.motion->error_m(part.reach_m)) {}
 
-  /// Yes fills the bracket.
+  /// Searches a span; `yes` fills the bracket.
   Decision look(const TimeSpan& span) {
     const double length = span.high - span.low;
     const double middle = span.low + length / 2;
@@ -30,7 +30,7 @@ class Landing {
   }
 
  private:
-  /// How far the placed part is from the plane at least; negative where it is not surely ahead of it.
+  /// A lower bound on the placed part's distance from the plane; negative where it is not surely ahead of it.
   double clearance_m(double t) const {
     const kernel::Convex set = std::visit([](const auto& shape) { return kernel::Convex(shape); }, part_.at(t));
     return -kernel::push_along(ground_.normal, plane_, set).high();
@@ -51,7 +51,7 @@ class Landing {
   double error_m_;
 };
 
-/// How far the part comes down in a straight line decides, by its first place and the way, neither of which is rounded.
+/// For a straight motion: exact, from the part's first position and its translation, neither of which is rounded.
 ExactResult straight_to_ground(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width, TimeBracket& bracket) {
   const ConvexPart first = part.at(0);
   const kernel::Convex start = std::visit([](const auto& shape) { return kernel::Convex(shape); }, first);

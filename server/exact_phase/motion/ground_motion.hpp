@@ -5,11 +5,13 @@
 
 namespace collided::engine {
 
-/// As first_contact of two parts on their ways, for a half-space that rests: the way is halved until no piece is left
-/// whose middle is farther from the plane than its ends can be from it.
+/// As first_contact of two moving parts, against a half-space at rest: halves the motion until every piece either keeps
+/// clear (its middle is farther from the plane than its ends can be from the middle) or is short enough to be the
+/// bracket.
 ExactResult first_contact(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width, TimeBracket& bracket);
 
-/// Whether no point within reach_m of the frame's origin comes to the half-space on the way; false says nothing.
+/// Whether no point within reach_m of the frame's origin reaches the half-space during the motion; false proves
+/// nothing.
 bool surely_stays_above(const BodyMotion& motion, double reach_m, const HalfSpace& ground);
 
 }  // namespace collided::engine

@@ -8,9 +8,9 @@
 
 namespace collided::engine::kernel {
 
-/// Brackets the first contact from a question that is false, then true for ever: "has it touched by t?"
-/// (`touched_by(t)`, a Verdict). Exact answers keep a proved bracket; `guess()`, asked only if there is a contact after
-/// the start, decides nothing.
+/// Brackets the first contact with a predicate that is false up to some time and true from then on: `touched_by(t)`, an
+/// ExactResult. The bracket's ends are exact answers. `guess()`, called only if there is a contact after the start,
+/// decides nothing.
 template <class TouchedBy, class Guess>
 ExactResult bracket_monotone(const TouchedBy& touched_by, const Guess& guess, double width, TimeBracket& bracket) {
   Level level = Level::filter;
@@ -26,7 +26,7 @@ ExactResult bracket_monotone(const TouchedBy& touched_by, const Guess& guess, do
     bracket.high = 0;
     return {Decision::yes, level};
   }
-  // False where the thread's precision leaves a time open: the bracket stays as wide as it is known.
+  // False where the thread's precision leaves a time undecided: the bracket then stays as wide as it is.
   const auto narrow = [&](double t) {
     if (!(t > bracket.low && t < bracket.high)) return true;
     const Decision touched_then = ask(t);
@@ -34,7 +34,7 @@ ExactResult bracket_monotone(const TouchedBy& touched_by, const Guess& guess, do
     (touched_then == Decision::yes ? bracket.high : bracket.low) = t;
     return true;
   };
-  // Close in around the guess from both sides, in steps that grow until they hold it.
+  // Close in on the guess from both sides, in steps that grow until they contain the root.
   const double about = guess();
   double reach = std::max(width * 0.4375, 4 * kRoundoff * about);
   for (int step = 0; step < 4 && bracket.high - bracket.low > width; ++step, reach *= 64) {

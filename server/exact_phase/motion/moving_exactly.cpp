@@ -16,7 +16,7 @@ struct Question {
   }
 };
 
-/// While the points stay in one plane, contact can only begin where a turn or gap changes its sign.
+/// While the points stay in one plane, contact can begin only where a turn or a gap changes its sign.
 std::vector<AlgebraicTime> changes_in_plane(const Question& question, const Dyadic& from) {
   std::vector<AlgebraicTime> times;
   const auto add = [&](const Path<Dyadic>& v) {
@@ -39,7 +39,7 @@ Decision first_of(std::vector<AlgebraicTime>& times, const Question& question, d
   bool found = false;
   for (AlgebraicTime& time : times) {
     const TimeBracket own = time.bracket();
-    // Brackets may overlap: an earlier low does not make an earlier root.
+    // Brackets may overlap, so an earlier low end does not imply an earlier root.
     if (found && own.low >= bracket.high) break;
     if (!question.meets_at(time)) continue;
     bracket = found ? TimeBracket{std::min(bracket.low, own.low), std::min(bracket.high, own.high)} : own;

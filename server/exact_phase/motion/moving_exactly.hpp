@@ -4,8 +4,8 @@
 
 namespace collided::engine::kernel {
 
-/// The last word, in rationals: real roots isolated, every condition's sign decided at them. `from` is a time up to
-/// which contact is known not to be; at 0, the start itself is still open. The coordinates are finite.
+/// The last rung, in rationals: isolates real roots and decides the sign of every condition at them. `from` is a time
+/// before which there is surely no contact; where it is 0, the start itself is still open. Coordinates must be finite.
 Decision first_contact_exactly(const Quartet& q, double from, double width, TimeBracket& bracket);
 
 }  // namespace collided::engine::kernel

@@ -13,7 +13,7 @@ using namespace kernel;
 
 using Times = Polynomial<Bounded>;
 
-/// How many spans of time the first rung looks at before it hands over.
+/// Spans of time that the filter tests before it hands over to rationals.
 constexpr int kMostSpans = 48;
 
 struct Range {
@@ -26,8 +26,9 @@ bool finite(const Quartet& q) {
                      [](const MovingPoint& p) { return p.start.allFinite() && p.end.allFinite(); });
 }
 
-/// On some axis the first point stays strictly on one side of the other three (point and face), or one segment's ends
-/// of the other's: comparisons of doubles, exact. Two points on lines keep their order if both ends have it.
+/// Whether on some axis the first point stays strictly on one side of the other three (point and face), or one
+/// segment's ends of the other's. Exact, by comparing doubles: two points in linear motion keep their order if both
+/// ends have it.
 bool parted_by_axis(const Quartet& q) {
   const auto range = [&](int first, int last, int axis, Vec3 MovingPoint::*when) {
     Range r{(q.point[first].*when)[axis], (q.point[first].*when)[axis]};
@@ -49,7 +50,7 @@ bool parted_by_axis(const Quartet& q) {
   return false;
 }
 
-/// A cubic on a span of time, from the signs of its Bernstein coefficients.
+/// How a cubic crosses zero on a span of time, from the signs of its Bernstein coefficients.
 enum class Crossing { none, always, once, unsure };
 
 Crossing crossing(const Times& cubic, const Bounded& low, const Bounded& high, Sign& before_high) {
@@ -66,17 +67,17 @@ Crossing crossing(const Times& cubic, const Bounded& low, const Bounded& high, S
   const bool strict_ends = (s[0] == Sign::negative && s[last] == Sign::positive) ||
                            (s[0] == Sign::positive && s[last] == Sign::negative);
   if (!strict_ends) return Crossing::unsure;
-  // One change of sign, whatever the unsure ones between are, unless they could go there and back.
+  // One change of sign, whatever the unsure signs between are, unless they could change back and forth.
   return last < 3 || s[1] == s[0] || s[2] == s[3] ? Crossing::once : Crossing::unsure;
 }
 
-/// What double with a running bound knows about one question.
+/// What double with a running bound can decide about one pair of features.
 class Filter {
  public:
   Filter(const Quartet& q, double width) : moving_(q), cubic_(moving_.coplanarity()), width_(width) {}
 
   Decision run(TimeBracket& bracket);
-  /// Up to here there is surely no contact; 0 where even the start is open.
+  /// There is surely no contact before this time; 0 where even the start is open.
   double clear_until() const { return clear_until_; }
 
  private:
@@ -97,7 +98,7 @@ Decision Filter::sides_on(double low, double high) const {
   return meets_in_plane(sides_, gaps_, [&](const Times& p) { return p.sign_on(low, high); });
 }
 
-/// Closes in on the only root of the span until it is as narrow as asked; false if that cannot be sure.
+/// Narrows the span around its only root to the given width; false where that cannot be certain.
 bool Filter::narrow(Range& span, Sign before_high) const {
   if (span.high - span.low <= width_) return true;
   std::array<double, 4> coefficient{};
@@ -112,7 +113,7 @@ bool Filter::narrow(Range& span, Sign before_high) const {
   return span.high - span.low <= width_;
 }
 
-/// The only time in the span at which the four lie in one plane: contact or not.
+/// Whether there is contact at the only time in the span at which the four points lie in one plane.
 Decision Filter::cross(Range span, Sign before_high, Decision inside, TimeBracket& bracket) {
   if (!narrow(span, before_high)) return Decision::undecided;
   if (inside == Decision::undecided) inside = sides_on(span.low, span.high);
@@ -121,7 +122,7 @@ Decision Filter::cross(Range span, Sign before_high, Decision inside, TimeBracke
 }
 
 Decision Filter::search(TimeBracket& bracket) {
-  // The earliest span last, so that the first contact found is the first there is.
+  // The earliest span is last, so that the first contact found is the first of all.
   std::array<Range, kMostSpans> open;
   int open_count = 0;
   open[open_count++] = {0, 1};
@@ -137,10 +138,10 @@ Decision Filter::search(TimeBracket& bracket) {
     if (crosses == Crossing::always) here = inside;
     if (here == Decision::yes && crosses == Crossing::always) {
       bracket = {std::min(unsure_since, span.low), span.low};
-      // The start itself is open: contact at 0 is another answer than contact soon after.
+      // The start itself is open, and contact at 0 is a different answer from contact soon after.
       return span.low > 0 && bracket.low == 0 ? Decision::undecided : here;
     }
-    // A span left open is settled only by contact all over the next one.
+    // A span left open can be settled only by contact throughout the next one.
     if (unsure_since < 2 && here != Decision::undecided) return Decision::undecided;
     if (here == Decision::yes) return here;
     if (here == Decision::no) {

@@ -7,11 +7,12 @@
 
 namespace collided::engine::kernel {
 
+/// A moving point relative to another: a vector of polynomials in time.
 template <class N>
 using Path = Vector<Polynomial<N>>;
 
-/// `to` seen from `from`. Differences of ends come first: two points that fly together at 1e9 and apart at 1e-9 lose
-/// no more than their distance does.
+/// `to` relative to `from`. Forms differences of the ends first: two points that move together at 1e9 with 1e-9 between
+/// them keep the digits of their distance.
 template <class N>
 Path<N> path_between(const MovingPoint& from, const MovingPoint& to) {
   const auto component = [&](int k) {
@@ -34,8 +35,8 @@ const Polynomial<N>& component(const Path<N>& v, int axis) {
   return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-/// The three others seen from the first point, and what follows from them. While the four lie in one plane, contact is
-/// a matter of the signs of `side`.
+/// The three other points relative to the first. While the four lie in one plane, the signs of Sides and Gaps decide
+/// contact.
 template <class N>
 struct MovingQuartet {
   std::array<Path<N>, 3> to;
@@ -48,10 +49,10 @@ struct MovingQuartet {
   Polynomial<N> coplanarity() const { return dot(to[0], cross(to[1], to[2])); }
 };
 
-/// Vectors of degree 2, in groups. Where, on any axis, two of a group have opposite signs, there is no contact. Where
-/// the points lie in one plane and, on one axis, each group has one strict sign throughout, there is.
+/// Vectors of degree 2, in groups. Where two of a group have opposite signs on any axis, there is no contact. Where the
+/// points lie in one plane and, on one axis, no group has opposite signs and not all are zero, there is contact.
 ///   point and face: the point's turns about the three edges, one group;
-///   two segments: the turns of the other's ends about each, a group each, the second negated.
+///   two segments: the turns of the other's ends about each, one group each, the second negated.
 template <class N>
 struct Sides {
   std::array<Path<N>, 4> turn;
@@ -74,7 +75,7 @@ struct Sides {
   }
 };
 
-/// Vectors of degree 1 that part the two features by their boxes where, on one axis, all have one strict sign.
+/// Vectors of degree 1. Where all have one strict sign on an axis, the features' boxes are separate.
 template <class N>
 struct Gaps {
   std::array<Path<N>, 4> gap;
@@ -91,8 +92,8 @@ struct Gaps {
   }
 };
 
-/// Contact at a time at which the four lie in one plane, from the signs there of the turns and gaps, as sign_of tells
-/// them; or on a span of such times, where sign_of knows the signs on all of it.
+/// Decides contact at a time at which the four points lie in one plane, from the signs of turns and gaps at that time,
+/// given by sign_of; or on a span of such times, if sign_of gives the signs on all of it.
 template <class N, class SignOf>
 Decision meets_in_plane(const Sides<N>& sides, const Gaps<N>& gaps, const SignOf& sign_of) {
   bool all_flat = true;
@@ -124,7 +125,7 @@ Decision meets_in_plane(const Sides<N>& sides, const Gaps<N>& gaps, const SignOf
     }
     if (apart) return Decision::no;
   }
-  // On one line, where boxes that meet are enough.
+  // All points are on one line, where overlapping boxes mean contact.
   return all_flat ? Decision::yes : Decision::undecided;
 }
 

@@ -11,13 +11,14 @@ namespace {
 
 using namespace kernel;
 
-/// What the mover has gone by time t.
+/// The mover's translation by time t.
 template <class N, class Shape>
 Vector<N> way_until(const Translated<Shape>& mover, double t) {
   return N(t) * (Vector<N>(mover.to) - Vector<N>(mover.from));
 }
 
-/// A box with everything it covers on its way: one more axis, of half the way on either side of its middle.
+/// A box with all that it covers during its motion: the same box with a fourth axis, half the translation to either
+/// side of the middle.
 template <class N>
 struct SweptBox {
   Solid<N> box;
@@ -28,7 +29,7 @@ struct SweptBox {
       : box(mover.start), displacement(way_until<N>(mover, t)), middle(box.center + N(0.5) * displacement) {}
 };
 
-/// A plane across n lies strictly between the two.
+/// Whether a plane perpendicular to n lies strictly between the two.
 template <class N>
 Decision separates(const Vector<N>& n, const SweptBox<N>& swept, const Facet<N>& f) {
   N reach = N(0.5) * abs(dot(n, swept.displacement));
@@ -43,7 +44,7 @@ Decision separates(const Vector<N>& n, const SweptBox<N>& swept, const Facet<N>&
   return either(less(reach, nearest), less(reach, -farthest));
 }
 
-/// The axes are all normals that a face of the difference of the two can have.
+/// Tests as axes all normals that a face of the difference of the two can have.
 template <class N>
 Decision touched(const Translated<Box>& mover, double t, const Triangle& other) {
   const SweptBox<N> swept(mover, t);
@@ -67,7 +68,7 @@ Decision touched(const Translated<Box>& mover, double t, const Triangle& other) 
   return together.result();
 }
 
-/// Two flat sets are within R where an edge of one is near the other.
+/// Two flat sets are within R exactly where an edge of one is near the other.
 template <class N>
 Decision touched(const Translated<Capsule>& mover, double t, const Triangle& other) {
   const Capsule& capsule = mover.start;
@@ -92,7 +93,7 @@ Decision touched(const Translated<Capsule>& mover, double t, const Triangle& oth
   return any.result();
 }
 
-/// The last of the times at which an axis stops parting the two, in plain double.
+/// The last time at which some axis stops separating the two, in plain double.
 double guessed_time(const Translated<Box>& mover, const Triangle& other) {
   const Box& box = mover.start;
   const Vec3 displacement = mover.to - mover.from;
@@ -115,7 +116,7 @@ double guessed_time(const Translated<Box>& mover, const Triangle& other) {
   return latest < 1 ? latest : 1;
 }
 
-/// About where the segment's nearer end meets the triangle's plane; enough to begin with.
+/// Roughly when the segment's nearer end meets the triangle's plane; good enough as a guess.
 double guessed_time(const Translated<Capsule>& mover, const Triangle& other) {
   const Capsule& capsule = mover.start;
   const Vec3 n = (other.b - other.a).cross(other.c - other.a);

@@ -23,7 +23,7 @@ bool finite(const MovingTriangle& t) {
          t.c.start.allFinite() && t.c.end.allFinite();
 }
 
-/// On some axis one triangle stays strictly above the other: exact.
+/// Whether on some axis one triangle stays strictly above the other. Exact.
 bool parted_by_axis(const MovingTriangle& a, const MovingTriangle& b) {
   for (int axis = 0; axis < 3; ++axis) {
     const Span start_a = reach(a, axis, &MovingPoint::start);
@@ -38,7 +38,7 @@ bool parted_by_axis(const MovingTriangle& a, const MovingTriangle& b) {
 
 bool rests(const MovingPoint& p) { return p.start == p.end; }
 
-/// The plane of a triangle at rest has the other one strictly on one side, at both ends and so always.
+/// Whether the plane of a triangle at rest has the other one strictly on one side, at both ends and so throughout.
 bool parted_by_plane(const MovingTriangle& resting, const MovingTriangle& other) {
   using namespace kernel;
   if (!rests(resting.a) || !rests(resting.b) || !rests(resting.c)) return false;
@@ -70,7 +70,7 @@ struct Earliest {
 
 }  // namespace
 
-/// Triangles that are apart first meet with a corner of one on the other or with an edge on an edge.
+/// Separate triangles first meet with a corner of one on the other or with an edge on an edge.
 ExactResult first_contact(const MovingTriangle& a, const MovingTriangle& b, double width, TimeBracket& bracket) {
   if (!finite(a) || !finite(b)) return {Decision::undecided, Level::filter};
   if (parted_by_axis(a, b)) return {Decision::no, Level::filter};
@@ -94,7 +94,7 @@ ExactResult first_contact(const MovingTriangle& a, const MovingTriangle& b, doub
     }
   }
   if (earliest.verdict.yes()) {
-    // Contact there is; where a part is open, not before when.
+    // There is contact by then; while a part is undecided, it may have begun earlier.
     bracket = {earliest.open ? 0 : earliest.bracket.low, earliest.bracket.high};
   } else if (earliest.open) {
     earliest.verdict.decision = Decision::undecided;

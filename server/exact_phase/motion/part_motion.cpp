@@ -20,12 +20,12 @@ namespace {
 
 using kernel::Convex;
 
-/// Beyond this many planes along one way the parts slide along each other too near to be told apart.
+/// Beyond this many planes along one motion the parts slide along each other too closely to be separated.
 constexpr int kMostSteps = 512;
-/// What an overlap that doubles do not decide costs, in looks, or a graze.
+/// Cost, in looks, of an overlap that doubles do not decide, and of a graze.
 constexpr std::uint32_t kExactLooks = 8;
 
-/// Lengths and times that must not be exceeded are taken this much shorter: far more than their own few roundings.
+/// Shortens lengths and times that must not be exceeded: by far more than their few roundings.
 constexpr double kShy = 1 - 0x1p-40;
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
@@ -38,14 +38,15 @@ ExactResult overlap_at(const PartMotion& a, const PartMotion& b, double t) {
   return std::visit([](const auto& x, const auto& y) { return overlaps(x, y); }, a.at(t), b.at(t));
 }
 
-/// Two parts on their ways, and how planes between them fare.
+/// Two moving parts, and how long planes between them stay valid.
 class Advance {
  public:
   Advance(const PartMotion& a, const PartMotion& b)
       : a_(a), b_(b), slack_m_(2 * (a.motion->error_m(a.reach_m) + b.motion->error_m(b.reach_m))) {}
 
-  /// A plane that parts the two at time t, and by how much at least; not positive: none was found. `normal` is that of
-  /// the step before: of round parts that nearly touch, double finds a worse one than it did from farther away.
+  /// Finds a plane that separates the two at time t, and a lower bound on the gap; not positive: none was found.
+  /// `normal` holds the previous step's plane, which is tried first: for round parts that nearly touch, double finds a
+  /// worse one than it did from farther away.
   double part_at(double t, Vec3& normal) const {
     const ConvexPart a = a_.at(t);
     const ConvexPart b = b_.at(t);
@@ -61,14 +62,15 @@ class Advance {
     return gap_m;
   }
 
-  /// Both go straight, and across n they close no farther than their placing is off, or the way is over: where they are
-  /// placed then does not tell whether the way brings them together.
+  /// Both move straight, and across n they approach by no more than the error of their placing, or the motion is over:
+  /// where they are placed at its end does not show whether the motion brings them together.
   bool ends_in_doubt(const Vec3& n, double gap_m, double length, bool is_over) const {
     if (a_.motion->turn_rad != 0 || b_.motion->turn_rad != 0) return false;
     return is_over || closing_speed_m(n) * length - gap_m <= 4 * slack_m_;
   }
 
-  /// How long the plane across n surely parts them, which are `gap_m` apart along it at t; infinite: up to `end`.
+  /// How long the plane across n surely separates them, given that they are `gap_m` apart along it at t; infinite: up
+  /// to `end`.
   double parted_for(const Vec3& n, double gap_m, double t, double end) const {
     const double most = end - t;
     const double speed = closing_speed_m(n);
@@ -76,12 +78,12 @@ class Advance {
     if (!(sure < most)) return sure;
     const double bend_m = bend(n);
     if (bend_m == 0) return sure;
-    // A bolder step: the plane is tried at its end, and between the ends nothing bends farther than bend step^2.
+    // A bolder step: the plane is tested at its end, and between the ends nothing bends by more than bend step^2.
     double step = std::min(most, std::sqrt(gap_m / (2 * bend_m)));
     for (int attempt = 0; attempt < 3 && step > sure; ++attempt) {
       const double gap_then_m = gap_at(n, t + step);
       if (std::min(gap_m, gap_then_m) * kShy > bend_m * step * step) return step < most ? step : kForever;
-      // Where the line between the two gaps leaves just enough for the bend.
+      // Shrink to where the line between the two gaps leaves just enough for the bend.
       const double whole = gap_m > gap_then_m ? step * gap_m / (gap_m - gap_then_m) : step;
       constexpr double kLeastLeft = 0x1p-10;
       const double left = std::clamp(4 * bend_m * whole * whole / gap_m, kLeastLeft, 0.5);
@@ -93,7 +95,7 @@ class Advance {
  private:
   double gap_of(const Vec3& n, const Convex& a, const Convex& b) const {
     const double gap_m = -kernel::push_along(n, a, b).high() - slack_m_;
-    // Else steps would shrink for ever. NaN is no gap.
+    // Without a least gap steps would shrink for ever. NaN is no gap.
     return gap_m > slack_m_ / 16 ? gap_m : 0;
   }
   double gap_at(const Vec3& n, double t) const {
@@ -101,7 +103,7 @@ class Advance {
     const ConvexPart b = b_.at(t);
     return gap_of(n, convex_of(a), convex_of(b));
   }
-  /// At least how fast the two may close along n, metres in the whole way's time.
+  /// An upper bound on how fast the two approach along n, metres per duration of the motion.
   double closing_speed_m(const Vec3& n) const {
     const Vec3 travel = a_.motion->travel - b_.motion->travel;
     const double straight = n.dot(travel) + kChainSlack * travel.cwiseAbs().sum();
@@ -110,9 +112,9 @@ class Advance {
   static double turn_of(const Vec3& n, const PartMotion& part) {
     return part.motion->turn_rad * n.cross(part.motion->axis).norm() * part.reach_m;
   }
-  /// How far a set reaches along n changes, within a step, by no more than linearly and this times the step squared:
-  /// seen from the body n turns, its second derivative is at most turn |n x axis|, reach is convex in n and steeper
-  /// than reach_m nowhere, and a curve is off its chord by an eighth of that.
+  /// How far a set reaches along n changes, within a step, by at most a linear term plus this times the step squared:
+  /// seen from the body n rotates, its second derivative is at most turn |n x axis|, reach is convex in n and nowhere
+  /// steeper than reach_m, and a curve leaves its chord by at most an eighth of that.
   double bend(const Vec3& n) const {
     return (turn_of(n, a_) * a_.motion->turn_rad + turn_of(n, b_) * b_.motion->turn_rad) / 8 * (1 + kBoundSlack);
   }
@@ -122,8 +124,8 @@ class Advance {
   double slack_m_;
 };
 
-/// Where planes end and the two do not overlap at once, overlaps are looked for at times farther and farther on; between
-/// the last without and the first with one it is halved.
+/// Where planes fail and the two do not overlap yet: looks for an overlap at growing distances in time, then halves the
+/// time between the last test without and the first with one.
 ExactResult look_for_overlap(const PartMotion& a, const PartMotion& b, double low, double end, double width,
                          TimeBracket& bracket) {
   ExactResult verdict{Decision::no, Level::filter};
@@ -147,9 +149,9 @@ ExactResult look_for_overlap(const PartMotion& a, const PartMotion& b, double lo
   return {Decision::undecided, verdict.level};
 }
 
-/// Triangles have no inside to be met in: two that cross flat on share a point for one instant, which no pose but its own
-/// shows. They are followed in a piece so short that their corners go straight to within the way's own error.
-/// Nothing: not triangles, or their numbers are out of range.
+/// Triangles have no interior: two that cross flat share a point for one instant, which only the pose at that instant
+/// shows. They are followed in a piece so short that their corners move straight to within the motion's own error.
+/// Nothing: their numbers are out of range, or the test is undecided.
 std::optional<Decision> meet_in_piece(const PartMotion& a, const PartMotion& b, double low, double then, double width,
                                       TimeBracket& bracket) {
   const auto moving = [&](const PartMotion& part) {
@@ -167,14 +169,14 @@ std::optional<Decision> meet_in_piece(const PartMotion& a, const PartMotion& b, 
   return verdict.decision;
 }
 
-/// How long the corners of a triangle go straight to within their way's error.
+/// How long the corners of a triangle move straight to within the motion's error.
 double straight_for(const PartMotion& part) {
   const double turn_rad = part.motion->turn_rad;
   if (turn_rad == 0) return kForever;
   return std::sqrt(8 * part.motion->error_m(part.reach_m) / part.reach_m) / turn_rad;
 }
 
-/// A box or capsule past a resting triangle, from double upward.
+/// The exact answer for a box or capsule moving past a resting triangle; nothing for other pairs.
 std::optional<ExactResult> past_triangle(const PartMotion& a, const PartMotion& b, double width, TimeBracket& bracket) {
   if (std::holds_alternative<Triangle>(a.own)) {
     return std::holds_alternative<Triangle>(b.own) ? std::nullopt : past_triangle(b, a, width, bracket);
@@ -193,7 +195,8 @@ std::optional<ExactResult> past_triangle(const PartMotion& a, const PartMotion& 
   return std::nullopt;
 }
 
-/// The exact answer on the whole way of two that do not turn; nothing where there is none. `low`: no contact before.
+/// The exact answer over the whole motion of two parts that do not rotate; nothing where there is none. `low`: no
+/// contact before it.
 std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, double low, double width, TimeBracket& bracket) {
   if (a.motion->turn_rad != 0 || b.motion->turn_rad != 0 || kernel::precision.highest != Level::rational) return std::nullopt;
   if (const std::optional<ExactResult> verdict = past_triangle(a, b, width, bracket)) return verdict;
@@ -205,14 +208,15 @@ std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, dou
   return verdict;
 }
 
-/// Nearer than planes tell.
+/// Decides where the separating planes found so far prove nothing more: the parts touch, or are closer than planes can
+/// show.
 ExactResult decide_graze(const PartMotion& a, const PartMotion& b, double low, double end, double width,
                      TimeBracket& bracket) {
   const auto at_once = [&] {
     bracket = {low, low};
     return overlap_at(a, b, low);
   };
-  // Where the way begins, nothing is rounded: what rests on another is told so without its way.
+  // The start of the motion is not rounded: a part that rests on another needs no test of its motion.
   if (low == 0) {
     const ExactResult verdict = at_once();
     if (verdict.yes()) return verdict;
@@ -220,7 +224,7 @@ ExactResult decide_graze(const PartMotion& a, const PartMotion& b, double low, d
   TimeBracket exact;
   if (const std::optional<ExactResult> verdict = exactly(a, b, low, width, exact)) {
     const bool is_before = verdict->yes() && exact.low <= end;
-    // A contact before `low` is one that the ends' rounding makes.
+    // A contact before `low` comes from rounding the ends.
     if (is_before) bracket = {std::max(exact.low, low), std::max(exact.high, low)};
     return {is_before ? Decision::yes : Decision::no, verdict->level};
   }
@@ -275,7 +279,7 @@ ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan spa
     const double ahead = advance.parted_for(normal, gap_m, low, span.high);
     if (ahead == kForever || low + ahead >= span.high) return {Decision::no, Level::filter};
     const double before = low;
-    // Not all of it: at the very contact no plane would be sure any more.
+    // Stay short of it: at the contact itself no plane would be certain any more.
     low += ahead > width ? ahead - width / 4 : ahead * kShy;
     const double then = std::min(low + width * 0.9375, span.high);
     const ExactResult verdict = overlap_at(a, b, then);

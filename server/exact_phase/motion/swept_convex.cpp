@@ -13,7 +13,7 @@ namespace {
 
 bool is_flat(const Convex& set) { return set.is_polytope() && set.ball_m == 0; }
 
-/// The lower end of the way decides: whether the set is ahead of the plane at both.
+/// The lower end of the motion decides: whether the set is ahead of the plane at both ends.
 template <class N>
 Decision stays_ahead(const HalfSpace& ground, const Convex& set, const StraightMotion& motion) {
   const N rise = dot(Vector<N>(ground.normal), motion.displacement<N>());

@@ -8,20 +8,20 @@
 
 namespace collided::engine::kernel {
 
-/// Whether two convex sets share a point at any time of a straight motion: what the one sweeps is convex, and has corners
-/// and faces as it has.
+/// Whether two convex sets share a point at any time of a straight motion: what a convex set sweeps is convex, with
+/// corners and faces of its kind.
 ///
 /// a, b     placed where the motion begins
 /// returns  undecided for two sets with round parts other than balls, and for a ball or capsule against one of them
 /// cost     0.1 to 10 ms; allocates
 ExactResult meet_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion);
 
-/// The same, up to motion.until, with the bracket of the first contact, no wider than `width`, from a guess of its time that
-/// decides nothing. The bracket is left alone where the verdict is not yes.
+/// The same up to motion.until, with a bracket of the first contact, no wider than `width`. `guess` is an approximate
+/// time and decides nothing. The bracket is unchanged unless the answer is yes.
 ExactResult first_contact_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion, double guess, double width,
                                 TimeBracket& bracket);
 
-/// Whether the set comes to the half-space on its motion against it.
+/// Whether the set reaches the half-space during its motion.
 ExactResult first_contact_on_motion(const Convex& a, const HalfSpace& ground, const StraightMotion& motion, double guess,
                                 double width, TimeBracket& bracket);
 

@@ -14,7 +14,7 @@ namespace {
 
 using namespace kernel;
 
-/// What the sphere has covered by time t. The end point start + t (end - start) is not rounded.
+/// The path of the centre up to time t. The end point start + t (end - start) is not rounded.
 template <class N>
 Segment<N> path_until(const MovingSphere& mover, double t) {
   const Vector<N> start(mover.start);
@@ -48,7 +48,7 @@ Decision touched(const MovingSphere& mover, double t, const Triangle& other) {
   return segment_near_facet(path_until<N>(mover, t), Facet<N>(other), squared<N>(mover.radius_m, 0));
 }
 
-/// The lower end of the way decides.
+/// The lower end of the motion decides.
 template <class N>
 Decision touched(const MovingSphere& mover, double t, const HalfSpace& other) {
   const Vector<N> n(other.normal);
@@ -63,8 +63,8 @@ ExactResult touched_until(const MovingSphere& mover, double t, const Shape& othe
   return climb([&]<class N>() { return touched<N>(mover, t, other); });
 }
 
-/// The end of the way is rounded here, by 4 u of its coordinates at most; so the way's ball is tried that much larger
-/// for a no and that much smaller for a yes.
+/// Here the end of the path is rounded, by at most 4 u of its coordinates; so a "no" is tested with a radius larger by
+/// that, a "yes" with one smaller.
 template <General Shape>
 ExactResult touched_until(const MovingSphere& mover, double t, const Shape& other) {
   Capsule motion{mover.start, t == 1 ? mover.end : Vec3(mover.start + t * (mover.end - mover.start)), mover.radius_m};
@@ -78,6 +78,7 @@ ExactResult touched_until(const MovingSphere& mover, double t, const Shape& othe
   return narrow.yes() ? narrow : ExactResult{Decision::undecided, narrow.level};
 }
 
+/// The gap at time t in metres, and its slope, in plain double.
 template <class Shape>
 double gap_at(const MovingSphere& mover, double t, const Shape& other, double& slope) {
   const Vec3 step = mover.end - mover.start;
@@ -86,8 +87,8 @@ double gap_at(const MovingSphere& mover, double t, const Shape& other, double& s
   return nearest.distance_m - mover.radius_m;
 }
 
-/// About the first time, by Newton's method: along a line the distance to a convex set is convex, so the steps come
-/// from before the contact and never pass it but for rounding. Nothing is decided here.
+/// An approximation of the first time, by Newton's method: along a line the distance to a convex set is convex, so the
+/// steps approach the contact from before and pass it only by rounding. Decides nothing.
 template <class Shape>
 double guessed_time(const MovingSphere& mover, const Shape& other) {
   double t = 0;

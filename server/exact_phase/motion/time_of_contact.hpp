@@ -5,7 +5,7 @@
 
 namespace collided::engine {
 
-/// A sphere whose centre moves on the segment start end, at even speed, while time runs from 0 to 1.
+/// A sphere whose centre moves from start to end at constant speed while time runs from 0 to 1.
 struct MovingSphere {
   Vec3 start;
   Vec3 end;
@@ -18,8 +18,8 @@ struct TimeBracket {
   double high = 0;
 };
 
-/// Whether the moving sphere meets the set at any time in [0, 1], and the bracket of the first contact, no wider
-/// than `width` unless rounding forbids (then as narrow as it goes). Never late, never missed.
+/// Whether the moving sphere meets the set at any time in [0, 1], and a bracket of the first contact, no wider than
+/// `width` unless rounding forbids that (then as narrow as possible). Never late, never missed.
 ExactResult first_contact(const MovingSphere& mover, const Sphere& other, double width, TimeBracket& bracket);
 ExactResult first_contact(const MovingSphere& mover, const Box& other, double width, TimeBracket& bracket);
 ExactResult first_contact(const MovingSphere& mover, const Capsule& other, double width, TimeBracket& bracket);

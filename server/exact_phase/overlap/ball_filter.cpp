@@ -15,12 +15,12 @@ Decision quickly_overlaps(const Sphere& ball, const Box& box) {
   const double gap_m2 = gap.squaredNorm();
   const double radius_m2 = ball.radius_m * ball.radius_m;
   const double largest_m2 = displacement.squaredNorm() + box.half_m.squaredNorm() + radius_m2;
-  // Axes about as they come from poses; those that do not span space are the ladder's to refuse.
+  // Axes as they come from poses; the ladder handles those that do not span space.
   const bool spans = box.axes.squaredNorm() < 4 && std::abs(box.axes.determinant()) > 0.5;
   if (!in_plain_range(largest_m2) || !spans) return Decision::undecided;
   const double slack_m2 = kBallsApartSlack * largest_m2;
   if (gap_m2 < radius_m2 - slack_m2) return Decision::yes;
-  // How far the ball's middle is beyond the box along the gap, times the gap's length.
+  // How far the sphere's centre is beyond the box along the gap, times the gap's length.
   const double beyond_m2 = gap.dot(displacement) - box.half_m.dot((box.axes.transpose() * gap).cwiseAbs()) - slack_m2;
   return beyond_m2 > 0 && beyond_m2 * beyond_m2 > radius_m2 * gap_m2 * (1 + kBallsApartSlack) ? Decision::no
                                                                                             : Decision::undecided;

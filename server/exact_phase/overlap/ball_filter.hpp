@@ -5,10 +5,10 @@
 
 namespace collided::engine::kernel {
 
-/// Whether a ball meets a box or a capsule, where plain double leaves no doubt; else undecided. A point of the other and
-/// the plane across the way to it decide, so a box's axes need not be perpendicular.
+/// Whether a sphere meets a box or a capsule, where plain double is certain; else undecided. A point of the other shape
+/// and the plane perpendicular to the gap decide, so a box's axes need not be perpendicular.
 ///
-/// cost  about 10 ns against 100 to 300 for the ladder's first rung; no allocation
+/// cost  about 10 ns, against 100 to 300 for the ladder's first rung; no allocation
 Decision quickly_overlaps(const Sphere& ball, const Box& box);
 Decision quickly_overlaps(const Sphere& ball, const Capsule& capsule);
 

@@ -9,15 +9,15 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// Projections from a box to a segment and back; what is not near enough by then is left to the ladder.
+/// Projections from a box to a segment and back; what these do not decide goes to the ladder.
 constexpr int kProjections = 6;
 
 double nearest_on(const Vec3& point, const Vec3& start, const Vec3& displacement, double way_m2) {
   return way_m2 > 0 ? std::clamp((point - start).dot(displacement) / way_m2, 0.0, 1.0) : 0.0;
 }
 
-/// gap: from a point of the one core to a point of the other; beyond_m2: how far the cores are apart along it, times its
-/// length. largest_m2: not below the square of any difference that went into them.
+/// gap: from a point of one core to a point of the other; beyond_m2: how far the cores are apart along it, times its
+/// length; largest_m2: at least the square of any difference that went into both.
 Decision decide(const Vec3& gap, double beyond_m2, double reach_m, double largest_m2) {
   const double slack_m2 = kBallsApartSlack * largest_m2;
   const double gap_m2 = gap.squaredNorm();
@@ -47,7 +47,7 @@ Decision quickly_overlaps(const Capsule& a, const Capsule& b) {
   const double t = b_m2 > 0 ? std::clamp((across * s + along_b) / b_m2, 0.0, 1.0) : 0.0;
   s = a_m2 > 0 ? std::clamp((across * t - along_a) / a_m2, 0.0, 1.0) : 0.0;
   const Vec3 gap = from + s * motion_a - t * motion_b;
-  // The least of a's ends, less the most of b's, along the gap.
+  // The least reach of a's ends minus the largest of b's, along the gap.
   const double beyond_m2 = gap.dot(from) + std::min(0.0, gap.dot(motion_a)) - std::max(0.0, gap.dot(motion_b));
   return decide(gap, beyond_m2, reach_m, largest_m2);
 }
@@ -58,7 +58,7 @@ Decision quickly_overlaps(const Box& box, const Capsule& capsule) {
   const double way_m2 = displacement.squaredNorm();
   const double radius_m2 = capsule.radius_m * capsule.radius_m;
   const double largest_m2 = 4 * (start.squaredNorm() + way_m2 + box.half_m.squaredNorm()) + radius_m2;
-  // Axes about as they come from poses; those that do not span space are the ladder's to refuse.
+  // Axes as they come from poses; the ladder handles those that do not span space.
   const bool spans = box.axes.squaredNorm() < 4 && std::abs(box.axes.determinant()) > 0.5;
   if (!in_plain_range(largest_m2) || !spans) return Decision::undecided;
   Vec3 on_box = Vec3::Zero();

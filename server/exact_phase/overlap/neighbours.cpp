@@ -12,12 +12,14 @@ namespace {
 using kernel::Triple;
 using kernel::Vector;
 
-/// Side of the plane through o, p, q on which r lies, where plain double knows; the arguments are seen from o.
+/// The side of the plane through o, p, q on which r lies, where plain double is certain, else 0; arguments are relative
+/// to o.
 int sure_side(const Triple& p, const Triple& q, const Triple& r) {
   const double product = dot(r, cross(p, q));
   const double scale = p.largest() * q.largest() * r.largest();
   // Below, products of differences might underflow; above, overflow.
   constexpr double kSmallestScale = 0x1p-300;  // its square does not underflow, nor a product of the two
+  // Below this range products of differences may underflow, above it they may overflow.
   if (!(scale >= kSmallestScale && scale <= kLargestPlain)) return 0;
   const double error = kOrientationError * scale;
   return product > error ? 1 : product < -error ? -1 : 0;
@@ -25,7 +27,7 @@ int sure_side(const Triple& p, const Triple& q, const Triple& r) {
 
 ExactResult no() { return {Decision::no, Level::filter}; }
 
-/// On exact numbers: the four points lie in one plane, and seen along the axis a and b lie on one side of o p.
+/// Whether the four points lie in one plane, with a and b on the same side of their common edge.
 template <class N>
 Decision folds(const Triangle& a, const Triangle& b) {
   const Vector<N> o(a.a);
@@ -33,7 +35,7 @@ Decision folds(const Triangle& a, const Triangle& b) {
   const Vector<N> n = cross(along, Vector<N>(a.c) - o);
   const Decision in_plane = kernel::is_zero(dot(n, Vector<N>(b.c) - o));
   if (in_plane != Decision::yes) return in_plane;
-  // In the plane, the normals point the same way where both lie on one side of the edge.
+  // In the plane, the two normals agree where both triangles lie on one side of the edge.
   return kernel::is_positive(dot(n, cross(along, Vector<N>(b.c) - o)));
 }
 
@@ -45,11 +47,12 @@ ExactResult meet_beyond_corner(const Triangle& a, const Triangle& b) {
   const Triple q = kernel::triple(a.c) - o;
   const Triple r = kernel::triple(b.b) - o;
   const Triple s = kernel::triple(b.c) - o;
-  // What lies on one side of the other's plane but for the corner meets it in the corner alone.
+  // A triangle that lies on one side of the other's plane except for the corner meets it in the corner alone.
   if (sure_side(p, q, r) * sure_side(p, q, s) > 0) return no();
   if (sure_side(r, s, p) * sure_side(r, s, q) > 0) return no();
   if (parted_but_for_corner(a, b)) return no();
-  // What they have in common is convex and has the corner in it; going away from the corner it ends on a far side.
+  // What they share is convex and contains the corner; going away from the corner, it ends on a far side of one of
+  // them.
   const ExactResult first = overlaps(Triangle{a.b, a.c, a.c}, b);
   if (first.decision != Decision::no) return first;
   return overlaps(a, Triangle{b.b, b.c, b.c});

@@ -5,14 +5,14 @@
 
 namespace collided::engine {
 
-// Whether triangles of one surface meet where they should not. Both have area; exact for the given doubles.
+// Whether triangles of one surface meet where they should not. Both must have area; exact for the given doubles.
 
-/// Two triangles with a.a = b.a: they have a point in common besides it.
-/// cost      20 ns where one lies on one side of the other, 70 where they part in a projection
+/// Whether two triangles with a.a = b.a have another point in common.
+/// cost      20 ns where one lies on one side of the other, 70 where a projection separates them
 /// threads   pure; allocates only on Level::rational
 ExactResult meet_beyond_corner(const Triangle& a, const Triangle& b);
 
-/// Two triangles with a.a = b.a and a.b = b.b: they have a point in common besides that edge; they lie in one plane,
+/// Whether two triangles with a.a = b.a and a.b = b.b have points in common beyond that edge: they lie in one plane,
 /// folded over each other.
 ExactResult meet_beyond_edge(const Triangle& a, const Triangle& b);
 

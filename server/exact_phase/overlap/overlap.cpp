@@ -18,7 +18,7 @@ using kernel::sets_meet;
 
 namespace {
 
-/// Squares of radii that neither underflow nor overflow.
+/// Squared radii that neither underflow nor overflow.
 bool in_filter_range(double radius2) { return radius2 >= kFilterLowest2 && radius2 <= 1 / kFilterLowest2; }
 
 }  // namespace
@@ -40,7 +40,7 @@ ExactResult overlaps(const Sphere& a, const Capsule& b) {
 }
 
 ExactResult overlaps(const Sphere& a, const Triangle& b) {
-  // Most triangles that a ball meets have a corner in it.
+  // Most triangles that a sphere meets have a corner in it.
   const double radius2 = a.radius_m * a.radius_m;
   if (in_filter_range(radius2) && kernel::quick_nearest_corner2(a.center, b) < radius2 * (1 - 16 * kRoundoff)) {
     return {Decision::yes, Level::filter};

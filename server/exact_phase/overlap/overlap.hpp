@@ -5,8 +5,8 @@
 
 namespace collided::engine {
 
-/// Whether two closed sets share a point, exact for the given doubles; touching counts. Either argument order gives
-/// the same decision.
+/// Whether two closed sets share a point; exact for the given doubles; touching counts. The order of the arguments does
+/// not matter.
 ///
 /// threads  pure; allocates only on Level::rational
 ExactResult overlaps(const Sphere& a, const Sphere& b);
@@ -20,8 +20,8 @@ ExactResult overlaps(const Capsule& a, const Capsule& b);
 ExactResult overlaps(const Capsule& a, const Triangle& b);
 ExactResult overlaps(const Triangle& a, const Triangle& b);
 
-/// The same, and what contact(a, b).depth_m does not exceed (may be infinite): most contacts need not be worked out to
-/// find the deepest.
+/// The same, with an upper bound on contact(a, b).depth_m (may be infinite), so that most contacts need not be computed
+/// to find the deepest.
 ExactResult overlaps(const Sphere& a, const Triangle& b, double& depth_at_most_m);
 ExactResult overlaps(const Box& a, const Triangle& b, double& depth_at_most_m);
 

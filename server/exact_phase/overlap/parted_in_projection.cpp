@@ -12,13 +12,13 @@ namespace {
 
 using kernel::Triple;
 
-/// One triangle's corners seen along an axis: the coordinates that are left.
+/// The two coordinates that remain when a triangle is seen along an axis.
 struct Seen {
   int u;
   int v;
 };
 
-/// Along the axis that the normal is largest along, so that what has area is seen with area.
+/// Along the axis on which the normal is largest, so that a triangle with area keeps area in the projection.
 Seen seen_widest(const Triangle& t) {
   const Triple n = cross(kernel::triple(t.b) - kernel::triple(t.a), kernel::triple(t.c) - kernel::triple(t.a));
   const int axis = std::abs(n.x) > std::abs(n.y) ? (std::abs(n.x) > std::abs(n.z) ? 0 : 2) : (std::abs(n.y) > std::abs(n.z) ? 1 : 2);
@@ -36,7 +36,8 @@ Difference difference(double a, double b) {
   return {value, (a - (value + part)) + (part - b) != 0};
 }
 
-/// Where rounding a product tells what was lost: it is 0 for a factor that is, or far from both ends of the range.
+/// Whether the rounding error of a product is a double: a factor is 0, or the product is far from both ends of the
+/// range.
 bool is_in_range(double product, double a, double b) {
   const double size = std::abs(product);
   return (size >= kSmallestPlain && size <= kLargestPlain) || a == 0 || b == 0;
@@ -44,7 +45,8 @@ bool is_in_range(double product, double a, double b) {
 
 int sign_of(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-/// The sign of a b - c d. Rounding keeps order, so products that round differently differ that way; else what was lost tells.
+/// The sign of a b - c d. Rounding preserves order, so products that round differently differ that way; else their
+/// rounding errors decide.
 int turn_of_products(double a, double b, double c, double d) {
   const double left = a * b;
   const double right = c * d;
@@ -58,7 +60,7 @@ int rarely_sure_turn(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v) 
   const Difference pv = difference(p[v], o[v]);
   const Difference qu = difference(q[u], o[u]);
   const Difference qv = difference(q[v], o[v]);
-  // Of equal zeros nothing was lost whatever the other factors are.
+  // Two zero factors make both products exactly zero, whatever the others are.
   if ((pu.value == 0 && qu.value == 0) || (pv.value == 0 && qv.value == 0)) return 0;
   if (pu.is_rounded || pv.is_rounded || qu.is_rounded || qv.is_rounded) return kTurnUnsure;
   return turn_of_products(pu.value, qv.value, pv.value, qu.value);
@@ -66,14 +68,15 @@ int rarely_sure_turn(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v) 
 
 int opposite(int turn) { return turn == kTurnUnsure ? turn : -turn; }
 
-/// From o, the ways to p and q, which lie on one line with it, are opposite.
+/// Whether p and q, on one line with o, lie on opposite sides of o.
 bool points_away(const Vec3& o, const Vec3& p, const Vec3& q, Seen seen) {
   const int k = p[seen.u] != o[seen.u] ? seen.u : seen.v;
   return (p[k] > o[k] && q[k] < o[k]) || (p[k] < o[k] && q[k] > o[k]);
 }
 
-/// The line o p has a triangle on the side `inside`, and the other's far corners, at those turns from it, not. One of them
-/// may be on the line where that is on the far side of o: neither triangle then has anything of the line but o in common.
+/// Whether the line o p separates a triangle on its side `inside` from the other triangle's far corners, whose sides of
+/// the line are `turns`. One of these may lie on the line if it is beyond o: then neither triangle shares more of the
+/// line than o.
 bool parts(int inside, const Vec3& o, const Vec3& p, std::array<int, 2> turns, std::array<const Vec3*, 2> far, Seen seen) {
   if (inside == 0 || inside == kTurnUnsure) return false;
   int on_line = 0;
@@ -84,7 +87,7 @@ bool parts(int inside, const Vec3& o, const Vec3& p, std::array<int, 2> turns, s
   return true;
 }
 
-/// The line through one of t's sides has t on one side and all of the other triangle strictly on the other.
+/// Whether the line through one of t's sides has t on one side and the whole other triangle strictly on the other.
 bool parted_by_a_side(const Triangle& t, const Triangle& other, Seen seen) {
   const std::array<const Vec3*, 3> corner{&t.a, &t.b, &t.c};
   const int inside = sure_turn(t.a, t.b, t.c, seen.u, seen.v);

@@ -4,19 +4,20 @@
 
 namespace collided::engine {
 
-/// Side of the line o p on which q lies, of the two coordinates u and v: +1 to its left, -1 to its right, 0 on it, for
-/// the given doubles; kTurnUnsure where plain double does not know.
+/// The side of the line o p on which q lies, in the plane of coordinates u and v: +1 left, -1 right, 0 on it, exact for
+/// the given doubles; kTurnUnsure where plain double cannot decide.
 ///
-/// promise  knows wherever the differences to o are doubles and no product leaves their range, on the line too:
-///          neighbours in a flat mesh
+/// promise  decides wherever the differences to o are doubles and no product leaves their range, even on the line:
+/// neighbours in a flat mesh
 /// cost     2 ns; 10 where the products differ by less than the error of a difference
 /// threads  pure
 /// source   filter: Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997
 int sure_turn(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v);
 inline constexpr int kTurnUnsure = 2;
 
-/// Seen along one axis a line parts two triangles: they have nothing in common but what they share, which is the edge
-/// a.a = b.a to a.b = b.b, the corner a.a = b.a, or nothing. Finds all that are apart in one plane where sure_turn knows.
+/// Whether, seen along one axis, a line separates two triangles: they have nothing in common but what they share, which
+/// is the edge a.a = b.a to a.b = b.b, the corner a.a = b.a, or nothing. Finds all that are separate in one plane where
+/// sure_turn decides.
 ///
 /// returns  false: they may have more in common
 /// cost     10, 20 and 30 ns

@@ -18,6 +18,7 @@ bool same_line(const Triple& a, const Triple& b) {
 
 using Triples = std::array<Triple, 3>;
 
+/// A box's axes with what the test derives from them.
 struct BoxAxes {
   Triples axis;
   Triples normal;  // cross products of the other two axes
@@ -35,10 +36,10 @@ struct BoxAxes {
   }
 };
 
-/// Collects gaps (distance between projections, less what the bodies reach) with the error of their axis.
+/// Collects gaps (distance between projections minus the extents of the bodies), each with the error of its axis.
 class Gaps {
  public:
-  /// True when this axis surely separates.
+  /// True: this axis surely separates.
   bool add(double gap, double error) {
     unsure_ = unsure_ || !(gap < -error);
     return gap > error;
@@ -52,6 +53,7 @@ class Gaps {
 /// Neither over- nor underflow can matter: a gap's bound is at least 2^-50 of a product of three lengths.
 /// Products of four such lengths stay far from both ends of the range of double.
 constexpr double kLongest_m = 0x1p100;
+/// In this range overflow and underflow cannot matter: a gap's bound is at least 2^-50 of a product of three lengths.
 bool in_range(double length) { return length >= 1 / kLongest_m && length <= kLongest_m; }
 
 }  // namespace
@@ -132,7 +134,7 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
 
   const double edge_error = kSeparationError * frame.largest * side * reach;
   for (int j = 0; j < 3; ++j) {
-    // An edge projects to one number across itself; the opposite corner to another.
+    // An edge projects to one number across itself, the opposite corner to another.
     const Triple moment_edge = cross(edge[j], corner[j]);
     const Triple moment_opposite = cross(edge[j], corner[(j + 2) % 3]);
     const double over[3] = {std::abs(dot(edge[j], frame.normal[0])), std::abs(dot(edge[j], frame.normal[1])),
@@ -164,7 +166,7 @@ double push_at_most(const Box& a, const Triangle& b, double& reach_m) {
     for (int i = 0; i < 3; ++i) half += a.half_m[i] * std::abs(dot(frame.axis[i], axis));
     const double push = half + std::min(std::max({p[0], p[1], p[2]}), -std::min({p[0], p[1], p[2]}));
     const double length2 = dot(axis, axis);
-    // Far above what underflows; the error of the products is kSeparationError of A |axis| (D + A H) at most.
+    // Far above underflow; the error of the products is at most kSeparationError of A |axis| (D + A H).
     if (length2 >= 1 / kernel::kLargestPlain2) least = std::min(least, push / std::sqrt(length2) + 4 * kSeparationError * reach);
   };
   for (const Triple& normal : frame.normal) try_axis(normal);
@@ -174,17 +176,17 @@ double push_at_most(const Box& a, const Triangle& b, double& reach_m) {
 
 namespace {
 
-/// Signs that are sure; zero: not sure.
+/// The sign where it is certain, else 0.
 int sure_sign(double value, double error) { return value > error ? 1 : value < -error ? -1 : 0; }
 
-/// Three points about the plane of a facet.
+/// The sides of a facet's plane that three points are on.
 struct About {
   int side[3] = {0, 0, 0};
-  double reach = 0;  // largest coordinate of any difference between the points and the facet's corners, or more
+  double reach = 0;  // upper bound on the coordinates of all differences between the points and the facet's corners
 
   bool all_sure() const { return side[0] * side[1] * side[2] != 0; }
   bool one_sided() const { return side[0] == side[1] && side[1] == side[2] && side[0] != 0; }
-  /// The corner that is alone on its side, where the sides are sure and differ.
+  /// The corner alone on its side, where all sides are certain and differ.
   int lone() const { return side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0; }
 };
 
@@ -214,7 +216,7 @@ Decision quickly_overlaps(const Triangle& a, const Triangle& b) {
   if (t_about.one_sided()) return Decision::no;
   if (!s_about.all_sure() || !t_about.all_sure()) return Decision::undecided;
 
-  // The lone corner of each looks down on the other's plane: where it does not, that plane is turned over.
+  // Orient both so that the lone corner of each is above the other's plane: otherwise that plane is flipped.
   const int i = s_about.lone();
   const int j = t_about.lone();
   const bool turn_t = s_about.side[i] < 0;
@@ -225,8 +227,8 @@ Decision quickly_overlaps(const Triangle& a, const Triangle& b) {
   const Triple& q = t[j];
   const Triple& q1 = t[(j + (turn_t ? 2 : 1)) % 3];
   const Triple& q2 = t[(j + (turn_t ? 1 : 2)) % 3];
-  // Two of each three factors run between the triangles; the third is an edge of s, no longer than two that leave its
-  // first corner.
+  // Two of each three factors lie between the triangles; the third is an edge of s, no longer than two edges that leave
+  // its first corner.
   const double error = 2 * kOrientationError * s_about.reach * s_about.reach * t_about.reach;
   const double one = dot(q1 - p1, cross(q - p1, p - p1));
   const double other = dot(q2 - p, cross(q - p, p2 - p));

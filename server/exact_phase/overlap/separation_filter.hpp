@@ -5,8 +5,8 @@
 
 namespace collided::engine::kernel {
 
-/// The separating-axis test in plain double with one error bound for the whole pair: the first rung for the two pairs
-/// that simulations ask most. Undecided when an axis comes out nearer to touching than the bound.
+/// The separating-axis test in plain double with one error bound for the whole pair: the first filter for the two most
+/// frequent pairs in simulations. Undecided where an axis comes closer to touching than the bound.
 ///
 /// cost    about 60 ns against 700 for the same test with a running bound; no allocation
 /// source  axes: Gottschalk, Lin, Manocha, "OBBTree", 1996. Products over cross axes reuse those over the face
@@ -14,14 +14,16 @@ namespace collided::engine::kernel {
 Decision quickly_overlaps(const Box& a, const Box& b);
 Decision quickly_overlaps(const Box& a, const Triangle& b);
 
-/// No less than the push that parts the two along the box's face normals and the triangle's; infinity out of range.
-/// reach_m: at least the largest distance between two points of the pair.
+/// An upper bound on the shortest push that separates the two along the box's face normals or the triangle's; infinity
+/// out of range.
+/// reach_m: receives at least the largest distance between two points of the pair.
 double push_at_most(const Box& a, const Triangle& b, double& reach_m);
 
 /// Two triangles by the signs of their corners about each other's plane and of two edges about each other, in plain
-/// double; undecided when a sign is nearer to zero than its bound, as where an edge meets a corner or a plane is shared.
+/// double; undecided where a sign is closer to zero than its bound, as where an edge meets a corner or a plane is
+/// shared.
 ///
-/// cost    about 45 ns parted, 65 crossing, against 700; no allocation
+/// cost    about 45 ns separate, 65 crossing, against 700; no allocation
 /// source  Guigue, Devillers, "Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates", 2003
 Decision quickly_overlaps(const Triangle& a, const Triangle& b);
 

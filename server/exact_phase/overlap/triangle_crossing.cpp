@@ -11,13 +11,13 @@ namespace {
 
 using namespace kernel;
 
-/// An end of the crossing, each coordinate with its bound.
+/// An end of the crossing, and the sum of its coordinates' bounds.
 struct End {
   Vec3 point = Vec3::Zero();
   double error_m = 0;
 };
 
-/// Two triangles have at most nine points that may be ends in different planes, 6 + 9 in one.
+/// At most nine points may be ends for triangles in different planes, 6 + 9 in one plane.
 struct Ends {
   std::array<End, 18> end;
   int count = 0;
@@ -27,7 +27,7 @@ struct Ends {
   }
 };
 
-/// p + (q - p) * part / whole.
+/// The point p + (q - p) * part / whole.
 template <class N>
 End end_between(const Vec3& p, const Vec3& q, const N& part, const N& whole) {
   const Bounded t = plain(scaled(part) / scaled(whole));
@@ -48,7 +48,7 @@ N turn_value(const Vec3& a, const Vec3& b, const Vec3& c, int axis) {
   return (N(b[i]) - N(a[i])) * (N(c[j]) - N(a[j])) - (N(b[j]) - N(a[j])) * (N(c[i]) - N(a[i]));
 }
 
-/// The ends that one triangle's corners and edges make with the other's face; false: a sign is in doubt.
+/// Finds the ends that one triangle's corners and edges make with the other's face; false: a sign is uncertain.
 template <class N>
 class FaceSearch {
  public:
@@ -58,7 +58,7 @@ class FaceSearch {
   bool run() {
     axis_ = dropped_axis(facet_.normal);
     if (axis_ < 0) return false;
-    if (axis_ == 3) return true;  // no face, only edges: the other direction of the search sees them
+    if (axis_ == 3) return true;  // no face, only edges: the search in the other direction finds them
     for (std::size_t i = 0; i < 3; ++i) {
       height_[i] = dot(facet_.normal, Vector<N>(corner_[i]) - facet_.corner[0]);
       sign_[i] = sign(height_[i]);
@@ -72,7 +72,7 @@ class FaceSearch {
   }
 
  private:
-  /// -1, 0, +1 where all signs that are not zero agree, else 2; 3: in doubt.
+  /// -1, 0 or +1 where all signs other than zero agree, else 2; 3: uncertain.
   static int common(const std::array<Sign, 3>& signs) {
     int all = 0;
     for (const Sign s : signs) {
@@ -108,7 +108,7 @@ class FaceSearch {
     return true;
   }
 
-  /// An edge in the face's plane against the face's three.
+  /// Crosses an edge in the face's plane with the face's three edges.
   bool edge_in_plane(const Vec3& p, const Vec3& q) {
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& c = face_[k];

@@ -18,7 +18,7 @@ ExactRayPolynomial linear(const Dyadic& at_zero, const Dyadic& slope) {
   return result;
 }
 
-/// Polynomials that are >= 0 where an answer may be, for parameters >= 0: on the box's side of each of its planes, and
+/// Polynomials that are >= 0 where a hit may be, for parameters >= 0: the box's side of each of its planes, and
 /// length^2 - |direction|^2 t^2. Linear ones come first.
 std::vector<ExactRayPolynomial> limits_of(const Ray& ray, const ImplicitSurface& surface) {
   std::vector<ExactRayPolynomial> limits;
@@ -47,8 +47,8 @@ Decision is_within(RealRoot& root, const std::vector<ExactRayPolynomial>& limits
   return all.result();
 }
 
-/// Where a ray that lies in the surface comes into the box: at its start, or at the only plane that is entered and within
-/// all others.
+/// Where a ray that lies in the surface enters the box: at its start, or at the one plane that it crosses inward and
+/// that is within all others.
 Decision first_within(const std::vector<ExactRayPolynomial>& limits, std::vector<RealRoot>& entry) {
   entry.emplace_back(Dyadic());
   Decision within = is_within(entry.back(), limits);
@@ -61,15 +61,15 @@ Decision first_within(const std::vector<ExactRayPolynomial>& limits, std::vector
   return within;
 }
 
-/// All values of a polynomial between the ends of the root's interval: the hull of its Bernstein coefficients there, times
-/// the power of two given.
+/// Contains all values of a polynomial between the ends of the root's interval: the range of its Bernstein coefficients
+/// there, times a constant.
 struct Enclosure {
   Dyadic middle;
   Dyadic radius;
 };
 
 Enclosure enclosed(const ExactRayPolynomial& p, const RealRoot& root) {
-  // A common multiple of the binomials that the coefficients carry, up to degree 8.
+  // A common multiple of the binomials in the coefficients, up to degree 8.
   constexpr double kMultiple = 840;
   constexpr auto kBinomial = binomials<ExactRayPolynomial::kCoefficients>();
   if (p.count() == 0) return {};
@@ -84,7 +84,7 @@ Enclosure enclosed(const ExactRayPolynomial& p, const RealRoot& root) {
   return {(least + most) * Dyadic(0.5), (most - least) * Dyadic(0.5)};
 }
 
-/// The three to one power of two, so that the largest is near 1.
+/// Scales the three by one power of two, so that the largest is near 1.
 Vector<Bounded> scaled_alike(const std::array<Enclosure, 3>& e) {
   long power = std::numeric_limits<long>::min();
   for (const Enclosure& component : e) {
@@ -106,6 +106,7 @@ Vector<Bounded> scaled_alike(const std::array<Enclosure, 3>& e) {
   return {result[0], result[1], result[2]};
 }
 
+/// Narrows the root until the gradient's direction is known well enough, or proves it to be zero.
 void find_normal(const Ray& ray, const ImplicitSurface& surface, RealRoot& root, ImplicitHit& hit) {
   using P = ExactRayPolynomial;
   constexpr double kSharp = 0x1p-40;

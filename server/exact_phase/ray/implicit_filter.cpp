@@ -21,8 +21,8 @@ double sum_down(double a, double b) {
 }
 double sum_up(double a, double b) { return -sum_down(-a, -b); }
 
-/// Where along the ray an answer may be: it begins in [entry_low, entry_high] and ends in [exit_low, exit_high], both
-/// infinite where nothing ends it. Written so that NaN makes nothing sure.
+/// The part of the ray in which a hit may be: it begins in [entry_low, entry_high] and ends in [exit_low, exit_high],
+/// both infinite where nothing ends it. Written so that NaN makes nothing certain.
 struct Range {
   double entry_low = 0;
   double entry_high = 0;
@@ -56,15 +56,15 @@ Range range_of(const Ray& ray, const ImplicitSurface& surface) {
   return range;
 }
 
-/// The ray from another of its points, so that f is worked out near where it is: the parameter is shift + s. Far from the
-/// surface its powers would leave nothing of the digits that decide.
+/// The ray restarted at another of its points, so that f is evaluated near the surface: the parameter is shift + s. Far
+/// from the surface, powers of the parameter would cancel all digits that decide.
 struct Shifted {
   double shift = 0;
   Vector<Bounded> origin;
   Vector<Bounded> direction;
 };
 
-/// origin + t * direction, rounded once, with what was lost.
+/// origin + t * direction, rounded once, with a bound on the error.
 Bounded moved(double origin, double t, double direction) {
   if (direction == 0) return origin;
   const double motion = t * direction;
@@ -93,12 +93,13 @@ Shifted shifted(const Ray& ray, const ImplicitSurface& surface) {
     *component[axis] = moved(ray.origin[axis], t, ray.direction[axis]);
     size_there = std::max(size_there, std::abs(component[axis]->value));
   }
-  // Where the surface is as far from the frame's origin as the ray, nothing is won.
+  // Nothing is gained where the surface is as far from the frame's origin as the ray.
   if (!(size_there * kWorthIt < ray.origin.cwiseAbs().maxCoeff())) return as_it_is;
   return {t, there, as_it_is.direction};
 }
 
-/// A power of two above every |root|, infinite where that is not sure. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n - k)).
+/// A power of two above every |root|, infinite where that is uncertain. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n -
+/// k)).
 double root_bound(const Along& p) {
   const int n = p.count() - 1;
   const double lead = std::abs(p[n].value) - p[n].bound() * (1 + kBoundSlack);
@@ -112,20 +113,20 @@ double root_bound(const Along& p) {
     if (size == 0) continue;
     int size_power = 0;
     std::frexp(size, &size_power);
-    // |c_k / c_n| < 2^ratio; the root of it is rounded up.
+    // |c_k / c_n| < 2^ratio; its root is rounded up.
     const int ratio = size_power - lead_power + 1;
     const int degree = n - k;
     power = std::max(power, ratio > 0 ? (ratio + degree - 1) / degree : -(-ratio / degree));
   }
-  // Not below the doubles: a bound of zero would leave no room for a root of 1e-600.
+  // At least the smallest doubles: a bound of zero would leave no room for a root of 1e-600.
   return std::ldexp(1.0, std::max(power + 2, -1000));
 }
 
-/// The most changes of sign that the coefficients may have, whatever the unsure ones are.
+/// The largest number of sign changes that the coefficients may have, whatever the unsure ones are.
 int most_sign_changes(const Along::Coefficients& coefficient, int count) {
   constexpr int kNever = -100;
-  int up = kNever;  // as many, if the last one not zero is positive
-  int down = kNever;
+  int up = kNever;  // the most changes if the last sign other than zero is positive
+  int down = kNever;  // the same if it is negative
   for (int j = 0; j < count; ++j) {
     const Sign s = sign(coefficient[j]);
     const int next_up = std::max({up, down + 1, 0});
@@ -143,12 +144,12 @@ struct Span {
   double high = 0;
 };
 
-/// The first root in a span of a polynomial, one span after the other.
+/// Isolates the roots of a polynomial in a span, one after the other.
 class RootSearch {
  public:
   RootSearch(const Along& polynomial, const Span& whole) : polynomial_(polynomial) { left_[count_++] = whole; }
 
-  /// no: there is none left. yes: the span holds one simple root and has sure signs at its ends.
+  /// no: there is none left. yes: the span holds one simple root, with certain signs at its ends.
   Decision next(Span& isolated) {
     for (; steps_ < kMostSteps && count_ > 0; ++steps_) {
       const Span span = left_[--count_];
@@ -170,7 +171,8 @@ class RootSearch {
  private:
   static bool is_sure(Sign s) { return s == Sign::positive || s == Sign::negative; }
 
-  /// Not in the middle, where symmetrical scenes have their roots. False where neither of two places has a sure sign.
+  /// Avoids the middle, where symmetrical scenes have their roots. False where neither of two places has a certain
+  /// sign.
   bool split(const Span& span) {
     if (count_ + 2 > static_cast<int>(left_.size())) return false;
     for (const double share : {0.46875, 0.5390625}) {
@@ -191,7 +193,7 @@ class RootSearch {
   int steps_ = 0;
 };
 
-/// About the root: Newton's steps where they stay between the signs, halvings else. Nothing is decided here.
+/// An approximation of the root: Newton's steps while they stay between the signs, otherwise halving. Decides nothing.
 double guessed_root(const Along& p, Span span, bool rises) {
   double t = span.low + (span.high - span.low) / 2;
   for (int step = 0; step < 64; ++step) {
@@ -210,7 +212,7 @@ double guessed_root(const Along& p, Span span, bool rises) {
   return t;
 }
 
-/// Sure signs as near to the root on both sides as double sees.
+/// Narrows to the points nearest to the root, on both sides, at which double has a certain sign.
 Span narrowed(const Along& p, const Span& span) {
   const bool rises = sign(p.at(Bounded(span.high))) == Sign::positive;
   const Sign before = rises ? Sign::negative : Sign::positive;

@@ -13,14 +13,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double or_infinite(double bound) { return bound >= 0 ? bound : kInfinity; }
 
-/// Without the squares of a direction of 1e-200 going under.
+/// Keeps the squares of a direction of 1e-200 from underflowing.
 Scaled length_of_direction(const Ray& ray) {
   const double largest = ray.direction.cwiseAbs().maxCoeff();
   int power = 0;
   std::frexp(largest, &power);
   Bounded sum;
   for (const double component : ray.direction) {
-    // What goes under here is 2^-1000 of the sum.
+    // What underflows here is below 2^-1000 of the sum.
     const Bounded c(std::ldexp(component, -power));
     sum = sum + c * c;
   }

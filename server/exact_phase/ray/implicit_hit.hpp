@@ -5,14 +5,14 @@
 
 namespace collided::engine::kernel {
 
-/// Distance and point from the bracket.
+/// Sets distance and point from the bracket of the parameter.
 void set_place(const Ray& ray, double low, double high, ImplicitHit& hit);
 
-/// The unit vector along an enclosed gradient, with its bound, if that is below 1: the normal is then known.
-/// returns  the bound, infinite where there is none
+/// Sets the normal to the unit vector along a gradient with bounds, if the vector's error is below 1.
+/// returns  the bound on that error, infinite where it is not below 1
 double set_normal(const Vector<Bounded>& slope, ImplicitHit& hit);
 
-/// What a bracket may be wide: as asked for, or what the thread's precision is content with.
+/// Whether a bracket is narrow enough: as requested, or as the thread's precision allows.
 bool narrow_enough(const Ray& ray, double low, double high, double relative_width);
 
 }  // namespace collided::engine::kernel

@@ -11,7 +11,7 @@ namespace {
 
 using namespace kernel;
 
-/// Error of a unit normal above which it is worked out again exactly: a hundredth of an arc second.
+/// A unit normal with a larger error is computed again exactly: a hundredth of an arc second.
 constexpr double kRefineNormal = 0x1p-24;
 
 }  // namespace

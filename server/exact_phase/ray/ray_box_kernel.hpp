@@ -7,8 +7,8 @@
 
 namespace collided::engine::kernel {
 
-/// One pair of faces: the ray is between them for near <= s * speed <= far, speed >= 0. At speed 0 the two are the
-/// distances to the faces and only their signs mean anything.
+/// One pair of faces: the ray is between them while near <= s * speed <= far, with speed >= 0. At speed 0 the two are
+/// the distances to the faces, of which only the signs matter.
 template <class N>
 struct Slab {
   N near;
@@ -32,7 +32,7 @@ std::array<Slab<N>, 3> slabs_along(const Ray& ray, const Solid<N>& box) {
   return slabs;
 }
 
-/// The slabs, the half line s >= 0 and the length have a common parameter.
+/// Whether the slabs, the half line s >= 0 and the ray's length share a parameter.
 template <class N>
 Decision slabs_meet(const std::array<Slab<N>, 3>& slabs, const Ray& ray) {
   AllOf all;
@@ -64,6 +64,7 @@ Decision starts_between(const std::array<Slab<N>, 3>& slabs) {
   return all.result();
 }
 
+/// Where a ray enters and leaves a box, and through which faces.
 struct BoxCrossing {
   Bounded entry_m;
   Bounded exit_m;

@@ -12,26 +12,26 @@ struct RayHit {
   double distance_m = 0;
   double distance_error_m = 0;
   Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();   // unit, against the ray; for a start inside a solid: of the exit
+  Vec3 normal = Vec3::Zero();   // unit, against the ray; for a start inside a solid: the outward normal at the exit
   Vec3 weights = Vec3::Zero();  // barycentric, triangles only; their sum is 1 to one rounding
-  double exit_m = 0;            // where the ray leaves a solid (may exceed the length); the distance for a triangle
+  double exit_m = 0;            // where the ray leaves a solid (may exceed its length); for a triangle the distance
   double exit_error_m = 0;      // |true exit - exit_m| at most
   bool inside = false;          // the ray starts inside a solid: distance 0
 };
 
-/// A bound on |hit.point - true point|, for a hit that `cast_ray` filled. Worked out here, not in every hit.
+/// A bound on |hit.point - true point|, for a hit that `cast_ray` filled. Computed here on demand, not in every hit.
 ///
-/// The point is o + x, x the product of the distance and the unit direction (of the parameter and the direction for a
-/// triangle, which is one rounding less). x is off by the distance's own error along the ray and by kPointOnRay of the
-/// distance; the sum rounds once more in each coordinate.
+/// The point is o + x, with x the product of the distance and the unit direction (for a triangle of the parameter and
+/// the direction, one rounding less). x is off by the distance's own error along the ray and by kPointOnRay of the
+/// distance; the sum rounds each coordinate once more.
 inline double point_error_m(const RayHit& hit) {
   if (hit.distance_m == 0 && hit.distance_error_m == 0) return 0;  // the ray's origin
   return (hit.distance_error_m + kPointOnRay * hit.distance_m + kPointSum * hit.point.cwiseAbs().maxCoeff()) *
              (1 + kBoundSlack) + kUnderflow;
 }
 
-/// Whether the ray meets the shape, exact for the given doubles; touching counts, so do both ends of the ray and
-/// both sides of a triangle. A zero-area triangle is the segment or point that it is. `hit` is filled on yes only.
+/// Whether the ray meets the shape, exact for the given doubles; touching counts, and so do both ends of the ray and
+/// both sides of a triangle. A triangle without area is the segment or point that it is. Fills `hit` on yes only.
 ///
 /// threads  pure; allocates only on Level::rational
 ExactResult cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit);
@@ -41,19 +41,19 @@ ExactResult cast_ray(const Ray& ray, const Capsule& capsule, RayHit& hit);
 ExactResult cast_ray(const Ray& ray, const Cylinder& cylinder, RayHit& hit);
 ExactResult cast_ray(const Ray& ray, const Cone& cone, RayHit& hit);
 ExactResult cast_ray(const Ray& ray, const Ellipsoid& ellipsoid, RayHit& hit);
-/// The exit of a ray that does not leave again is infinite.
+/// A ray that does not leave again has an infinite exit.
 ExactResult cast_ray(const Ray& ray, const HalfSpace& half_space, RayHit& hit);
-/// Of its placed faces: convex to the rounding of placing them.
+/// By its placed faces, which are convex up to the rounding of placing them.
 ExactResult cast_ray(const Ray& ray, const Hull& hull, RayHit& hit);
 
-/// By how much a hit may be nearer or farther on a shape of which no point is farther than placing_m from that which was
-/// met, but for a hit that lies as near to an edge. Infinite where the ray runs along the surface so flatly that it may
-/// pass the other one by.
+/// How much nearer or farther the hit may be on a shape whose points differ from those of the shape met by at most
+/// placing_m, unless it lies as near to an edge. Infinite where the ray runs so flatly along the surface that it may
+/// miss the other shape.
 ///
 /// corners  of the triangle met; null: a solid
 double placing_error_along(const Ray& ray, const RayHit& hit, double placing_m, const Triangle* corners);
 
-/// Which of two triangles, both met by the ray, is met first: -1 a, 0 both at once, +1 b. Exact.
+/// Which of two triangles, both met by the ray, it meets first: -1 a, +1 b, 0 both at once. Exact.
 int compare_hits(const Ray& ray, const Triangle& a, const Triangle& b);
 
 }  // namespace collided::engine

@@ -16,7 +16,7 @@ Triangle face_of(const Hull& hull, const TriangleCorners& corner) {
   return {vertex_of(hull, corner[0]), vertex_of(hull, corner[1]), vertex_of(hull, corner[2])};
 }
 
-/// The point is not in front of any face.
+/// Whether the point is in front of no face.
 ExactResult behind_all_faces(const Hull& hull, const Vec3& point) {
   ExactResult all{Decision::yes, Level::filter};
   for (const TriangleCorners& corner : hull.mesh->triangles) {
@@ -36,7 +36,7 @@ ExactResult behind_all_faces(const Hull& hull, const Vec3& point) {
 ExactResult cast_ray(const Ray& ray, const Hull& hull, RayHit& hit) {
   const ExactResult inside = behind_all_faces(hull, ray.origin);
   ExactResult verdict = inside;
-  // Faces may be met beyond the length: that is where a ray that starts inside would leave.
+  // Without the length limit: the faces beyond it show where a ray that starts inside leaves.
   const Ray endless{ray.origin, ray.direction};
   RayHit first;
   RayHit last;

@@ -9,11 +9,12 @@ namespace collided::engine {
 
 double placing_error_along(const Ray& ray, const RayHit& hit, double placing_m, const Triangle* corners) {
   if (placing_m == 0) return 0;
-  // The normal and the direction are of unit length to some roundings.
+  // Normal and direction have unit length up to a few roundings.
   const double steepness = std::abs(hit.normal.dot(ray.direction.stableNormalized())) - 8 * kRoundoff;
   if (!(steepness > 0)) return std::numeric_limits<double>::infinity();
   const double along_m = placing_m / steepness;
-  // On the way into the solid, or over the triangle's height, the surface bends or is turned by far less than it is steep.
+  // Within this depth of the solid, or over the triangle's height, the surface bends or rotates by far less than its
+  // slope against the ray.
   double room_m = hit.exit_m - hit.distance_m;
   if (corners != nullptr) {
     const Vec3 edge[3] = {corners->b - corners->a, corners->c - corners->b, corners->a - corners->c};

@@ -6,8 +6,8 @@
 
 namespace collided::engine::kernel {
 
-/// Where a ray is inside a solid of one quadric and up to two planes: a s^2 + 2 b s + c <= 0 (a may be negative: a cone
-/// seen along its inside) and offset + slope s >= 0 for each plane, s in units of the direction.
+/// Where a ray is inside a solid bounded by one quadric and up to two planes: a s^2 + 2 b s + c <= 0 (a may be
+/// negative: a cone seen along its inside) and offset + slope s >= 0 for each plane, with s in units of the direction.
 template <class N>
 struct QuadricAlong {
   Quadratic<N> wall;
@@ -44,7 +44,7 @@ QuadricAlong<N> quadric_along(const Ray& ray, const Cone& cone) {
   q.wall.a = square(d_across) * length2 - r2 * (speed * speed);
   q.wall.b = dot(m_across, d_across) * length2 - r2 * (start * speed);
   q.wall.c = square(m_across) * length2 - r2 * (start * start);
-  // b^2 - a c, with the parts that cancel taken out: the first by Lagrange's identity, the mixed ones as one square.
+  // b^2 - a c without the terms that cancel: the first by Lagrange's identity, the mixed ones as one square.
   const N skew = dot(axis, cross(m, d));
   const Vector<N> mixed = start * d_across - speed * m_across;
   q.wall.discriminant = length2 * (r2 * square(mixed) - length2 * (length2 * (skew * skew)));
@@ -72,21 +72,21 @@ QuadricAlong<N> quadric_along(const Ray& ray, const Ellipsoid& ellipsoid) {
   return q;
 }
 
-/// p sqrt(q) + r sqrt(s) + t >= 0 for q, s >= 0.
+/// Whether p sqrt(q) + r sqrt(s) + t >= 0, for q, s >= 0.
 template <class N>
 Decision two_roots_not_negative(const N& p, const N& q, const N& r, const N& s, const N& t) {
   const Decision left_up = at_most(N(0.0), p);
   const Decision rest_up = root_sum_not_negative(t, r, s);
   if (left_up == Decision::undecided || rest_up == Decision::undecided) return Decision::undecided;
   if (left_up == rest_up) return left_up;
-  // The squares of p sqrt(q) and of the rest, which still has a root.
+  // Compares the square of p sqrt(q) with that of the rest, which still contains a root.
   const N squares = (p * p * q - r * r * s) - t * t;
   const N mixed = N(2.0) * (r * t);
   return left_up == Decision::yes ? root_sum_not_negative(squares, -mixed, s) : root_sum_not_negative(-squares, mixed, s);
 }
 
-/// Where the ray's line passes the wall, inwards (side +1) or outwards (-1): (-b - side sqrt(D)) / a, or -c / 2 b where
-/// the quadric is a line's (a = 0).
+/// Where the ray's line crosses the wall, inward (side +1) or outward (-1): (-b - side sqrt(D)) / a, or -c / 2 b where
+/// the quadric is linear (a = 0).
 template <class N>
 class WallRoot {
  public:
@@ -97,7 +97,7 @@ class WallRoot {
   }
   Decision exists() const { return exists_; }
 
-  /// p + q s >= 0 at the root, given that it exists.
+  /// Whether p + q s >= 0 at the root; the root must exist.
   Decision not_negative(const N& p, const N& q) const {
     if (sign_a_ == Sign::zero) {
       const N turn(side_ > 0 ? -1.0 : 1.0);  // the sign of b
@@ -106,7 +106,7 @@ class WallRoot {
     const N turn(sign_a_ == Sign::negative ? -1.0 : 1.0);
     return root_sum_not_negative(turn * (p * wall_.a - q * wall_.b), turn * (side_ > 0 ? -q : q), wall_.discriminant);
   }
-  /// The root times |d| is at most the ray's length.
+  /// Whether the root times |d| is at most the ray's length.
   Decision within(const Ray& ray) const {
     if (std::isinf(ray.length_m)) return Decision::yes;
     const N limit(ray.length_m);
@@ -115,7 +115,7 @@ class WallRoot {
     const N turn(sign_a_ == Sign::negative ? -1.0 : 1.0);
     return two_roots_not_negative(turn, wall_.discriminant * dd, turn * wall_.b, dd, limit * (turn * wall_.a));
   }
-  /// By the form that adds what the other would subtract.
+  /// By whichever of the two forms adds rather than cancels.
   Scaled parameter() const {
     const Scaled root = side_ > 0 ? root_of_discriminant(wall_) : -root_of_discriminant(wall_);
     const bool b_down = sign(wall_.b) == Sign::negative;
@@ -130,7 +130,7 @@ class WallRoot {
   Decision exists_;
 };
 
-/// The ray passes the wall ahead, between the planes; inwards: within its length.
+/// Whether the ray crosses the wall ahead of its start, between the planes; inward: also within its length.
 template <class N>
 Decision passes_wall(const QuadricAlong<N>& q, int side, const Ray& ray) {
   const WallRoot<N> root(q.wall, side);
@@ -159,14 +159,14 @@ Decision passes_plane(const QuadricAlong<N>& q, int number, int side, const Ray&
   return all.result();
 }
 
-/// The place of one passing as a distance.
+/// The distance of one crossing along the ray.
 template <class N>
 Bounded passing_distance(const QuadricAlong<N>& q, int surface, int side, const Ray& ray) {
   if (surface == 2) return plain(WallRoot<N>(q.wall, side).parameter() * length_of<N>(ray));
   return plain(-scaled(q.plane[surface].offset) / scaled(q.plane[surface].slope) * length_of<N>(ray));
 }
 
-/// Surfaces are the planes 0 and 1 and the wall 2.
+/// Whether the ray crosses a surface of the shape: 0 and 1 are the planes, 2 is the wall.
 template <class Climb, class Shape>
 ExactResult passes(const Ray& ray, const Shape& shape, int surface, int side) {
   return Climb::climb([&]<class N>() {
@@ -176,6 +176,7 @@ ExactResult passes(const Ray& ray, const Shape& shape, int surface, int side) {
   });
 }
 
+/// An outward vector at a point of one of the shape's surfaces, of any length.
 inline Vec3 outward_at(const Vec3& point, const Cylinder& c, int surface) {
   const Vec3 axis = c.b - c.a;
   if (surface < 2) return surface == 0 ? Vec3(-axis) : axis;
@@ -185,7 +186,7 @@ inline Vec3 outward_at(const Vec3& point, const Cylinder& c, int surface) {
 inline Vec3 outward_at(const Vec3& point, const Cone& c, int surface) {
   const Vec3 axis = c.base - c.apex;
   if (surface < 2) return surface == 0 ? Vec3(-axis) : axis;
-  // Across the generator through the point, away from the axis.
+  // Perpendicular to the generator through the point, away from the axis.
   const Vec3 out = unit(from_axis(point, Capsule{c.apex, c.base, c.radius_m}));
   return axis.stableNorm() * out - c.radius_m * unit(axis);
 }

@@ -7,8 +7,8 @@
 
 namespace collided::engine::kernel {
 
-/// Where a ray is inside a round thing: a s^2 + 2 b s + c <= 0, with the quarter discriminant b^2 - a c computed apart
-/// because a cross product gives it without cancellation.
+/// Where a ray is inside a round shape: a s^2 + 2 b s + c <= 0. The quarter discriminant b^2 - a c is computed
+/// separately, because a cross product gives it without cancellation.
 template <class N>
 struct Quadratic {
   N a;
@@ -40,14 +40,14 @@ Quadratic<N> cylinder_along(const Ray& ray, const Capsule& capsule) {
   return {dd, dot(m_across, d_across), square(m_across) - r2 * ww, ww * (r2 * dd - skew * skew)};
 }
 
-/// The first root lies ahead and within the length, for a start outside (c > 0).
+/// Whether the first root lies ahead of the start and within the length, for a start outside (c > 0).
 template <class N>
 Decision enters(const Quadratic<N>& q, const Ray& ray) {
   AllOf all;
   if (all.add(is_positive(-q.b))) return Decision::no;
   if (all.add(at_most(N(0.0), q.discriminant))) return Decision::no;
   if (std::isinf(ray.length_m)) return all.result();
-  // The end at L |d|^-1 is past the vertex, or inside: a L^2 + c d.d <= 2 |b| L |d|.
+  // The end at L |d|^-1 is past the vertex of the parabola, or inside: a L^2 + c d.d <= 2 |b| L |d|.
   const N dd = square(Vector<N>(ray.direction));
   const N limit = N(ray.length_m);
   const N limit2 = limit * limit;
@@ -65,14 +65,14 @@ Scaled root_of_discriminant(const Quadratic<N>& q) {
   return sign(q.discriminant) == Sign::negative ? Scaled{} : sqrt(scaled(q.discriminant));
 }
 
-/// First root for b < 0 and c >= 0: c / (-b + sqrt(D)) adds what the textbook form subtracts.
+/// The first root, for b < 0 and c >= 0: c / (-b + sqrt(D)) adds where the textbook form cancels.
 template <class N>
 Scaled entry(const Quadratic<N>& q) {
   if (sign(q.c) == Sign::zero) return {};
   return scaled(q.c) / (scaled(-q.b) + root_of_discriminant(q));
 }
 
-/// Second root, for c <= 0 or b < 0.
+/// The second root, for c <= 0 or b < 0.
 template <class N>
 Scaled exit(const Quadratic<N>& q) {
   const Scaled root = root_of_discriminant(q);
@@ -117,7 +117,7 @@ ExactResult cast_solid(const Ray& ray, const Sphere& sphere, RayHit& hit) {
   return verdict;
 }
 
-/// The sign of p + q sqrt(r) for r >= 0, asked as "at least zero".
+/// Whether p + q sqrt(r) >= 0, for r >= 0.
 template <class N>
 Decision root_sum_not_negative(const N& p, const N& q, const N& r) {
   const Decision p_up = at_most(N(0.0), p);
@@ -130,7 +130,8 @@ Decision root_sum_not_negative(const N& p, const N& q, const N& r) {
   return p_up == Decision::no && q_up == Decision::no ? Decision::no : Decision::undecided;
 }
 
-/// The ray enters the round wall between the capsule's two ends. (Entries through the ends are entries of a ball.)
+/// Whether the ray enters the round wall between the capsule's two ends. (Entries through the ends are entries of a
+/// ball.)
 template <class N>
 Decision enters_wall(const Ray& ray, const Capsule& capsule) {
   const Vector<N> axis = Vector<N>(capsule.b) - Vector<N>(capsule.a);
@@ -139,7 +140,7 @@ Decision enters_wall(const Ray& ray, const Capsule& capsule) {
   const Quadratic<N> q = cylinder_along<N>(ray, capsule);
   AllOf all;
   if (all.add(is_positive(q.c)) || all.add(enters(q, ray))) return Decision::no;
-  // Along the axis the entry is at start + speed s with s = (-b - sqrt(D)) / a; all times a.
+  // Along the axis the entry is at start + speed s with s = (-b - sqrt(D)) / a; everything is multiplied by a.
   const N start = dot(Vector<N>(ray.origin) - Vector<N>(capsule.a), axis);
   const N speed = dot(Vector<N>(ray.direction), axis);
   const N at = start * q.a - speed * q.b;
@@ -148,6 +149,7 @@ Decision enters_wall(const Ray& ray, const Capsule& capsule) {
   return all.result();
 }
 
+/// The vector from the nearest point of the capsule's axis to the point.
 inline Vec3 from_axis(const Vec3& point, const Capsule& capsule) {
   const Vec3 axis = unit(Vec3(capsule.b - capsule.a));
   const double length = (capsule.b - capsule.a).stableNorm();
@@ -155,7 +157,7 @@ inline Vec3 from_axis(const Vec3& point, const Capsule& capsule) {
   return (point - capsule.a) - along * axis;
 }
 
-/// Second root on the round wall, as a distance, if it lies between the capsule's two ends; else 0.
+/// The second root on the round wall, as a distance, if it lies between the capsule's two ends; else 0.
 template <class N>
 Bounded wall_exit(const Ray& ray, const Capsule& capsule) {
   const Quadratic<N> q = cylinder_along<N>(ray, capsule);
@@ -167,7 +169,8 @@ Bounded wall_exit(const Ray& ray, const Capsule& capsule) {
   const N start = dot(Vector<N>(ray.origin) - Vector<N>(capsule.a), axis);
   const N speed = dot(Vector<N>(ray.direction), axis);
   const Bounded along = plain((scaled(start) + scaled(speed) * parameter) / scaled(square(axis)));
-  // At the seam wall and ball touch: on the last rung, which side of it a rounding puts the exit is the same to e^2.
+  // At the seam wall and ball touch: on the last rung it hardly matters on which side a rounding e puts the exit, only
+  // to e^2.
   if constexpr (Inexact<N>) {
     if (!(along.low() >= 0 && along.high() <= 1) && !(along.high() < 0 || along.low() > 1)) {
       return {0, std::numeric_limits<double>::infinity()};
@@ -177,7 +180,7 @@ Bounded wall_exit(const Ray& ray, const Capsule& capsule) {
   return plain(parameter * length_of<N>(ray));
 }
 
-/// Where the line leaves the capsule: the last of the exits of its two balls and, between the ends, its wall.
+/// Where the line leaves the capsule: the last exit from its two balls and, between the ends, its wall.
 template <class Climb>
 Bounded capsule_exit(const Ray& ray, const Capsule& capsule) {
   Bounded last = Climb::sharpened([&]<class N>() { return wall_exit<N>(ray, capsule); });

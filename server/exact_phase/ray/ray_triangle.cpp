@@ -11,8 +11,8 @@ namespace {
 
 using namespace kernel;
 
-/// Where a ray meets the triangle's plane, in double, for a ray that is known to meet the triangle: false if that is
-/// not sharp or the ray may lie in the plane.
+/// Computes in double where a ray meets the triangle's plane, for a ray known to meet the triangle. False: that is not
+/// precise enough, or the ray may lie in the plane.
 bool fill_sharply(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   const Facet<Traced> facet(triangle);
   const Line<Traced> line(ray);
@@ -22,7 +22,7 @@ bool fill_sharply(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   return hit.distance_m >= 0 && sharp({hit.distance_m, hit.distance_error_m}, kRefineRay);
 }
 
-/// The signs are what expansions are needed for; the numbers seldom.
+/// Expansions are needed for the signs, but seldom for the numbers.
 Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   const Facet<Expansion> facet(triangle);
   Reach<Expansion> reach;
@@ -31,7 +31,7 @@ Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& 
   return decision;
 }
 
-/// The rungs above the filter; also asked when a hit is sure but its distance is not sharp.
+/// The rungs above the filter; also used where a hit is certain but its distance is not precise enough.
 [[gnu::noinline]] ExactResult climb_higher(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   Decision decision = cast_facet<Traced>(ray, triangle, hit);
   if (decision == Decision::no) return {decision, Level::filter};
@@ -53,7 +53,7 @@ Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& 
 
 inline bool in_filter_range(double length2) { return length2 >= kFilterLowest2; }
 
-/// The line surely meets the triangle's inside: find out where, and whether that is within the ray.
+/// The line surely meets the triangle's inside: computes where, and whether that is within the ray.
 ExactResult finish(const Ray& ray, const Triangle& triangle, const RaySides& s, RayHit& hit) {
   const Triple a = triple(triangle.a);
   const Triple to_a = a - triple(ray.origin);
@@ -76,7 +76,8 @@ ExactResult finish(const Ray& ray, const Triangle& triangle, const RaySides& s, 
   if ((numerator > 0) != (denominator > 0)) return {Decision::no, Level::filter};
   const double parameter = numerator / denominator;
   const double distance = parameter * length;
-  // Of a quotient whose terms have the relative errors n and d: (n + d) / (1 - d); then quotient, norm and product.
+  // A quotient whose terms have relative errors n and d errs by (n + d) / (1 - d); then come quotient, norm and
+  // product.
   const double denominator_part = denominator_error / size;
   const double relative = (numerator_error / std::abs(numerator) + denominator_part) / (1 - denominator_part) *
                               (1 + kBoundSlack) + 8 * kRoundoff;
@@ -113,6 +114,7 @@ ExactResult cast_ray(const Ray& ray, const Triangle& triangle, RayHit& hit) {
 
 namespace {
 
+/// Sets the order of two hits; undecided where signs are unsure.
 template <class N>
 Decision first_is_nearer(const Ray& ray, const Triangle& a, const Triangle& b, int& order) {
   const Reach<N> reach_a = ray_to_facet(Line<N>(ray), Facet<N>(a));

@@ -8,7 +8,7 @@
 
 namespace collided::engine::kernel {
 
-/// Weights whose sum is 1 to one rounding; a hair below zero becomes zero.
+/// Weights whose sum is 1 up to one rounding; values slightly below zero become zero.
 inline Vec3 normalized_weights(double a, double b, double c) {
   const double sum = a + b + c;
   const double weight_a = std::clamp(a / sum, 0.0, 1.0);
@@ -16,7 +16,8 @@ inline Vec3 normalized_weights(double a, double b, double c) {
   return {weight_a, weight_b, 1.0 - (weight_a + weight_b)};
 }
 
-/// Barycentric weights of a point of the triangle when the ray gives none: it runs in the plane, or there is no plane.
+/// Barycentric weights of a point of the triangle, for a ray that gives none: it lies in the plane, or there is no
+/// plane.
 inline Vec3 weights_of(const Vec3& point, const Triangle& t) {
   const Vec3 corner[3] = {t.a - point, t.b - point, t.c - point};
   const double scale = std::max({corner[0].cwiseAbs().maxCoeff(), corner[1].cwiseAbs().maxCoeff(),
@@ -27,7 +28,7 @@ inline Vec3 weights_of(const Vec3& point, const Triangle& t) {
   const double area[3] = {b.cross(c).norm(), c.cross(a).norm(), a.cross(b).norm()};
   const double sum = area[0] + area[1] + area[2];
   if (sum > 1e-12) return normalized_weights(area[0], area[1], area[2]);
-  // On an edge of a triangle without area: the corner pair around the point.
+  // On an edge of a triangle without area: interpolate between the pair of corners around the point.
   const Vec3 span[3] = {a, b, c};
   Vec3 best(1, 0, 0);
   double best_length = -1;
@@ -45,6 +46,7 @@ inline Vec3 weights_of(const Vec3& point, const Triangle& t) {
   return best;
 }
 
+/// Fills a hit from the parameter on the ray.
 template <class N>
 void fill(const Ray& ray, const Triangle& triangle, const Facet<N>& facet, const Reach<N>& reach, RayHit& hit) {
   const Line<N> line(ray);

@@ -12,13 +12,13 @@ HWY_BEFORE_NAMESPACE();
 namespace collided::engine::kernel::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four lanes where the machine has them, else two halves of two, or one by one.
+// Four lanes where the machine has them, else two halves of two, or single doubles.
 using Doubles = hn::CappedTag<double, 4>;
 using Lanes = hn::Vec<Doubles>;
 constexpr Doubles kDoubles;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(kDoubles));
 
-/// One coordinate of the corners from this part's first lane on: a, b, c, c.
+/// One coordinate of the corners, starting with this part's first lane: a, b, c, c.
 HWY_INLINE Lanes corner_lanes(double a, double b, double c, int first) {
 #if HWY_TARGET != HWY_SCALAR
   if constexpr (kLanes == 4) {
@@ -30,7 +30,7 @@ HWY_INLINE Lanes corner_lanes(double a, double b, double c, int first) {
   return hn::Load(kDoubles, all + first);
 }
 
-/// The same of the corners that follow: b, c, a, a.
+/// The same of the following corners: b, c, a, a.
 HWY_INLINE Lanes next_lanes([[maybe_unused]] Lanes corners, double a, double b, double c, int first) {
 #if HWY_TARGET != HWY_SCALAR
   if constexpr (kLanes == 4) {
@@ -50,7 +50,7 @@ struct Triplet {
 HWY_INLINE Triplet minus(const Triplet& a, const Triplet& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
-// The order of operations is what kTripleProductError counts, and never a fused one.
+// kTripleProductError counts on this order of operations, without fused ones.
 HWY_INLINE Lanes product(const Triplet& a, const Triplet& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
@@ -90,9 +90,9 @@ SidesVerdict RaySidesOf(const Ray& ray, const Triangle& t, RaySides& out) {
   const double edges2 = hn::GetLane(hn::MaxOfLanes(kDoubles, edge2));
   const double corners2 = hn::GetLane(hn::MaxOfLanes(kDoubles, corner2));
   out.direction2 = direction2;
-  // Overflow needs no check: it makes the bound infinite, and nothing is above that.
+  // Overflow needs no check: it makes the bound infinite, and nothing exceeds that.
   if (!(std::min({direction2, corners2, edges2}) >= kFilterLowest2)) return SidesVerdict::unsure;
-  // Squares keep their sign, so no root is needed.
+  // Signed squares compare like the numbers, so no root is needed.
   const double bound = kTripleProductError * kTripleProductError * edges2 * corners2 * direction2;
   const auto above = hn::Set(kDoubles, bound);
   const auto below = hn::Set(kDoubles, -bound);

@@ -12,7 +12,7 @@ namespace {
 
 bool at_most(const Dyadic& a, const Dyadic& b) { return (a - b).sign() <= 0; }
 
-/// a <= b sqrt(c), of c >= 0.
+/// Whether a <= b sqrt(c), for c >= 0.
 bool at_most_root(const Dyadic& a, const Dyadic& b, const Dyadic& c) {
   if (a.sign() <= 0 && b.sign() >= 0) return true;
   if (a.sign() > 0 && b.sign() <= 0) return false;
@@ -20,7 +20,7 @@ bool at_most_root(const Dyadic& a, const Dyadic& b, const Dyadic& c) {
   return a.sign() > 0 ? rest.sign() <= 0 : rest.sign() >= 0;
 }
 
-/// A ball seen along an axis: its middle at `along` / l from the beginning, sqrt(across2) / l from the line.
+/// A ball relative to an axis: its centre is `along` / l from the beginning and sqrt(across2) / l from the line.
 struct SeenBall {
   AxialSolid<Dyadic> solid;
   Vector<Dyadic> to;
@@ -31,14 +31,15 @@ struct SeenBall {
   SeenBall(const Convex& axial, const Vec3& center, double radius_m)
       : solid(axial), to(solid.seen(center)), along(dot(to, solid.axis)), across2(square(cross(to, solid.axis))), ball(radius_m) {}
 
-  /// (distance across - R)^2 + (beyond / l)^2 <= r^2: the rim of the disc that lies `beyond` / l away along the axis.
+  /// Whether the ball reaches the rim of the disc that lies `beyond` / l away along the axis: (distance across - R)^2 +
+  /// (beyond / l)^2 <= r^2.
   bool reaches_rim(const Dyadic& beyond) const {
     const Dyadic& R = solid.radius;
     const Dyadic& l2 = solid.length2;
     const Dyadic rest = across2 + beyond * beyond + (R * R - ball * ball) * l2;
     return at_most_root(rest, R + R, across2 * l2);
   }
-  /// The disc's flat side.
+  /// Whether the ball reaches the disc's flat side.
   bool reaches_disc(const Dyadic& beyond) const {
     return at_most(across2, solid.radius * solid.radius * solid.length2) &&
            at_most(beyond * beyond, ball * ball * solid.length2);
@@ -50,8 +51,9 @@ struct SeenBall {
     const Dyadic reach = solid.radius + ball;
     return at_most(across2, reach * reach * solid.length2);
   }
-  /// In the plane of the axis and the middle the side runs from (0, 0) to (l, R), the middle is at (along / l, s / l^2) with
-  /// s the root of across2 l^2. Its foot is on the side, and the ball reaches the side's line or past it.
+  /// In the plane of axis and centre, the side runs from (0, 0) to (l, R), and the centre is at (along / l, s / l^2)
+  /// with s the root of across2 l^2. True where its foot is on the side and the ball reaches the side's line or past
+  /// it.
   bool reaches_slant() const {
     const Dyadic& R = solid.radius;
     const Dyadic& l2 = solid.length2;
@@ -74,7 +76,7 @@ struct SeenBall {
   }
 };
 
-/// A segment with a round side about it.
+/// A segment with a round side of constant radius.
 struct Side {
   Segment<Dyadic> axis;
   Dyadic radius;
@@ -84,7 +86,7 @@ struct Side {
 
 bool has_side(const Convex& set) { return set.hull == nullptr && set.count() == 2 && set.first_disc == 0 && set.plus == Convex::Plus::nothing; }
 
-/// Asks feature by feature, each from double upward, until one says yes.
+/// Tests feature by feature, each with the ladder from double upward, until one says yes.
 class AxialAgainstFeatures {
  public:
   AxialAgainstFeatures(const Convex& axial, const Convex& flat, const FlatFeatures& features)
@@ -96,8 +98,8 @@ class AxialAgainstFeatures {
     return all_;
   }
 
-  /// The flat set on its motion covers its features at both ends and what its corners and edges pass over; what of these
-  /// is inside it does no harm.
+  /// A moving flat set covers its features at both ends and what its corners and edges sweep; those of them that lie
+  /// inside do no harm.
   ExactResult meet_on(const StraightMotion& motion) {
     if (ask_standing(nullptr) || ask_standing(&motion)) return all_;
     for (std::uint32_t i = 0; i < features_.corner_count(); ++i) {
@@ -112,7 +114,7 @@ class AxialAgainstFeatures {
   }
 
  private:
-  /// A corner where it begins, or where its motion ends.
+  /// A corner where the motion begins, or where it ends.
   struct At {
     std::uint32_t corner = 0;
     const StraightMotion* motion = nullptr;
@@ -172,8 +174,9 @@ Decision axial_meets_ball(const Convex& axial, const Vec3& center, double radius
   return (seen.solid.tapers ? seen.reaches_cone() : seen.reaches_cylinder()) ? Decision::yes : Decision::no;
 }
 
-/// Between the feet of the shortest way from line to line there is a point of both, if each foot is within its segment and
-/// the way is no longer than the radii. Parallel ones: any place that both segments pass.
+/// Between the feet of the shortest connection of the two lines there is a point of both sets, if each foot is within
+/// its segment and the connection is no longer than the radii. For parallel axes: any place where both segments run
+/// side by side.
 Decision sides_meet(const Convex& a, const Convex& b) {
   if (!has_side(a) || !has_side(b)) return Decision::undecided;
   const Side of_a(a);
@@ -201,8 +204,8 @@ Decision sides_meet(const Convex& a, const Convex& b) {
   return pass && at_most(height * height, reach * reach * nn) ? Decision::yes : Decision::undecided;
 }
 
-/// Cut across their axes both are discs, whose radii grow evenly along the axes: they meet anywhere only if they do at one
-/// end of what they share of the axes' direction.
+/// Sections perpendicular to the axes are discs whose radii change linearly along the axes: the sets meet anywhere only
+/// if they do at one end of their common range.
 Decision parallel_axials_meet(const Convex& a, const Convex& b) {
   const AxialSolid<Dyadic> of_a(a);
   const AxialSolid<Dyadic> of_b(b);
@@ -217,7 +220,7 @@ Decision parallel_axials_meet(const Convex& a, const Convex& b) {
   const Dyadic high = min(length2, max(begin, begin + rise));
   if ((high - low).sign() < 0) return Decision::no;
   const Dyadic apart2 = square(cross(w, of_a.axis));
-  // Radii times length2 and rise, which is below zero where the axes are opposite.
+  // Radii times length2 and rise, which is negative where the axes are opposite.
   const auto meet_at = [&](const Dyadic& height) {
     const Dyadic radius_a = of_a.radius * (of_a.tapers ? height : length2);
     const Dyadic radius_b = of_b.radius * (of_b.tapers ? height - begin : rise);

@@ -5,23 +5,24 @@
 
 namespace collided::engine::kernel {
 
-/// Whether a cylinder or cone and a point, segment, triangle, box or hull share a point, by the features of the latter.
+/// Whether a cylinder or cone and a point, segment, triangle, box or hull share a point, tested by the features of the
+/// latter.
 ///
-/// motion   at any time of the solid's motion against the other; null: as they stand
-/// returns  undecided only where a number is not finite, or the hull has too many corners that rounding has bent
-/// cost     a microsecond a feature, more where it is in doubt; allocates
+/// motion   test any time of the solid's motion against the other; null: as they stand
+/// returns  undecided only where a number is not finite, or a hull bent by rounding has too many corners
+/// cost     a microsecond per feature, more where it is uncertain; allocates
 ExactResult axial_meets_flat(const Convex& axial, const Convex& flat, const StraightMotion* motion = nullptr);
 
-// By rationals alone:
+// The following use rationals alone.
 
-/// A cylinder or cone and a ball.
+/// Whether a cylinder or cone and a ball share a point.
 Decision axial_meets_ball(const Convex& axial, const Vec3& center, double radius_m);
 
-/// Cylinders and capsules by their round sides, given that no end of a capsule reaches the other set: a point that lies
-/// between the two axes' feet, or a plane across the way between them. Undecided where neither is.
+/// Cylinders and capsules by their round sides, given that no end of a capsule reaches the other set: finds a point
+/// between the feet of the two axes, or a plane perpendicular to the line between them. Undecided where neither exists.
 Decision sides_meet(const Convex& a, const Convex& b);
 
-/// Two cylinders or cones whose axes are parallel to the last digit; undecided where they are not.
+/// Two cylinders or cones with exactly parallel axes; undecided for others.
 Decision parallel_axials_meet(const Convex& a, const Convex& b);
 
 }  // namespace collided::engine::kernel

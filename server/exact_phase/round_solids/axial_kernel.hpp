@@ -8,9 +8,9 @@
 namespace collided::engine::kernel {
 
 // Cylinders and cones against the features of a polytope, over any number type. Where such a solid meets a polytope, it
-// meets an edge; or, if none, it cuts a face strictly within its rim; or, if none, it lies within the polytope.
+// meets an edge; or, if none, it cuts a face strictly inside its rim; or, if none, it lies within the polytope.
 
-/// A cylinder from `from` to the end of its axis, or a cone whose apex is `from`; all else is measured from there.
+/// A cylinder with its axis starting at `from`, or a cone with its apex there; all points are relative to `from`.
 template <class N>
 struct AxialSolid {
   Vec3 from;
@@ -26,7 +26,8 @@ struct AxialSolid {
   Vector<N> seen(const Vec3& point) const { return Vector<N>(point) - Vector<N>(from); }
 };
 
-/// A linear form of a point's place about the axis: what is along, and what is across times the axis' length.
+/// A point's position about the axis: its component along it, and its cross product with it, which is the perpendicular
+/// part times the axis' length.
 template <class N>
 struct AboutAxis {
   N along;
@@ -35,8 +36,8 @@ struct AboutAxis {
   AboutAxis(const AxialSolid<N>& solid, const Vector<N>& point) : along(dot(point, solid.axis)), across(cross(point, solid.axis)) {}
 };
 
-/// The bilinear form of two points that is >= 0 of one point within the side: (R l)^2 - |across|^2 of a cylinder,
-/// (R along)^2 - l^2 |across|^2 of a cone.
+/// A bilinear form of two points that, for one point twice, is >= 0 within the side: (R l)^2 - |across|^2 for a
+/// cylinder, (R along)^2 - l^2 |across|^2 for a cone.
 template <class N>
 N side_form(const AxialSolid<N>& solid, const AboutAxis<N>& p, const AboutAxis<N>& q) {
   const N summand = dot(p.across, q.across);
@@ -44,24 +45,24 @@ N side_form(const AxialSolid<N>& solid, const AboutAxis<N>& p, const AboutAxis<N
   return solid.radius * p.along * (solid.radius * q.along) - solid.length2 * summand;
 }
 
-/// A point of a segment: shares of its two ends, neither negative, which need not add up to 1.
+/// A point of a segment by weights of its two ends: not negative, and not normalised.
 template <class N>
 struct Share {
   N first;
   N second;
 };
 
-/// What of a segment lies between the planes across the ends of the axis.
+/// The part of a segment between the planes through the ends of the axis.
 template <class N>
 struct Clip {
   Decision is_any = Decision::yes;
   Share<N> low{N(1.0), N(0.0)};
   Share<N> high{N(0.0), N(1.0)};
 
-  /// p and q: how far behind a plane the segment's ends are; what is ahead of it goes.
+  /// p and q: how far the segment's ends are behind a plane; the part in front of it is dropped.
   void keep_behind(const N& p, const N& q) {
     if (is_any != Decision::yes) return;
-    // As seen from the ends that are left.
+    // Distances of the ends of the remaining part.
     const N at_low = low.first * p + low.second * q;
     const N at_high = high.first * p + high.second * q;
     const Sign sign_low = sign(at_low);
@@ -76,7 +77,7 @@ struct Clip {
   }
 };
 
-/// Whether the solid and a segment, both closed, share a point. A segment of no length is a point.
+/// Whether the solid and a segment, both closed, share a point. A segment of length 0 is a point.
 template <class N>
 Decision meets_edge(const AxialSolid<N>& solid, const Vector<N>& p, const Vector<N>& q) {
   const AboutAxis<N> at_p(solid, p);
@@ -94,7 +95,8 @@ Decision meets_edge(const AxialSolid<N>& solid, const Vector<N>& p, const Vector
   const N low = form(clip.low, clip.low);
   const N high = form(clip.high, clip.high);
   const N mixed = form(clip.low, clip.high);
-  // Within the side at an end of what is left, or between the ends: somewhere s^2 low + 2 s t mixed + t^2 high >= 0.
+  // Within the side at an end of the remaining part, or between the ends: somewhere s^2 low + 2 s t mixed + t^2 high >=
+  // 0.
   AnyOf any;
   any.add(opposite(is_positive(-low)));
   if (any.result() != Decision::yes) any.add(opposite(is_positive(-high)));
@@ -109,8 +111,8 @@ struct Quotient {
   N divisor;
 };
 
-/// A point that the solid and the plane across n through `on` share. No: they share none. Unless an edge meets the solid,
-/// all that they share lies on one side of it, so that this point stands for all.
+/// A point that the solid and the plane through `on` with normal n share. No: they share none. Unless an edge meets the
+/// solid, everything they share lies on one side of it, so this point stands for all.
 template <class N>
 Decision point_on_plane(const AxialSolid<N>& solid, const Vector<N>& n, const Vector<N>& on, Quotient<N>& point) {
   const N at_from = -dot(n, on);
@@ -127,7 +129,7 @@ Decision point_on_plane(const AxialSolid<N>& solid, const Vector<N>& n, const Ve
     point = {abs(at_from) * solid.axis, abs(at_from) + abs(at_end)};
     return Decision::yes;
   }
-  // The disc whose middle is nearer, and in it the point nearest to that middle.
+  // The disc whose centre is nearer to the plane, and the point of it nearest to that centre.
   bool is_end = solid.tapers;
   if (!solid.tapers) {
     const Decision is_nearer = less(abs(at_end), abs(at_from));
@@ -145,11 +147,11 @@ Decision point_on_plane(const AxialSolid<N>& solid, const Vector<N>& n, const Ve
   return reaches.result();
 }
 
-/// Whether the solid cuts the flat convex polygon, given that it meets none of its edges.
+/// Whether the solid cuts the flat convex polygon; it must meet none of its edges.
 template <class N>
 Decision cuts_face(const AxialSolid<N>& solid, std::span<const Vector<N>> corner) {
   const Vector<N> n = cross(corner[1] - corner[0], corner[2] - corner[1]);
-  // All of a polygon without area is its edges.
+  // A polygon without area consists of its edges.
   if (sign(n.x) == Sign::zero && sign(n.y) == Sign::zero && sign(n.z) == Sign::zero) return Decision::no;
   Quotient<N> point;
   AllOf all;

@@ -7,7 +7,7 @@ namespace {
 
 using Point = Vector<Dyadic>;
 
-/// |g| <= sqrt(p) + sqrt(q); no where there is no root.
+/// Whether |g| <= sqrt(p) + sqrt(q); no where there is no root.
 bool within_roots(const Dyadic& g, const Dyadic& p, const Dyadic& q) {
   if (p.sign() < 0 || q.sign() < 0) return false;
   const Dyadic rest = g * g - p - q;
@@ -18,7 +18,7 @@ Decision decided(bool yes) { return yes ? Decision::yes : Decision::no; }
 
 }  // namespace
 
-/// Both cut the line that their planes share, each in a piece about the foot of its middle.
+/// Both discs cut the common line of their planes, each in a segment around the foot of its centre.
 Decision discs_meet(const Convex& a, int end_a, const Convex& b, int end_b) {
   const AcrossAxis of_a(a, end_a);
   const AcrossAxis of_b(b, end_b);
@@ -37,7 +37,7 @@ Decision discs_meet(const Convex& a, int end_a, const Convex& b, int end_b) {
   return decided(within_roots(dot(w, line), piece_a, piece_b));
 }
 
-/// The disc's plane cuts the endless cylinder in an ellipse, or in a strip where it runs along it.
+/// The disc's plane cuts the infinite cylinder in an ellipse, or in a strip where it is parallel to the axis.
 Decision disc_meets_endless(const Convex& cylinder, int end, const Convex& side) {
   const AcrossAxis disc(cylinder, end);
   const AcrossAxis other(side, 0);

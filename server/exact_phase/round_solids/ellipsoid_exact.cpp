@@ -11,7 +11,7 @@ namespace {
 
 using Point = Vector<Dyadic>;
 
-/// {x : |row . (x - center)| <= size}, the rows taken as coordinates of one vector.
+/// {x : |row . (x - center)| <= size}, with the three products as coordinates of one vector.
 struct StretchedBall {
   Point row[3];
   Dyadic size;
@@ -22,7 +22,7 @@ struct StretchedBall {
       size = Dyadic(set.ball_m);
       return;
     }
-    // By Cramer's rule, times the determinant of the three half axes.
+    // By Cramer's rule: everything is multiplied by the determinant of the three half axes.
     Point half[3];
     for (int i = 0; i < 3; ++i) half[i] = Dyadic(set.half_m[i]) * Point(Vec3(set.axes.col(i)));
     for (int i = 0; i < 3; ++i) row[i] = cross(half[(i + 1) % 3], half[(i + 2) % 3]);
@@ -35,7 +35,7 @@ struct StretchedBall {
 
 using Quadric = std::array<std::array<Dyadic, 4>, 4>;
 
-/// (x, 1) Q (x, 1) is negative inside. `center` as seen from wherever x is.
+/// (x, 1) Q (x, 1) is negative inside. `center` is relative to the same origin as x.
 Quadric quadric_of(const StretchedBall& ball, const Point& center) {
   const Point own = ball.seen(center);
   // Columns of the linear map that takes (x, 1) to the ball's coordinates.
@@ -55,7 +55,7 @@ ExactRayPolynomial characteristic(const Quadric& a, const Quadric& b) {
   const auto minor = [&](std::size_t row, std::size_t i, std::size_t j) {
     return entry(row, i) * entry(row + 1, j) - entry(row, j) * entry(row + 1, i);
   };
-  // Pairs of columns, those that are left, and the sign of bringing them in order.
+  // Pairs of columns, the remaining pairs, and the sign of the permutation.
   constexpr std::size_t kPairs[6][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 0, 2}, {2, 3, 0, 1}};
   constexpr bool kIsEven[6] = {true, false, true, true, false, true};
   ExactRayPolynomial sum;
@@ -70,7 +70,7 @@ ExactRayPolynomial characteristic(const Quadric& a, const Quadric& b) {
 
 }  // namespace
 
-/// The plane cuts the ellipsoid in an ellipse, touches it in a point or passes it by.
+/// The plane cuts the ellipsoid in an ellipse, touches it in a point or misses it.
 Decision ellipsoid_meets_disc(const Convex& ellipsoid, const Convex& cylinder, int end) {
   const StretchedBall ball(ellipsoid);
   const AcrossAxis plane(cylinder, end);
@@ -82,13 +82,13 @@ Decision ellipsoid_meets_disc(const Convex& ellipsoid, const Convex& cylinder, i
     for (std::size_t j = 0; j < 3; ++j) section[i][j] = dot(column[i], column[j]);
   }
   section[2][2] = section[2][2] - ball.size * ball.size;
-  // The nearest the plane comes to the middle, where the ellipsoid is a ball: squared, times normal^2.
+  // The plane's distance from the centre, in the coordinates where the ellipsoid is a ball: squared, times normal^2.
   const Point normal = cross(column[0], column[1]);
   const Dyadic height = dot(normal, column[2]);
   const int room = (ball.size * ball.size * square(normal) - height * height).sign();
   if (room < 0) return Decision::no;
   if (room > 0) return ellipses_meet(section, disc_in_shares(plane));
-  // The point of touch, s and t as quotients of the normal's square.
+  // The point of contact, with s and t as quotients over the square of the normal's square.
   const Dyadic nn = square(normal);
   const Point to_touch = height * normal - nn * column[2];
   const Dyadic s = dot(cross(to_touch, column[1]), normal);
@@ -97,7 +97,7 @@ Decision ellipsoid_meets_disc(const Convex& ellipsoid, const Convex& cylinder, i
   return (s * s * square(plane.u) + t * t * square(plane.v) - reach * reach).sign() <= 0 ? Decision::yes : Decision::no;
 }
 
-/// Their shadows along the axis are an ellipse and a disc.
+/// Their projections along the axis are an ellipse and a disc.
 Decision ellipsoid_meets_endless(const Convex& ellipsoid, const Convex& cylinder) {
   const AcrossAxis plane(cylinder, 0);
   const Point center = Point(ellipsoid.carrier[0]) - plane.from;

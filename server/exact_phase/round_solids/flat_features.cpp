@@ -9,7 +9,7 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// One side of a face: its edge, and the face's corner across it.
+/// One side of a face: its edge, and the face's corner opposite.
 struct Side {
   std::uint32_t low;
   std::uint32_t high;
@@ -17,7 +17,7 @@ struct Side {
   std::uint32_t across;
 };
 
-/// Whether d is in front of the plane through the other three.
+/// Whether d is in front of the plane through the other three. Exact.
 bool is_in_front(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   if (const std::optional<int> side = orientation(a, b, c, d)) return *side > 0;
   const Vector<Dyadic> from(a);
@@ -25,8 +25,8 @@ bool is_in_front(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return dot(n, Vector<Dyadic>(d) - from).sign() > 0;
 }
 
-/// Whether faces that were a convex surface still are one after each corner was rounded by itself: every face has an area,
-/// and none has its neighbour's corner in front (local convexity of a closed surface makes the whole convex).
+/// Whether faces that were a convex surface still are one after each corner was rounded on its own: every face has
+/// area, and none has its neighbour's corner in front (local convexity of a closed surface makes the whole convex).
 bool is_still_convex(const std::vector<Vec3>& corners, const std::vector<TriangleCorners>& faces) {
   std::vector<Side> sides;
   for (std::uint32_t face = 0; face < faces.size(); ++face) {
@@ -67,7 +67,7 @@ std::optional<FlatFeatures> FlatFeatures::of(const Convex& set) {
   return features;
 }
 
-/// Corners by the signs of their three reaches, one bit each.
+/// Numbers corners by the signs of their three half axes, one bit each.
 void FlatFeatures::take_box(const Convex& set) {
   box_ = &set;
   is_solid_ = true;
@@ -99,7 +99,7 @@ bool FlatFeatures::take_hull(const Convex& set) {
 void FlatFeatures::take_faces(const std::vector<TriangleCorners>& triangles) {
   for (const TriangleCorners& corner : triangles) {
     faces_.push_back({{corner[0], corner[1], corner[2], 0}, 3});
-    // Each edge is that of two faces, which run along it in opposite ways.
+    // Each edge belongs to two faces, which run along it in opposite directions.
     for (std::size_t i = 0; i < 3; ++i) {
       if (corner[i] < corner[(i + 1) % 3]) edges_.push_back({corner[i], corner[(i + 1) % 3]});
     }

@@ -9,8 +9,9 @@
 
 namespace collided::engine::kernel {
 
-/// The edges and faces of a point, segment, triangle, box or hull as numbers of corners. The faces are flat and convex, and
-/// with the edges they are all of the set's border.
+/// The edges and faces of a point, segment, triangle, box or hull, by numbers of corners. The faces are flat and
+/// convex; together with the edges they are the set's whole border. Keeps a pointer to a box's Convex, which must
+/// outlive this.
 class FlatFeatures {
  public:
   using Edge = std::array<std::uint32_t, 2>;
@@ -19,8 +20,8 @@ class FlatFeatures {
     std::size_t count;
   };
 
-  /// Nothing where a hull's placed corners do not span space, or are more than kMostRebuilt and no longer in convex
-  /// position as its faces have them.
+  /// Nothing where a hull's placed corners do not span space, or where they are more than kMostRebuilt and rounding
+  /// made its faces not convex any more.
   /// cost  a hull: its faces, allocates; where rounding has bent them, corners times faces
   static std::optional<FlatFeatures> of(const Convex& set);
 
@@ -29,7 +30,7 @@ class FlatFeatures {
   std::uint32_t corner_count() const { return box_ != nullptr ? 8 : static_cast<std::uint32_t>(corners_.size()); }
   bool is_solid() const { return is_solid_; }
 
-  /// The corner as seen from a point.
+  /// A corner relative to `from`, formed in N without rounding of its own.
   template <class N>
   Vector<N> corner(std::uint32_t number, const Vec3& from) const {
     if (box_ == nullptr) return Vector<N>(corners_[number]) - Vector<N>(from);

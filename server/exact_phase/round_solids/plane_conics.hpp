@@ -6,14 +6,15 @@
 
 namespace collided::engine::kernel {
 
-/// In a plane: (y, 1) Q (y, 1) is negative inside.
+/// A conic in a plane: (y, 1) Q (y, 1) is negative inside.
 using Conic = std::array<std::array<Dyadic, 3>, 3>;
 
-/// Two ellipses with an inside each. By rationals alone.
-/// source  as ellipsoids_meet: apart where det(x A + B) has two different positive roots
+/// Whether two ellipses, each with an inside, share a point. By rationals alone.
+/// source  as ellipsoids_meet: separate where det(x A + B) has two different positive roots
 Decision ellipses_meet(const Conic& a, const Conic& b);
 
-/// Two directions across the axis of a cylinder or capsule and each other, from one of its ends, and its radius.
+/// Two directions perpendicular to the axis of a cylinder or capsule and to each other, starting at one of its ends,
+/// and its radius.
 struct AcrossAxis {
   Vector<Dyadic> from;
   Vector<Dyadic> axis;
@@ -25,9 +26,9 @@ struct AcrossAxis {
   bool is_usable() const { return square(v).finite() && radius.finite() && square(v).sign() > 0 && radius.sign() > 0; }
 };
 
-/// The disc of the radius, of points from + s u + t v.
+/// The disc of that radius, in coordinates s, t of the points from + s u + t v.
 Conic disc_in_shares(const AcrossAxis& plane);
-/// The same of points whose products with u and v, from `from`, are y.
+/// The same in coordinates y: the products of a point, relative to `from`, with u and v.
 Conic disc_in_products(const AcrossAxis& plane);
 
 }  // namespace collided::engine::kernel

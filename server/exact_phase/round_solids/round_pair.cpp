@@ -11,6 +11,7 @@
 namespace collided::engine::kernel {
 namespace {
 
+/// In the order in which in_order() takes pairs.
 enum class Kind { flat, ball, capsule, axial, ellipsoid };
 
 Kind kind_of(const Convex& set) {
@@ -24,8 +25,8 @@ ExactResult by_rationals(Decision decision) { return {decision, Level::rational}
 
 Convex ball_at(const Vec3& center, double radius_m) { return Convex(Sphere{center, radius_m}); }
 
-/// From this end on the segment only leads away from the other set: so it does where the nearest point, known to a bound,
-/// is surely not ahead, since the distance from a convex set is convex along a line.
+/// Whether the segment only leads away from the other set from this end on: true where the nearest point, known within
+/// a bound, is surely not ahead, because the distance from a convex set is convex along a line.
 bool leads_away(const Convex& a, const Vec3& end, const Vec3& other_end) {
   const Separation apart = separation_of({a, Convex(Sphere{end, 0})});
   // As in closest_in_general.
@@ -35,7 +36,7 @@ bool leads_away(const Convex& a, const Vec3& end, const Vec3& other_end) {
   return displacement.dot(to_nearest) + displacement.norm() * (2 * within_m + kBoundSlack * to_nearest.norm()) < 0;
 }
 
-/// Yes: the set is nearest to the axis of a cylinder or capsule surely between its ends.
+/// Yes: the set's nearest point to the axis of a cylinder or capsule lies surely between the axis' ends.
 Decision is_beside(const Convex& set, const Convex& side) {
   const Separation apart = separation_of({set, Convex(Capsule{side.carrier[0], side.carrier[1], 0})});
   const Vec3 axis = side.carrier[1] - side.carrier[0];
@@ -47,7 +48,8 @@ Decision is_beside(const Convex& set, const Convex& side) {
   return Decision::undecided;
 }
 
-/// Without touching its ends, an ellipsoid that reaches into the endless cylinder is wholly between them or beyond.
+/// An ellipsoid that touches neither end but reaches into the infinite cylinder is wholly between the ends or beyond
+/// one.
 ExactResult ellipsoid_meets_side(const Convex& ellipsoid, const Convex& side) {
   const Decision endless = ellipsoid_meets_endless(ellipsoid, side);
   if (endless != Decision::yes) return by_rationals(endless);
@@ -56,7 +58,7 @@ ExactResult ellipsoid_meets_side(const Convex& ellipsoid, const Convex& side) {
 
 bool tapers(const Convex& axial) { return axial.first_disc > 0; }
 
-/// The apex of a cone, which its base leaves out.
+/// The apex of a cone as a point: tests of its base leave it out.
 Convex apex_of(const Convex& cone) { return Convex(Sphere{cone.carrier[0], 0}); }
 
 ExactResult ellipsoid_meets_axial(const Convex& ellipsoid, const Convex& axial) {
@@ -77,15 +79,15 @@ Convex disc_of(const Convex& cylinder, int end) {
   return disc;
 }
 
-/// A disc that meets no flat end of the other: as an ellipsoid there.
+/// A disc that meets no flat end of the other cylinder: as for an ellipsoid.
 Decision disc_meets_side(const Convex& cylinder, int end, const Convex& side) {
   const Decision endless = disc_meets_endless(cylinder, end, side);
   return endless == Decision::yes ? is_beside(disc_of(cylinder, end), side) : endless;
 }
 
-/// Two cylinders that share a point share one of a flat end, or one between the feet of their axes (sides_meet): else all
-/// that their endless sides share, which is in one piece, would lie within all four ends or pass through one. Of cones,
-/// the base and the apex say yes; no sides of theirs are looked at.
+/// Two cylinders that share a point share one of a flat end, or one between the feet of their axes (sides_meet):
+/// otherwise what their infinite sides share, which is connected, would lie within all four ends or cross one. For
+/// cones, base and apex can say yes; their sides are not tested.
 Decision axials_meet(const Convex& a, const Convex& b) {
   AnyOf any;
   for (int end = a.first_disc; end < 2; ++end) {
@@ -103,7 +105,7 @@ Decision axials_meet(const Convex& a, const Convex& b) {
   return tapers(a) || tapers(b) ? Decision::undecided : any.result();
 }
 
-/// The same of a capsule whose end balls are apart from the cylinder.
+/// The same for a capsule whose end balls are separate from the cylinder.
 Decision cylinder_meets_capsule_side(const Convex& cylinder, const Convex& capsule) {
   AnyOf any;
   for (int end = 0; end < 2; ++end) {
@@ -112,7 +114,7 @@ Decision cylinder_meets_capsule_side(const Convex& cylinder, const Convex& capsu
   return any.result();
 }
 
-/// A capsule as its two end balls and its side.
+/// Tests a capsule as its two end balls and its side.
 ExactResult meets_capsule(const Convex& a, const Convex& capsule) {
   bool are_apart = true;
   for (int end = 0; end < 2; ++end) {
@@ -129,7 +131,7 @@ ExactResult meets_capsule(const Convex& a, const Convex& capsule) {
   return by_rationals(sides == Decision::undecided && ends_known ? cylinder_meets_capsule_side(a, capsule) : sides);
 }
 
-/// A plane along a flat end parts the two.
+/// Whether a plane along a flat end separates the two.
 bool end_parts(const Convex& axial, const Convex& other) {
   const Vector<Dyadic> axis = Vector<Dyadic>(axial.carrier[1]) - Vector<Dyadic>(axial.carrier[0]);
   return parted_along(axis, axial, other) == Decision::yes || parted_along(-axis, axial, other) == Decision::yes;

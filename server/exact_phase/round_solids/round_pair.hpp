@@ -4,12 +4,12 @@
 
 namespace collided::engine::kernel {
 
-/// Whether two convex sets, at least one of which has a round side other than a ball's, share a point: by exact algebra on
-/// the doubles given, whatever they touch in.
+/// Whether two convex sets, at least one of which has a round side other than a ball's, share a point: by exact algebra
+/// on the given doubles, whatever features they touch in.
 ///
-/// returns  undecided for what has no closed form here: the side of a cone against round solids, where axes are not
-///          parallel; and a cylinder or capsule that touches so near to the end of its side that double does not tell
-///          on which side of the end
+/// returns  undecided where no closed form is known here: the side of a cone against round solids, unless axes are
+/// parallel; and a cylinder or capsule that touches so near to the end of its side that double cannot tell on which
+/// side of the end
 /// cost     10 us to some ms; allocates
 ExactResult round_sets_meet(const Convex& a, const Convex& b);
 

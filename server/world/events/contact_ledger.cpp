@@ -21,7 +21,7 @@ OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
 
 OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_time_ns) {
   OpenContact of = opened(found, world_time_ns);
-  // It may touch from the first instant on that is not decided.
+  // The two may touch from the first undecided instant on.
   of.began_ns = world_time_ns - std::llround(found.bracket_low_s * 1e9);
   of.doubt = why;
   of.a_triangle = of.b_triangle = kNoTriangle;
@@ -113,7 +113,7 @@ void ContactLedger::decided_apart(ObjectId a, ObjectId b, double bracket_low_s, 
   if (is_in_doubt(a, b) && !has_lost(a, b)) end(index_.at({a, b}), {EndReason::decided, bracket_low_s, bracket_high_s});
 }
 
-/// A contact is found where there was a doubt.
+/// A contact is found where there was a doubt: the doubt ends as decided.
 void ContactLedger::end_doubt(const FoundContact& found) {
   decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
 }
@@ -194,14 +194,15 @@ void ContactLedger::retell_corrected() {
 }
 
 void ContactLedger::finish_step() {
-  // What held before ends first: an object that was defined anew has another id, and whoever knows it by its name must
-  // hear of the old one's end before the new one's beginning. A contact that begins and ends in this step does so in
-  // that order, which stable sorting keeps.
+  // Contacts from before this step end first: an object that was defined anew has another id, and a client that knows
+  // it by its name must hear of the old one's end before the new one's beginning. A contact that begins and ends in
+  // this step does so in that order, which stable sorting keeps.
   const auto is_old_end = [](const Event& e) { return e.kind == EventKind::ended && e.of.episode != 0; };
   std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) {
     return std::tuple(!is_old_end(x), x.of.a, x.of.b) < std::tuple(!is_old_end(y), y.of.a, y.of.b);
   });
-  // A pair may begin several times in a step: what ends takes the last beginning before it, what holds the last of all.
+  // A pair may begin several times in a step: an end takes the last beginning before it, an open contact the last of
+  // all.
   const std::uint64_t last_before = last_sequence_;
   std::uint64_t passing_episode = 0;
   for (Event& event : events_) {

@@ -11,62 +11,65 @@
 
 namespace collided::engine {
 
-/// Two touching objects as the exact phase found them; the contact's normal points from a to b, a < b.
+/// Two touching objects as the exact phase found them; the contact's normal points from a to b, and a < b.
 struct FoundContact {
   ObjectId a = 0;
   ObjectId b = 0;
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
-  double bracket_low_s = 0;  // before the step's world time
+  double bracket_low_s = 0;  // begin of the contact, seconds before the step's world time: between high and low
   double bracket_high_s = 0;
-  double parted_low_s = 0;  // where it parted again on the way
+  double parted_low_s = 0;  // where the two parted again within the step
   double parted_high_s = 0;
   Vec3 relative_velocity = Vec3::Zero();  // of b against a at the contact's point
   double velocity_error = 0;              // |truth - relative_velocity| <= velocity_error
 };
 
+/// Sets b's velocity against a from those of the two points; the error covers the roundings of this difference.
 inline void set_velocity(FoundContact& found, const BodyMotion::PointVelocity& of_a, const BodyMotion::PointVelocity& of_b) {
   found.relative_velocity = of_b.mps - of_a.mps;
   found.velocity_error = (of_a.error_mps + of_b.error_mps) * (1 + kBoundSlack) + 2 * kRoundoff * (of_a.mps.norm() + of_b.mps.norm());
 }
 
-/// Why a contact is over and when, in seconds before the step's world time; none: it is not.
+/// Why a contact ends, and when, in seconds before the step's world time. Reason `none`: it continues.
 struct ContactEnd {
   EndReason reason = EndReason::none;
   double bracket_low_s = 0;
   double bracket_high_s = 0;
 };
 
-/// The contacts that hold and the pairs in doubt, and the events that change them. Always: per pair began and ended alternate; sequences grow
-/// one by one; events of one step are ordered by pair, so they do not hang on the order of finding.
-/// Writer's thread only.
+/// The contacts that hold, the pairs in doubt, and the events that change them.
+/// Always: `began` and `ended` alternate per pair; sequences grow one by one; the events of one step are ordered by
+/// pair, so they do not depend on the order in which contacts were found.
+/// threads  the writer's only
 class ContactLedger {
  public:
+  /// Starts a step: drops the last step's events. persisted_wanted: touches() writes an event for what continues.
   void begin_step(std::int64_t world_time_ns, bool persisted_wanted);
   /// The pair touches at the end of this step.
   void touches(const FoundContact& found);
-  /// A contact that holds is looked at again: where and how deep, without an event.
+  /// A contact that holds is computed again: where and how deep, without an event.
   void goes_on(const FoundContact& found);
-  /// A contact that holds is over.
+  /// A contact that holds ends.
   void parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s, double bracket_high_s);
-  /// It is not known whether the pair touches; what is told of it already goes on. found.contact is none.
+  /// It is not known whether the pair touches; an open contact or doubt of it stays as reported. found.contact is none.
   void doubts(const FoundContact& found, Doubt why);
-  /// It was not known within this step, and is apart at its end.
+  /// It was not known whether the pair touched within this step; it is apart at the step's end.
   void doubted_and_parted(const FoundContact& found, Doubt why);
-  /// The object's publisher is lost, and the object may have gone on: whatever touches its last place, now or later, is in
-  /// doubt until the publisher is found again and the pair is decided, or the object is removed.
+  /// The object's publisher is lost, and the object may have moved on: whatever touches its last pose, now or later, is
+  /// in doubt until the publisher is found again and the pair is decided, or the object is removed.
   void lose(ObjectId object);
   void find_again(ObjectId object) { lost_.erase(object); }
-  /// In doubt because one was lost, and neither is any more.
+  /// The pair is in doubt because an object was lost, and neither is lost any more.
   bool is_found_again(ObjectId a, ObjectId b) const;
-  /// A doubt is over: the two are apart.
+  /// A doubt ends: the two are apart.
   void decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s);
-  /// The pair touched within this step and is apart again.
+  /// The pair touched within this step and is apart again at its end.
   void touched_and_parted(const FoundContact& found);
-  /// Every contact of the object ends.
+  /// Ends every contact of the object.
   void end_object(ObjectId object, EndReason reason);
-  /// Every contact for which end_of(contact).reason is not `none` and that was not found again this step ends.
+  /// Ends every contact that was not found again in this step and for which end_of(contact).reason is not `none`.
   template <class EndOf>
   void end_unfound(EndOf&& end_of) {
     for (std::size_t i = 0; i < open_.size();) {
@@ -79,7 +82,7 @@ class ContactLedger {
       }
     }
   }
-  /// Another surface for a contact found in this step; retell_corrected() puts it into the contact's event.
+  /// Replaces the contact of one found in this step; retell_corrected() writes it into the events.
   void correct(std::size_t index, const Contact& surface) { open_[index].surface = surface; }
   void retell_corrected();
   /// Orders and numbers this step's events.
@@ -87,7 +90,7 @@ class ContactLedger {
 
   bool holds(ObjectId a, ObjectId b) const;
   bool is_in_doubt(ObjectId a, ObjectId b) const;
-  /// Held or in doubt.
+  /// The pair holds or is in doubt.
   bool is_open(ObjectId a, ObjectId b) const { return index_.contains({a, b}); }
   std::size_t doubt_count() const { return doubt_count_; }
   /// Whether open()[index] was found in this step.
@@ -113,8 +116,8 @@ class ContactLedger {
   void passed(const OpenContact& opened, const FoundContact& found, EndReason reason);
 
   std::vector<OpenContact> open_;
-  std::vector<std::uint64_t> found_in_step_;  // beside open_
-  std::unordered_map<Pair, std::size_t, PairHash> index_;
+  std::vector<std::uint64_t> found_in_step_;  // step that last found open_[i]; parallel to open_
+  std::unordered_map<Pair, std::size_t, PairHash> index_;  // into open_
   std::unordered_set<ObjectId> lost_;
   std::vector<Event> events_;
   std::uint64_t step_ = 0;

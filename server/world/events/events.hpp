@@ -33,7 +33,7 @@ enum class Doubt : std::uint8_t {
   publisher_lost,  // one object is where its publisher last had it, and may have gone on
 };
 
-/// One contact that holds: of objects a < b (by id), from `began` to `ended`.
+/// One contact that holds, of objects a < b (by id), from its `began` to its `ended`.
 struct OpenContact {
   ObjectId a = 0;
   ObjectId b = 0;
@@ -41,22 +41,25 @@ struct OpenContact {
   std::uint32_t b_triangle = kNoTriangle;
   std::uint64_t episode = 0;  // sequence of its `began`
   std::int64_t began_ns = 0;  // world time
-  Contact contact;            // as last computed: the shortest way out of the two parts named; normal from a to b
+  Contact contact;            // as last computed; normal from a to b
   /// The same with what several bodies form taken for one surface: at an inner edge of a tiled floor the normal is the
   /// floor's, and the depth that along it. Else the same as `contact`.
   Contact surface;
+  // else whether they touch is unknown, and `contact` is empty
   Doubt doubt = Doubt::none;  // else it is not known whether they touch, and no contact is
 };
 
+/// A change of one contact, or its persistence, as subscribers receive it.
 struct Event {
   EventKind kind = EventKind::began;
   EndReason reason = EndReason::none;
   std::uint64_t sequence = 0;  // without gap within the epoch; 0 for persisted
   OpenContact of;              // for `ended`: the contact as it last was
-  double bracket_low_s = 0;    // the change happened at world_time - low .. - high (low >= high; below 0: after it)
+  // the change happened between low and high seconds before the step's world time (low >= high; negative: after it)
+  double bracket_low_s = 0;
   double bracket_high_s = 0;
-  /// Of b relative to a at the contact's point, m/s, from the last two accepted poses of each; who has no way between
-  /// them (new, teleported) or has been silent for longer than it took counts as resting. Zero for `ended`.
+  /// Of b relative to a at the contact's point, m/s, from the last two accepted poses of each. An object with no motion
+  /// between them (new, teleported), or silent for longer than that motion took, counts as resting. Zero for `ended`.
   Vec3 relative_velocity = Vec3::Zero();
   double velocity_error = 0;  // |truth - relative_velocity| <= velocity_error, m/s
 };

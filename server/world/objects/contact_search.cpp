@@ -10,11 +10,11 @@ namespace {
 /// Roundings between a mesh point in its own frame and the same point placed and seen back, in units of 2^-53 of the
 /// largest length met. Placing: three products, three sums, and a matrix that is orthonormal to 6 roundings a row;
 /// seeing back: one difference and the same again. Twice the sum (26) is taken.
-/// At zero, MovingMesh.FarFromOriginIsStillFound fails.
+/// At zero, WorldTest.FarFromOriginAMovingMeshIsStillFound fails.
 constexpr double kPlacementRoundoffs = 52;
 constexpr double kRoundoff = 0x1p-53;
 
-/// The triangles of a mesh, in its frame, near a box in world coordinates.
+/// Visits the triangles of a mesh, in its own frame, near a box in world coordinates.
 template <class Visit>
 void near_triangles(const IndexedMesh& mesh, const Frame& frame, const Aabb& world, WalkCost& cost, Visit&& visit) {
   mesh.tree.walk_box(seen_from(frame, world, mesh.radius_m), visit, cost);
@@ -25,13 +25,13 @@ Contact flipped(Contact contact) {
   return contact;
 }
 
-/// Bounds of what the primitive has in the box, where it has no end, else of the whole.
+/// Bounds of an endless primitive's share of the box; of any other, its whole bounds.
 Aabb bounds_near(const Primitive& a, const Aabb& box) {
   const auto* half_space = std::get_if<HalfSpace>(&a);
   return half_space != nullptr ? bounds_within(*half_space, box) : bounds(a);
 }
 
-/// The same of an object: half-spaces are alone.
+/// The same of an object: a half-space is the only primitive of its object.
 Aabb bounds_near(const Placed& a, const Aabb& box) {
   const bool endless = a.info->primitives.size() == 1 && std::holds_alternative<HalfSpace>(a.info->primitives.front());
   return endless ? bounds_near(place(*a.frame, a.info->primitives.front()), box) : a.bounds;
@@ -57,7 +57,7 @@ void touch_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkCo
   walk_mesh_pairs(a, b, candidate, cost);
 }
 
-/// a's mesh against b's primitives: the exact phase has the primitive first, so the contact is turned round.
+/// a's mesh against b's primitives: the exact phase takes the primitive first, so the contact is flipped.
 void touch_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   visit_primitives_near(*b.info, *b.frame, a.bounds, cost, [&](const Primitive& primitive) {
     ContactSearch turned;
@@ -78,7 +78,7 @@ void touch_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& touc
   });
 }
 
-/// Around what lies within the box in its own frame, at most reach_m from its origin.
+/// Bounds in world coordinates of what lies within a box of the frame, at most reach_m from the frame's origin.
 Aabb placed_bounds(const Frame& frame, const Aabb& own, double reach_m) {
   const Vec3 center = 0.5 * own.low + 0.5 * own.high;
   const Vec3 half = (own.high - center).cwiseMax(center - own.low);
@@ -95,7 +95,7 @@ double placement_slack(const Frame& frame, double distance_m, double reach_m) {
   return kPlacementRoundoffs * kRoundoff * largest_m + std::numeric_limits<double>::min();
 }
 
-/// Both trees are descended at once, b's seen from a's frame: twice the placing of one.
+/// Descends both trees at once, b's seen from a's frame: twice the slack of placing one.
 void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost, double gap_m) {
   const IndexedMesh& mesh_a = *a.info->mesh;
   const IndexedMesh& mesh_b = *b.info->mesh;
@@ -129,7 +129,7 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
   const double slack_m = placement_slack(frame, away.lpNorm<1>() + center.lpNorm<1>() + half.lpNorm<1>(), reach_m);
   const Vec3 local_half = back.cwiseAbs() * half + Vec3::Constant(slack_m);
   Aabb seen{.low = local - local_half, .high = local + local_half};
-  // Overflow on the way: nothing is known of where it lies, so everything is a candidate.
+  // Overflow in the placing: where the box lies is unknown, so everything is a candidate.
   if (!seen.low.allFinite() || !seen.high.allFinite()) {
     seen.low.setConstant(-std::numeric_limits<double>::infinity());
     seen.high.setConstant(std::numeric_limits<double>::infinity());
@@ -138,7 +138,7 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
 }
 
 void search_object(const Primitive& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
-  // Bounds cost more than many a test: only where an index asks for them.
+  // Bounds cost more than many tests, so they are computed only where an index needs them.
   const Aabb near = b.info->parts ? bounds_near(a, b.bounds) : Aabb{};
   visit_primitives_near(*b.info, *b.frame, near, cost, [&](const Primitive& primitive) {
     search_parts(a, kNoTriangle, place(*b.frame, primitive), kNoTriangle, touch);

@@ -15,7 +15,7 @@
 
 namespace collided::engine {
 
-/// An object at its pose.
+/// An object with its pose, and its bounds in world coordinates.
 struct Placed {
   const ObjectInfo* info = nullptr;
   const Frame* frame = nullptr;
@@ -23,43 +23,47 @@ struct Placed {
 };
 
 /// What testing two objects part by part has found so far. A part is a primitive or a triangle. The contact is that of
-/// the deepest pair of parts (ties: lowest triangles), so it does not hang on the order of testing.
+/// the deepest pair of parts (ties: lowest triangles), so it does not depend on the order of the tests.
 struct ContactSearch {
-  bool wanted = true;  // contacts are computed, and all pairs of parts looked at; else the first yes ends the search
+  bool wanted = true;  // contacts are computed from all pairs of parts; else the first touching pair ends the search
+  // Some pair of parts touches; some pair was not decided.
   bool yes = false;
   bool undecided = false;
-  Level level = Level::filter;
+  Level level = Level::filter;  // the hardest arithmetic that any pair needed
   std::uint32_t exact_tests = 0;
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
 
+  /// No further pair can change the answer.
   bool done() const { return yes && !wanted; }
 };
 
 
-/// Two parts in world coordinates; a triangle names itself, a primitive is kNoTriangle.
+/// Tests two parts in world coordinates; a triangle gives its number, a primitive kNoTriangle.
 template <class A, class B>
 void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch);
 
-/// A primitive in world coordinates against an object.
+/// Tests a primitive in world coordinates against an object.
 void search_object(const Primitive& a, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
-/// Two objects, a's contact normal towards b.
+/// Tests two objects; the contact's normal points from a to b.
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
-/// Pairs of the two objects' triangles that may meet, as Bvh::walk_pairs tells them; both have a mesh.
+/// Offers pairs of the two objects' triangles that may be within gap_m of each other, as Bvh::walk_pairs does; both
+/// must have a mesh.
 void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, WalkCost& cost,
                      double gap_m = 0);
 
-/// Contains every point of the object at the frame.
+/// A box that contains every point of the object at the frame.
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame);
 
-/// A box around everything that `world` may hold, seen from the frame: generous by the rounding of placing points.
-/// reach_m: how far from the frame's origin the local things are.
+/// A box, in the frame's coordinates, around everything that `world` may hold; generous by the rounding of placing.
+///
+/// reach_m  how far from the frame's origin the local points are
 Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m);
 
-/// Calls visit(primitive) for the object's primitives, in its frame, that may meet the box; false ends the visit.
+/// Calls visit(primitive) for the object's primitives, in its own frame, that may meet the box; false ends the visit.
 template <class Visit>
 void visit_primitives_near(const ObjectInfo& info, const Frame& frame, const Aabb& world, WalkCost& cost, Visit&& visit) {
   if (!info.parts) {
@@ -72,11 +76,11 @@ void visit_primitives_near(const ObjectInfo& info, const Frame& frame, const Aab
   info.parts->tree.walk_box(seen_from(frame, world, info.parts->radius_m), candidate, cost);
 }
 
-/// Rounding of placing and of seeing from a frame, metres: what local bounds must grow by so that no placed point is
-/// lost (derivation at kPlacementRoundoffs).
+/// Rounding of placing a point and seeing it back from a frame, metres: what local bounds must grow by so that no
+/// placed point is lost (derivation at kPlacementRoundoffs).
 double placement_slack(const Frame& frame, double distance_m, double reach_m);
 
-/// A mesh's triangles at a frame; the last one is kept, since walks over pairs ask for it again and again.
+/// A mesh's triangles at a frame. Keeps the last one, since walks over pairs return to it again and again.
 class PlacedTriangles {
  public:
   PlacedTriangles(const TriangleMesh& mesh, const Frame& frame) : mesh_(mesh), frame_(frame) {}
@@ -96,7 +100,7 @@ class PlacedTriangles {
   Triangle placed_;
 };
 
-/// Whether this contact names the pair of parts better than the one that `best` holds.
+/// Whether this contact replaces the one in `best`: it is deeper, or as deep with lower triangles.
 inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32_t b_triangle, const ContactSearch& best) {
   if (!best.yes || contact.depth_m != best.contact.depth_m) return !best.yes || contact.depth_m > best.contact.depth_m;
   return a_triangle != best.a_triangle ? a_triangle < best.a_triangle : b_triangle < best.b_triangle;

@@ -7,10 +7,10 @@
 
 namespace collided::engine {
 
-/// A mesh with the index that was built of it.
+/// Bundles a mesh with the index built of it, and measures its radius.
 std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMesh> mesh, Bvh tree);
 
-/// A shape that is in no world, as an object without name or place; its mesh is indexed by the calling thread.
+/// A shape that is in no world, as an object without name or pose. cost  indexes a mesh on the calling thread
 ObjectInfo without_world(const Shape& shape);
 
 }  // namespace collided::engine

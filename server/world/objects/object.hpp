@@ -12,7 +12,7 @@
 
 namespace collided::engine {
 
-/// Slot in the low 32 bits, generation in the high ones: a reused slot is another object.
+/// Slot in the low 32 bits, generation in the high ones: a reused slot gives another id.
 using ObjectId = std::uint64_t;
 
 inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id); }
@@ -28,16 +28,16 @@ enum class LostPolicy : std::uint8_t {
 struct IndexedMesh {
   std::shared_ptr<const TriangleMesh> mesh;
   Bvh tree;
-  double radius_m = 0;  // no vertex is farther from the frame's origin
+  double radius_m = 0;  // no vertex is farther from the mesh's origin
 };
 
-/// In place of the number of a scene's part.
+/// In place of a scene part's number: the object is no part of a static scene.
 inline constexpr std::uint32_t kNoScenePart = 0xffffffff;
 
 struct IndexedParts;  // part_index.hpp
 struct SceneLevel;    // scene_levels.hpp
 
-/// What is known of an object besides where it is. Immutable: a new definition makes a new one.
+/// What is known of an object besides its pose. Immutable: a new definition makes a new one.
 struct ObjectInfo {
   ObjectId id = 0;
   std::string name;
@@ -47,17 +47,17 @@ struct ObjectInfo {
   LostPolicy lost_policy = LostPolicy::remove;
   std::uint64_t publisher = 0;  // 0: the server's own
   std::vector<Primitive> primitives;        // in the object's frame
-  std::shared_ptr<const IndexedParts> parts;  // of the primitives; null: each is asked
+  std::shared_ptr<const IndexedParts> parts;  // index over the primitives; null: visit each
   std::shared_ptr<const IndexedMesh> mesh;  // in the object's frame; null for a part of a static scene
-  std::uint32_t scene_part = kNoScenePart;    // number of the part where the object is a run of static triangles
-  std::uint32_t part_triangles = 0;         // of the part, or of a mesh whose triangles mending has cut
-  CutTriangles cut;                         // of these
+  std::uint32_t scene_part = kNoScenePart;    // number of the part, where the object is a run of static triangles
+  std::uint32_t part_triangles = 0;         // of the part, or of a mesh with triangles cut by mending
+  CutTriangles cut;                         // of these triangles: which original each piece belongs to
 
-  /// What answers call a triangle.
+  /// The number that answers give for a triangle.
   std::uint32_t reported_triangle(std::uint32_t triangle) const { return cut.told(triangle, part_triangles); }
 };
 
-/// Nothing but triangles.
+/// The object is a mesh without primitives.
 inline bool is_bare_mesh(const ObjectInfo& info) { return info.mesh && info.primitives.empty(); }
 
 /// One loaded file's static triangles with their index, in world coordinates, and its objects' meshes with theirs.
@@ -66,12 +66,14 @@ struct StaticScene {
   TriangleMesh mesh;
   Bvh tree;
   std::vector<Part> parts;            // ordered by first_triangle, without gap
-  std::vector<ObjectId> part_objects; // one a part
-  std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;  // one an object of the file; null: without a mesh
+  std::vector<ObjectId> part_objects; // one a part  // one per part
+  std::vector<std::shared_ptr<const IndexedMesh>> object_meshes;  // one per object of the file; null: without a mesh
   std::vector<std::shared_ptr<const SceneLevel>> levels;  // simpler forms of the mesh, finest first
   std::vector<std::string> warnings;  // saved indexes that were not fit for use
 
+  /// The part that holds the triangle.
   std::uint32_t part_of(std::uint32_t triangle) const;
+  /// Memory of index, mesh and parts.
   std::uint64_t bytes() const;
 };
 

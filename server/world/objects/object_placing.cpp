@@ -9,7 +9,8 @@ double placing_error_m(const Placed& object, std::uint32_t triangle, const Aabb&
   const Frame& frame = *object.frame;
   if (frame.position.isZero(0) && frame.rotation == Mat3::Identity() && object.info->primitives.empty()) return 0;
   if (triangle != kNoTriangle && object.info->mesh) return placing_error_m(frame, object.info->mesh->mesh->triangle(triangle));
-  // Balls, capsules and boxes, of which a box is off by its place, its turn and that in its own frame.
+  // Indexed primitives are spheres, capsules and boxes; a box errs in its position, its rotation and its pose in its
+  // own frame, so three errors.
   if (object.info->parts && !object.info->mesh) return 3 * placing_error_m(frame, object.info->parts->radius_m);
   double most_m = object.info->mesh ? placing_error_m(frame, object.info->mesh->radius_m) : 0;
   for (const Primitive& own : object.info->primitives) {

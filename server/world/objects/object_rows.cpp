@@ -65,7 +65,7 @@ void ObjectRows::remove(ObjectId id) {
   const std::uint32_t slot = slot_of(id);
   names_.erase(info(slot)->name);
   table_to_change()[slot].reset();
-  // A part of a scene may have the slot next, and a part has no pose, age or way.
+  // A scene's part may use this slot next, and a part has no pose, age or motion.
   rows_[slot] = ObjectRow{};
   source_[slot] = Sources::kResting;
   freed_.push_back(slot);
@@ -93,7 +93,7 @@ bool ObjectRows::move(ObjectId id, const Pose& pose, const PoseTime& at, Motion 
   row.pose = pose;
   row.frame = frame_of(pose);
   row.bounds = row.lone_sphere ? bounds(place(row.frame, *row.lone_sphere)) : bounds_of(*info(slot), row.frame);
-  // An object's time does not go back, whatever its publisher's clock does: brackets are measured in it.
+  // An object's time does not go back, even if its publisher's clock does: brackets are measured in it.
   row.posed_ns = std::max(row.posed_ns, at.time_ns);
   news_[slot] |= kPosed;
   row.has_motion = how == Motion::moved;

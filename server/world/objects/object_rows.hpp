@@ -16,70 +16,73 @@
 
 namespace collided::engine {
 
-/// How an object came to where it is since the last step.
-enum class Motion : std::uint8_t { none, moved, placed };  // placed: new or teleported, so there is no way between
+/// How an object came to its pose since the last step.
+enum class Motion : std::uint8_t { none, moved, placed };  // placed: new or teleported, so nothing lies between
 
-/// In posed_ns: the pose came with the definition and takes its time from the step that shows it first.
+/// In posed_ns: the pose came with the definition and takes its time from the step that first shows it.
 inline constexpr std::int64_t kPosedAtStep = -1;
 
-/// What of an object changes as it moves, and what every step asks of it: its description lies far away.
+/// The changing part of an object, which every step reads; kept apart from its description, which is rarely read.
 struct ObjectRow {
-  ObjectId movable = 0;                // who may be moved; 0: nobody
+  ObjectId movable = 0;                // id of the object that has this row; 0: it cannot be moved
   std::int64_t posed_ns = 0;           // world time of the pose; 0: never moved
-  std::int64_t posed_before_ns = 0;    // and of the pose before
+  std::int64_t posed_before_ns = 0;    // world time of the pose before
   Pose pose;
   Frame frame;
   Frame frame_before;
   Aabb bounds;
-  std::optional<Sphere> lone_sphere;   // that the object is, where it is nothing else
-  double reach_m = 0;                  // no point is farther from the frame's origin
-  bool has_motion = false;                // the last two poses are the ends of a way
+  std::optional<Sphere> lone_sphere;   // the whole object, where it is one sphere and nothing else
+  double reach_m = 0;                  // no point of the object is farther from the frame's origin, metres
+  bool has_motion = false;                // the object moved from frame_before to frame
   bool is_stale = false;
-  std::int64_t born_ns = 0;            // where its definition's pose begins to hold
-  std::int64_t said_before_ns = 0;     // of its pose before, however long it rested since
+  std::int64_t born_ns = 0;            // world time from which its definition's pose holds
+  std::int64_t said_before_ns = 0;     // world time given with its pose before, however long it rested since
 };
 
-/// When a pose holds, and how the object came there.
+/// When a pose holds, and from when the motion to it began.
 struct PoseTime {
   std::int64_t time_ns = 0;
-  std::int64_t since_ns = 0;  // it rested up to there
+  std::int64_t since_ns = 0;  // the object rested up to there
 };
 
 /// The table of objects: the one place where rows are added, removed, moved and copied. A row's number is the object's
-/// slot. Writer's thread only.
-/// Always: info(slot) is null exactly where no object is; motion(slot) is none for all that are not in moved().
+/// slot.
+/// threads  the writer's only
+/// Always: info(slot) is null exactly where there is no object; motion(slot) is none for every slot not in moved().
 class ObjectRows {
  public:
   ObjectRows() : table_(std::make_shared<ObjectTable>()) {}
 
   // Adding and removing.
-  /// A place for an object, in which nothing is yet.
+  /// An id with a slot for a new object; the slot stays empty until put().
   ObjectId take_slot();
-  /// The object named by info->id: a part of a scene, or one that has a pose.
+  /// Puts the object into the slot of info->id: a part of a scene, or an object with a pose.
   void put(std::shared_ptr<const ObjectInfo> info);
-  /// source: whose time it is known by; born_ns: kPosedAtStep, or the instant from which it is there.
+  /// source: whose time its poses have; born_ns: kPosedAtStep, or the instant from which it exists.
   void put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, std::uint32_t source, std::int64_t born_ns);
-  /// Its slot is free again after the step that ends its contacts.
+  /// Removes an object; its slot is free again after the step that ends its contacts.
   void remove(ObjectId id);
 
-  /// Objects of that source that came since the last step, and whose beginning is not known yet, begin then.
+  /// Gives the source's objects that came since the last step, with no known beginning, this instant as theirs.
   void begin(std::uint32_t source, std::int64_t time_ns);
 
   // Moving.
   /// False: no such object, or it does not move.
   bool move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how);
-  /// What move() writes of an object, for writing; a hint, so any slot will do.
+  /// Prefetches what move() writes of an object. Only a hint: any slot is allowed.
   void prefetch(std::uint32_t slot) const;
-  /// Everything that moves is looked at again: what was there before may touch what came.
+  /// Makes the next step test every moving object as if newly placed: it may touch what was just added.
   void place_all_movers_again();
-  /// Looked at again, wherever it is: what was not known of it may be decided now.
+  /// Makes the next step test this object again although it did not move: a pair in doubt may be decided now.
   void look_again(std::uint32_t slot);
   void set_stale(std::uint32_t slot, bool is_stale);
 
-  // A step: what changed is stamped and copied, and then as if it had always been there.
+  // A step: changes are stamped, then copied, then no longer changes.
+  /// Stamps the changed rows with the step, and gives a time to objects whose definition's pose has none yet.
   void stamp_changes(std::uint64_t step, std::int64_t world_time_ns, const Sources& sources);
-  /// Only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies.
+  /// Copies only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies.
   void copy_changes(Snapshot& to);
+  /// Forgets the changes; slots freed in this step may be used again.
   void end_step();
 
   std::size_t size() const { return table_->size(); }
@@ -89,15 +92,17 @@ class ObjectRows {
   const ObjectInfo* find(ObjectId id) const;
   std::optional<ObjectId> find(std::string_view name) const;
   std::size_t name_count() const { return names_.size(); }
-  /// Sources::kResting: it does not move.
+  /// Index of the object's source; Sources::kResting: the object does not move.
   std::uint32_t source(std::uint32_t slot) const { return source_[slot]; }
   Motion motion(std::uint32_t slot) const { return motion_[slot]; }
-  /// Defined since the last step.
+  /// The object was defined since the last step.
   bool is_new(std::uint32_t slot) const { return (news_[slot] & kDefined) != 0; }
-  /// Has a pose since the last step that is not its definition's.
+  /// The object got a pose since the last step, besides its definition's.
   bool is_posed(std::uint32_t slot) const { return (news_[slot] & kPosed) != 0; }
   bool has_moved(std::uint32_t slot) const { return motion_[slot] != Motion::none; }
+  /// Slots with a change since the last step.
   const std::vector<std::uint32_t>& moved() const { return moved_; }
+  /// The order of ids: generation, then slot.
   bool has_lower_id(std::uint32_t slot, std::uint32_t than) const {
     return generations_[slot] != generations_[than] ? generations_[slot] < generations_[than] : slot < than;
   }
@@ -107,7 +112,7 @@ class ObjectRows {
   void mark(std::uint32_t slot, Motion how);
 
   std::vector<ObjectRow> rows_;
-  // Beside the rows, since they are read for all objects.
+  // Outside of the rows, since a step reads them for all objects.
   std::vector<Motion> motion_;
   enum News : std::uint8_t { kDefined = 1, kPosed = 2 };
   std::vector<std::uint8_t> news_;      // since the last step

@@ -7,15 +7,16 @@
 
 namespace collided::engine {
 
-/// Many primitives of one object with an index over their bounds, in the object's frame; candidates are their numbers.
-/// Only walk_box may be asked of the tree: its other walks look at triangles, and here there are none.
+/// Many primitives of one object with an index over their bounds, in the object's frame; candidates are numbers of
+/// primitives.
+/// Always: only walk_box may be called on the tree; the other walks read triangles, and here there are none.
 struct IndexedParts {
   Bvh tree;
-  double radius_m = 0;  // no point of any is farther from the frame's origin
+  double radius_m = 0;  // no point of any primitive is farther from the frame's origin
 };
 
-/// Null for so few that asking each is cheaper, and where one is of a kind whose place turns it by more than rounding (a
-/// short cylinder far out), which the walks' slack does not cover.
+/// Indexes the primitives. Null where they are so few that testing each is cheaper, and where one is of a kind whose
+/// placing errs by more than rounding (a short cylinder far out), which the slack of the walks does not cover.
 /// cost  10 ms for 100,000
 std::shared_ptr<const IndexedParts> index_parts(std::span<const Primitive> parts);
 

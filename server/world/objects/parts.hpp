@@ -6,8 +6,8 @@
 
 namespace collided::engine {
 
-/// Calls visit(object, triangle, shape) for every part of every object, in world coordinates, without an index:
-/// shape is a Sphere, Box, Capsule or Triangle; triangle its number within the object, or kNoTriangle.
+/// Calls visit(object, triangle, shape) for every part of every object, in world coordinates, without an index: shape
+/// is a primitive or a Triangle; triangle is its number within the object, or kNoTriangle for a primitive.
 template <class Visit>
 void visit_parts(const Snapshot& snapshot, Visit&& visit) {
   for (const auto& scene : snapshot.scenes) {

@@ -7,12 +7,13 @@
 namespace collided::engine {
 namespace {
 
+// Each level has a quarter of the triangles of the one before.
 constexpr std::size_t kFewerBy = 4;
 
-/// Below so many triangles a question costs what its answer does.
+/// With fewer triangles a level saves nothing: a query costs as much as its answer.
 constexpr std::size_t kFewTriangles = 32;
 
-/// What is off by more than this part of the mesh's size, nobody asks for.
+/// A level that is off by more than the mesh's size divided by this serves no query.
 constexpr double kUsefulShare = 16;
 
 }  // namespace

@@ -12,13 +12,13 @@
 
 namespace collided::engine {
 
-/// A simpler form of a scene's mesh: distances to its parts are those to the scene's, off by off_by_m at most.
+/// A simpler form of a scene's mesh: distances to its parts differ from those to the scene's own by at most off_by_m.
 struct SceneLevel {
   TriangleMesh mesh;
   Bvh tree;
-  std::vector<std::uint32_t> originals;  // numbers of its triangles in the scene's mesh
+  std::vector<std::uint32_t> originals;  // the scene mesh's triangle for each of its own
   std::vector<std::uint32_t> part_of;    // part of each triangle
-  double off_by_m = 0;                   // proved (surface_distance.hpp)
+  double off_by_m = 0;                   // metres; proved (surface_distance.hpp)
 
   std::uint64_t bytes() const;
 };
@@ -26,17 +26,17 @@ struct SceneLevel {
 /// The part of each triangle.
 std::vector<std::uint32_t> parts_of_triangles(const std::vector<Part>& parts, std::size_t triangle_count);
 
-/// The numbers at which parts end, as simplify wants them.
+/// The triangle numbers at which parts end, in the form that simplify takes.
 std::vector<std::uint32_t> ends_of_parts(const std::vector<Part>& parts);
 
-/// Levels with a quarter of the triangles, a quarter of those and so on, finest first, each with its bound measured. Ends
-/// where the collapses do, or where a level would be off by a sixteenth of the mesh's size.
-/// cost  per level a few microseconds a triangle of the mesh, on all cores
+/// Builds levels with a quarter of the triangles, a quarter of those and so on, finest first, each with its measured
+/// bound. Stops where the collapses end, or where a level would be off by a sixteenth of the mesh's size.
+/// cost  per level a few microseconds per triangle of the mesh, on all cores
 std::vector<std::shared_ptr<const SceneLevel>> build_levels(const TriangleMesh& mesh, const Bvh& tree,
                                                             const std::vector<Part>& parts, const CollapseOrder& order,
                                                             const std::function<bool()>& cancelled);
 
-/// The coarsest level that is off by no more than that; null: none is.
+/// The coarsest level that is off by at most error_m; null: none is.
 const SceneLevel* coarsest_within(const std::vector<std::shared_ptr<const SceneLevel>>& levels, double error_m);
 
 }  // namespace collided::engine

@@ -9,13 +9,13 @@
 
 namespace collided::engine {
 
-/// One part of a static scene that was touched, or may have been (touch.undecided).
+/// One part of a static scene that was touched, or may have been (where touch.undecided).
 struct PartTouch {
   std::uint32_t part = 0;
   ContactSearch touch;
 };
 
-/// The touched parts of a scene, in the order of first candidate.
+/// The touched parts of a scene, in the order of their first candidates.
 class PartTouches {
  public:
   explicit PartTouches(bool contacts_wanted) : wanted_(contacts_wanted) {}
@@ -24,8 +24,9 @@ class PartTouches {
     wanted_ = contacts_wanted;
     list_.clear();
   }
+  /// The search of a part, begun if it is the part's first candidate; the reference is valid until the next call.
   ContactSearch& of(std::uint32_t part) {
-    // Neighbouring triangles are of the same part, so the last one asked for is mostly right.
+    // Neighbouring triangles belong to the same part, so it mostly is the last one again.
     if (!list_.empty() && list_.back().part == part) return list_.back().touch;
     const auto found = std::find_if(list_.begin(), list_.end(), [&](const PartTouch& t) { return t.part == part; });
     if (found != list_.end()) return found->touch;
@@ -41,14 +42,15 @@ class PartTouches {
   std::vector<PartTouch> list_;
 };
 
-/// A square that no distance up to this one exceeds; the distance may be the sum of two.
+/// A square that no distance up to this one exceeds, even where the distance is the sum of two.
 inline double square_up(double distance_m) {
   const double reach_m = distance_m * (1 + kFewSlack);
   return reach_m * reach_m * (1 + kFewSlack) + std::numeric_limits<double>::min();
 }
 
 /// Calls visit(triangle, part, corners) for each static triangle that may lie within sqrt(limit_m2) of the point and
-/// whose part is allowed, roughly near to far. visit -> the limit from then on; negative ends the walk.
+/// whose part is allowed, roughly near to far. visit returns the squared limit from then on; a negative one ends the
+/// walk.
 template <class Allowed, class Visit>
 void visit_scene_near(const StaticScene& scene, const Vec3& point, double limit_m2, WalkCost& cost, Allowed&& allowed,
                       Visit&& visit) {
@@ -59,8 +61,8 @@ void visit_scene_near(const StaticScene& scene, const Vec3& point, double limit_
   scene.tree.walk_near(point, limit_m2, 0, candidate, cost);
 }
 
-/// Calls visit(triangle, part, corners) for each static triangle near the box whose part is allowed.
-/// allowed(part) -> bool; visit -> bool, false ends the walk.
+/// Calls visit(triangle, part, corners) for each static triangle near the box whose part is allowed. allowed(part)
+/// returns bool; visit returns bool, and false ends the walk.
 template <class Allowed, class Visit>
 void visit_scene(const StaticScene& scene, const Aabb& near, WalkCost& cost, Allowed&& allowed, Visit&& visit) {
   const auto candidate = [&](std::uint32_t triangle) {
@@ -70,8 +72,8 @@ void visit_scene(const StaticScene& scene, const Aabb& near, WalkCost& cost, All
   scene.tree.walk_box(near, candidate, cost);
 }
 
-/// Calls visit(triangle, corners, mover_triangle, mover_corners) for each static triangle and each of the mesh at the
-/// frame that may meet, or come within gap_m; visit -> bool, false ends the walk.
+/// Calls visit(triangle, corners, mover_triangle, mover_corners) for each pair of a static triangle and one of the mesh
+/// at the frame that may meet, or come within gap_m. visit returns bool; false ends the walk.
 template <class Visit>
 void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const Frame& frame, WalkCost& cost,
                        Visit&& visit, double gap_m = 0) {

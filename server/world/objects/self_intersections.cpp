@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-/// Corners in common: how many, and which of a is which of b.
+/// Corners that two triangles share: how many, and which of a equals which of b.
 struct Common {
   int count = 0;
   std::array<int, 3> of_a{};
@@ -38,9 +38,10 @@ Common common_corners(const Corners& a, const Corners& b) {
   return common;
 }
 
-/// The triangle with its corners from `first` on, the other way round where told.
+/// The same triangle with its corners in the order first, second, the other one.
 Triangle turned(const Corners& c, int first, int second) { return {*c[first], *c[second], *c[3 - first - second]}; }
 
+/// Whether two triangles meet beyond what their shared corners explain.
 bool meet(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
   const Corners p = corners_of(mesh, a);
   const Corners q = corners_of(mesh, b);
@@ -67,10 +68,11 @@ struct Search {
   const TriangleMesh& mesh;
   const SearchControl& control;
   std::vector<bool> is_flat;
-  std::uint64_t own_count = 0;  // triangles that have come as a pair with themselves, as each does once
+  // triangles that came as a pair with themselves, which each does once: measures progress
+  std::uint64_t own_count = 0;
   SelfIntersections result{};
 
-  /// False: called off.
+  /// Reports progress now and then. False: the search is cancelled.
   bool tell() const {
     constexpr std::uint64_t kSeldom = 0x4000;
     if (result.candidate_count % kSeldom != 0) return true;
@@ -81,7 +83,7 @@ struct Search {
   bool operator()(std::uint32_t a, std::uint32_t b) {
     ++result.candidate_count;
     own_count += a == b ? 1 : 0;
-    // Each pair comes in both orders.
+    // The walk of a tree against itself offers each pair in both orders.
     if (a < b && !is_flat[a] && !is_flat[b] && meet(mesh, a, b)) result.pairs.push_back({a, b});
     result.is_complete = result.candidate_count < SelfIntersections::kMostCandidates &&
                          result.pairs.size() < SelfIntersections::kMostPairs && tell();

@@ -9,7 +9,7 @@
 
 namespace collided::engine {
 
-/// Two triangles of one mesh that have more in common than the corners they share.
+/// Two triangles of one mesh with more points in common than the corners and the edge they share.
 struct TrianglePair {
   std::uint32_t a = 0;  // a < b
   std::uint32_t b = 0;
@@ -17,28 +17,28 @@ struct TrianglePair {
   auto operator<=>(const TrianglePair&) const = default;
 };
 
+/// What the search found, and whether it could finish.
 struct SelfIntersections {
   std::vector<TrianglePair> pairs;  // ascending
   std::uint64_t candidate_count = 0;
-  // false: cancelled, or ended at kMostPairs or kMostCandidates, so that soups cannot take all memory or for ever
+  // false: cancelled, or stopped at kMostPairs or kMostCandidates, which bound memory and time for triangle soups
   bool is_complete = true;
 
   static constexpr std::size_t kMostPairs = 10'000'000;
   static constexpr std::uint64_t kMostCandidates = 1'000'000'000;
 };
 
-/// What a long search is told and asked, now and then.
+/// How a caller follows and ends a long search; both are called now and then.
 struct SearchControl {
   std::function<void(double)> progress{};  // fraction done in [0, 1]
-  std::function<bool()> cancelled{};       // true ends it with what has been found
+  std::function<bool()> cancelled{};       // true ends the search with what it has found
 };
 
-/// Every pair of triangles that meet where they should not: exact, touching included. Equal coordinates are one corner.
-/// Triangles without area and pairs with the same three points are left out: those are told by themselves
-/// (mesh_health.hpp).
+/// Every pair of triangles that meet where they should not; exact, touching included. Corners with equal coordinates
+/// count as one. Leaves out triangles without area and pairs with the same three points: mesh_health.hpp reports those.
 ///
 /// tree      of the mesh
-/// cost      about 0.6 us a triangle of a clean closed mesh
+/// cost      about 0.6 us per triangle of a clean closed mesh
 /// threads   one; the result does not depend on the tree
 SelfIntersections self_intersections(const TriangleMesh& mesh, const Bvh& tree, const SearchControl& control = {});
 

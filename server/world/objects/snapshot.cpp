@@ -20,9 +20,9 @@ SnapshotRing::Lease::~Lease() {
 }
 
 SnapshotRing::Lease SnapshotRing::newest() const {
-  // Count first, then look again: if the state is still the newest, the writer had not taken it for filling before the
-  // count was seen; if not, the count is given back and the newer one is tried. Both steps are sequentially
-  // consistent, since the writer does the mirror image: publish, then look at the counts.
+  // Count first, then check: if the state is still the newest, the writer had not taken it for filling before it could
+  // see the count; if not, give the count back and try the newer one. Both steps are sequentially consistent, because
+  // the writer does the reverse: it publishes, then reads the counts.
   for (;;) {
     const std::uint32_t index = newest_.load(std::memory_order_seq_cst);
     states_[index].readers.fetch_add(1, std::memory_order_seq_cst);
@@ -33,8 +33,8 @@ SnapshotRing::Lease SnapshotRing::newest() const {
 
 Snapshot* SnapshotRing::writable() {
   const std::uint32_t newest = newest_.load(std::memory_order_relaxed);
-  // The first free one: two states in turn while nobody reads for long, so that the others take no memory and what is
-  // written is still in the cache.
+  // The first free state: while no reader holds one for long, two states alternate, so the others take no memory and
+  // the one being written is still in the cache.
   for (std::uint32_t index = 0; index < kStates; ++index) {
     if (index == newest) continue;
     if (states_[index].readers.load(std::memory_order_seq_cst) == 0) {

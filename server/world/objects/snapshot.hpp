@@ -13,23 +13,23 @@
 
 namespace collided::engine {
 
-/// An object whose publisher is lost: where it was seen last, and how fast it was then.
+/// An object whose publisher is lost: its last known position, and its speed then.
 struct StaleObject {
   ObjectId id = 0;
   Vec3 position = Vec3::Zero();  // of its frame
-  double reach_m = 0;            // no point of it is farther from there
+  double reach_m = 0;            // no point of the object is farther from there, metres
   double speed_mps = 0;          // between its last two poses
-  std::int64_t posed_ns = 0;     // world time of the last
+  std::int64_t posed_ns = 0;     // world time of the last pose
 };
 
-/// One unchanging, consistent state of every object: what a question sees.
-/// Any thread may read it for as long as it holds the lease; nobody waits.
+/// One unchanging, consistent state of every object: what a query sees.
+/// Any thread may read it for as long as it holds the lease; no thread waits for another.
 /// Always: bounds[slot] contains every point of the object at its pose; empty for free slots and static parts.
 struct Snapshot {
   std::uint64_t epoch = 0;
   std::uint64_t version = 0;
   std::int64_t world_time_ns = 0;
-  std::int64_t settled_ns = 0;  // the newest instant at which it is known where every object was
+  std::int64_t settled_ns = 0;  // the newest instant at which every object's place is known
   std::vector<std::shared_ptr<const StaticScene>> scenes;
   std::shared_ptr<const ObjectTable> objects;
   std::uint64_t table_version = 0;      // grows with each change of `objects`
@@ -40,13 +40,13 @@ struct Snapshot {
   std::vector<std::uint8_t> stale;      // 1: the publisher is lost, the pose is frozen
   std::vector<StaleObject> stale_objects;
   std::shared_ptr<const std::vector<Aabb>> covers;  // where the loaded geometry is complete; null: everywhere
-  bool contacts_truncated = false;      // there are more contacts than the step could tell
-  std::shared_ptr<Grid> grid;           // over bounds, or generous ones; shared while no object moves
-  std::vector<std::uint64_t> changed;   // by slot: version of the last change, for cheap catching up
+  bool contacts_truncated = false;      // there are more contacts than the step could report
+  std::shared_ptr<Grid> grid;           // over bounds, or larger ones; shared between snapshots while no object moves
+  std::vector<std::uint64_t> changed;   // by slot: step of the last change, so that refilling copies only what differs
 };
 
-/// Hands snapshots from the one writer to any number of readers without a lock: a ring of states, each with a count
-/// of readers. A reader takes a lease; the writer fills a state that nobody reads and makes it the newest.
+/// Hands snapshots from the one writer to any number of readers without a lock: a ring of states, each with a count of
+/// readers. A reader takes a lease; the writer fills a state that no reader holds and makes it the newest.
 class SnapshotRing {
  public:
   static constexpr std::uint32_t kStates = 16;
@@ -70,12 +70,12 @@ class SnapshotRing {
     std::uint32_t index_ = 0;
   };
 
-  /// The newest state. Lock-free; any thread.
+  /// A lease of the newest state. Lock-free; any thread.
   Lease newest() const;
 
-  /// A state that nobody reads, not the newest; nullptr while readers hold all others. Writer only.
+  /// A state that no reader holds, and not the newest; nullptr while readers hold all others. Writer only.
   Snapshot* writable();
-  /// Makes the state that writable() gave the newest. Writer only.
+  /// Makes the state from writable() the newest. Writer only.
   void publish();
   /// The newest state, for the writer itself.
   const Snapshot& current() const { return states_[newest_.load(std::memory_order_relaxed)].snapshot; }

@@ -20,13 +20,14 @@ std::uint32_t Sources::add_object(std::uint64_t publisher) {
   Source& source = sources_[entry->second];
   if (++source.object_count > 1) return entry->second;
   ++used_count_;
-  // Nobody asks for what was before, so nothing of it is left to say.
+  // Time below the floor is decided, so the new object's source counts as known up to there.
   source.known_ns = std::max(source.known_ns, floor_ns_);
   source.settled_ns = std::max(source.settled_ns, floor_ns_);
   return entry->second;
 }
 
-/// Who goes on saying instants may define an object again: what it has said stays said.
+/// A publisher that still gives instants keeps its source: it may define an object again, and its settled time must
+/// hold.
 void Sources::remove_object(std::uint32_t source) {
   if (--sources_[source].object_count > 0) return;
   --used_count_;
@@ -94,7 +95,7 @@ void Sources::begin_step(std::int64_t world_time_ns, bool is_any_open) {
     const bool is_uneven = has_several || leaves_out || source.has_own_motions;
     needs_common_time_ = needs_common_time_ || source.is_streamed || (source.has_spoken && is_uneven);
   }
-  // Who was behind the others when the last step ended is to catch up, even where nobody says instants any more.
+  // A source that was behind when the last step ended must catch up, even if no source gives instants any more.
   needs_common_time_ = needs_common_time_ || (used_count_ > 1 && (is_any_timed || oldest_ns < newest_ns));
 }
 

@@ -9,95 +9,105 @@
 
 namespace collided::engine {
 
-/// What never moves is known for ever.
+/// The instant up to which an object that never moves is known.
 inline constexpr std::int64_t kForEver = std::numeric_limits<std::int64_t>::max();
 
-/// A streamed object whose poses lie farther apart rested until so long before the later one.
+/// A streamed object with a longer gap between two poses rested until this long before the later one.
 inline constexpr std::int64_t kStreamGapNs = 250'000'000;
 
-/// One publisher's time: up to which instant it has said where its objects are.
+/// One publisher's time: the instant up to which its objects' poses are known.
 struct Source {
   std::uint64_t publisher = 0;
+  // The next counts and flags describe the objects that move.
   std::uint32_t object_count = 0;  // that move
-  std::uint32_t posed_count = 0;   // since the last step
-  bool has_own_motions = false;       // since the last step, of objects that jumped or were new
-  bool has_spoken = false;         // an instant, since the last step
-  bool is_timed = false;           // else its objects are known up to the step's own time
-  bool is_streamed = false;        // some of its objects are known up to their own newest pose only
-  std::int64_t known_ns = 0;
+  std::uint32_t posed_count = 0;   // poses since the last step
+  // since the last step an object moved over an interval of its own: it jumped or was new
+  bool has_own_motions = false;
+  bool has_spoken = false;         // the publisher gave an instant since the last step
+  bool is_timed = false;           // the publisher gives instants; else its objects are known up to the step's own time
+  bool is_streamed = false;        // some of its objects are known only up to their own newest pose
+  std::int64_t known_ns = 0;  // world time up to which its objects are known
   std::int64_t before_ns = 0;      // the instant before known_ns
-  std::int64_t settled_ns = 0;     // what was known when the last step ended; never goes back
-  std::int64_t streamed_ns = 0;    // what was settled when its objects began to be streamed
-  /// Since the oldest that somebody still waits for, ascending: pieces of time end at these, whoever moved.
+  std::int64_t settled_ns = 0;     // known_ns when the last step ended; never decreases
+  std::int64_t streamed_ns = 0;    // settled_ns when its objects began to be streamed
+  /// Ascending, from the oldest that another source still waits for: common time is cut at these instants.
   std::vector<std::int64_t> instants;
 
-  /// What is decided stays: an instant that comes once more, or late, is the next nanosecond.
+  /// The time to use for a pose or instant: decided time stays decided, so a repeated or late one moves to the next
+  /// nanosecond.
   std::int64_t admitted(std::int64_t time_ns) const {
     const bool has_instants = publisher != 0 && !is_streamed;  // the server's own objects move at the step's time
     return has_instants && time_ns <= settled_ns ? settled_ns + 1 : time_ns;
   }
-  /// Up to where those rested that it names at that time.
+  /// The instant up to which objects named at that time had rested.
   std::int64_t instant_before(std::int64_t time_ns) const { return time_ns > known_ns ? known_ns : before_ns; }
-  /// Up to where one of its objects is known whose newest pose was at posed_ns.
+  /// The instant up to which one of its objects is known; posed_ns: world time of that object's newest pose.
   std::int64_t known_of(std::int64_t posed_ns) const {
     return is_streamed ? std::max({posed_ns, known_ns - kStreamGapNs, streamed_ns}) : known_ns;
   }
-  /// The same when the last step ended; posed_ns: its newest pose then.
+  /// The same as it was when the last step ended; posed_ns: the object's newest pose at that time.
   std::int64_t settled_of(std::int64_t posed_ns) const {
     return is_streamed ? std::max({posed_ns, settled_ns - kStreamGapNs, streamed_ns}) : settled_ns;
   }
 };
 
-/// The publishers that have objects in the world, each with its time. Writer's thread only.
-/// Always: a source's number stays while it has an object or says instants; settled_ns and floor_ns() never go back.
+/// The publishers that have objects in the world, each with its time.
+/// threads  the writer's only
+/// Always: a source keeps its number while it has an object or gives instants; settled_ns and floor_ns() never
+/// decrease.
 class Sources {
  public:
-  /// Farther behind the newest than this, a publisher's pairs are no longer decided for what lies before.
+  /// Beyond this far behind the newest source, a publisher's pairs are no longer decided for the older time.
   static constexpr std::int64_t kLongestMemoryNs = 10'000'000'000;
-  /// Of what does not move.
+  /// In place of a source's number: the object does not move.
   static constexpr std::uint32_t kResting = 0xffffffff;
 
-  /// One object more, or one less; the source's number.
+  /// Counts one more moving object of the publisher; returns the source's number.
   std::uint32_t add_object(std::uint64_t publisher);
+  /// Counts one object less.
   void remove_object(std::uint32_t source);
 
-  /// All that the publisher has to say of the time up to there is said. Nothing for an instant that is past.
-  /// Its number where this is the first instant, at all or since it was lost: who was defined before it begins there.
+  /// The publisher's statements up to this instant are complete; a past instant changes nothing. Returns the source's
+  /// number where this is its first instant, ever or since it was lost: objects defined before begin at it.
   std::optional<std::uint32_t> advance(std::uint64_t publisher, std::int64_t time_ns);
-  /// It says no more instants: from now on its objects are known up to the step's own time.
+  /// The publisher gives no more instants: from now on its objects are known up to the step's own time.
   void lose(std::uint64_t publisher);
-  /// has_own_way: one that others of its instant may not share.
+  /// Counts a pose. has_own_motion: the pose's motion covers an interval that others of its instant may not share.
   void note_posed(std::uint32_t source, bool has_own_motion) {
     ++sources_[source].posed_count;
     sources_[source].has_own_motions = sources_[source].has_own_motions || has_own_motion;
   }
+  /// The source's objects are streamed from now on.
   void note_streamed(std::uint32_t source);
 
-  /// is_any_open: something that an earlier step saw is not decided with everybody yet.
+  /// Fixes what the step may decide. is_any_open: a motion seen in an earlier step is not yet decided against every
+  /// source.
   void begin_step(std::int64_t world_time_ns, bool is_any_open);
+  /// What is known now becomes settled; raises the floor and drops the instants below it.
   void end_step();
 
   const Source& operator[](std::uint32_t source) const { return sources_[source]; }
-  /// Numbers below this; some may be free.
+  /// Every number is below this; some may be free.
   std::uint32_t size() const { return static_cast<std::uint32_t>(sources_.size()); }
+  /// Null: the publisher has no source.
   const Source* find(std::uint64_t publisher) const;
-  /// Objects are not all known up to one instant, or did not all move at one in this step, or somebody still waits for what was
-  /// before: pairs are decided on common time.
+  /// Pairs must be decided on common time: objects are not all known up to one instant, or did not all move at one in
+  /// this step, or an older time is still undecided.
   bool need_common_time() const { return needs_common_time_; }
-  /// Nobody asks for what was before: ways that end up to then are forgotten, and no pair is decided for it.
+  /// No source needs an older time: motions that end by then are forgotten, and no pair is decided for them.
   std::int64_t floor_ns() const { return floor_ns_; }
-  /// The floor has passed it while it was silent, and now it goes on beyond: its pairs begin anew at the floor.
+  /// The floor passed the source while it was silent, and it now continues beyond: its pairs begin anew at the floor.
   bool is_over_floor_again(const Source& source) const;
   bool is_any_over_floor_again() const { return is_any_over_floor_again_; }
-  /// The newest instant at which all are known.
+  /// The newest instant at which all objects are known.
   std::int64_t settled_ns(std::int64_t world_time_ns) const;
-  /// Somebody may wait for this publisher's next instant.
+  /// Pairs of another publisher may wait for this one's next instant.
   bool are_several() const { return used_count_ > 1; }
 
  private:
   void release(std::uint32_t source);
 
-  std::vector<Source> sources_;  // with holes
+  std::vector<Source> sources_;  // a free number leaves an empty one
   std::vector<std::uint32_t> free_;
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  // by publisher
   std::size_t used_count_ = 0;  // that have objects

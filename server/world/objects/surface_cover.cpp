@@ -14,7 +14,7 @@ namespace {
 
 using Flat = Eigen::Vector2d;
 
-/// A piece of more triangles is given up.
+/// A piece that needs more triangles is given up.
 constexpr std::size_t kMostTriangles = 2048;
 
 double cross(const Flat& a, const Flat& b) { return a[0] * b[1] - a[1] * b[0]; }
@@ -64,13 +64,14 @@ SheetOverTable::Raised SheetOverTable::raised(const Vec3& point) const {
   return {{turned[0], turned[1]}, turned[2]};
 }
 
-/// False only where the segment surely keeps off the inside of the table: some line parts the two.
+/// False only where the segment surely stays outside of the shrunk table: some line separates the two.
 bool SheetOverTable::may_run_over(const Raised& a, const Raised& b) const {
   const double slack = kFlatSlack * (size_ + reach_) * (size_ + reach_);
   for (std::size_t i = 0; i < 3; ++i) {
     const Flat edge = inside_[(i + 1) % 3] - inside_[i];
     if (cross(edge, a.at - inside_[i]) < -slack && cross(edge, b.at - inside_[i]) < -slack) return false;
   }
+  // No edge of the table separates them; the segment's own line may.
   const Flat along = b.at - a.at;
   bool left = false;
   bool right = false;
@@ -90,6 +91,7 @@ void SheetOverTable::take(std::uint32_t triangle) {
   for (const Raised& corner : corners_.back()) reach_ = std::max({reach_, corner.at.cwiseAbs().maxCoeff(), std::abs(corner.height)});
 }
 
+/// False: the piece meets a border of the sheet over the table, or grows too large.
 bool SheetOverTable::grow(std::uint32_t seed) {
   ++table_number_;
   piece_.clear();
@@ -104,7 +106,7 @@ bool SheetOverTable::grow(std::uint32_t seed) {
       take(next);
     }
   }
-  // What was left out early was judged with less slack than the reach now asks for.
+  // The slack grew with the reach, so an edge judged early is judged again with the final slack.
   for (std::size_t i = 0; i < piece_.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t next = neighbours_.across(piece_[i], k);
@@ -115,7 +117,7 @@ bool SheetOverTable::grow(std::uint32_t seed) {
   return true;
 }
 
-/// 1 or 0, or -1 where roundings leave it open.
+/// 1: the triangle covers the table's middle; 0: it does not; -1: roundings leave it open.
 int SheetOverTable::covers_middle(const std::array<Raised, 3>& corners) const {
   const double slack = kFlatSlack * (size_ + reach_) * (size_ + reach_);
   int left = 0;
@@ -129,9 +131,10 @@ int SheetOverTable::covers_middle(const std::array<Raised, 3>& corners) const {
   return left == 3 || right == 3 ? 1 : -1;
 }
 
-/// The greatest height of the part of a triangle that is over the table, or more.
+/// The greatest height of the triangle's part over the table, or somewhat more.
 double SheetOverTable::height_over_table(const std::array<Raised, 3>& corners) {
   polygon_.assign(corners.begin(), corners.end());
+  // Clips against the table grown by the roundings, so that nothing over the table is cut away.
   const double margin = kFlatSlack * (size_ + reach_);
   for (std::size_t i = 0; i < 3 && !polygon_.empty(); ++i) {
     const Flat edge = (outline_[(i + 1) % 3] - outline_[i]).normalized();
@@ -166,6 +169,7 @@ double SheetOverTable::height_at_most(const Triangle& table, std::uint32_t seed)
     height = std::max(height, height_over_table(corners));
   }
   if (cover_count % 2 == 0) return kNoBound;
+  // The rim that was not tested lies within kRim * size of a point that was.
   return height + kRim * size_ + kFlatSlack * (size_ + reach_);
 }
 

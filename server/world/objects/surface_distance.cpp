@@ -18,12 +18,13 @@ namespace {
 
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
-/// What is within this of a distance that does occur is not worth more cuts.
+/// A bound within this factor of a distance that does occur is not worth more cuts.
 constexpr double kCloseEnough = 1.02;
 
 /// Triangles that one thread takes at a time.
 constexpr std::size_t kBatch = 2048;
 
+/// A triangle, or a piece of one, with its bound.
 struct Piece {
   Triangle triangle;
   std::uint32_t part = 0;
@@ -37,11 +38,11 @@ struct Nearest {
 };
 
 double distance_at_most(const Vec3& point, const Triangle& triangle) {
-  // Above the rounding of the root.
+  // The factor covers the rounding of the root.
   return std::sqrt(kernel::quick_square_distance(point, triangle).high2_m2) * (1 + kFewSlack);
 }
 
-/// The nearest triangle of a part, and how far it is at most.
+/// The nearest triangle of a part, and a bound on its distance.
 Nearest nearest(const Vec3& point, std::uint32_t part, const PartedSurface& to) {
   Nearest best;
   const auto look = [&](std::uint32_t triangle, double limit_m2) {
@@ -55,13 +56,13 @@ Nearest nearest(const Vec3& point, std::uint32_t part, const PartedSurface& to) 
   return best;
 }
 
-/// The points of one surface and how far they are from the other.
+/// Bounds the distance from the points of one surface to the other.
 class OneSide {
  public:
   OneSide(const PartedSurface& from, const PartedSurface& to, const DistanceOptions& options)
       : from_(from), to_(to), options_(options), neighbours_(to.mesh, to.part_of) {}
 
-  /// owed_m  a bound below which nothing need be known
+  /// owed_m  a bound that the caller has to report anyway: smaller distances need no refinement
   double bound(double owed_m) {
     reached_m_ = owed_m;
     measure_all();
@@ -71,6 +72,7 @@ class OneSide {
       if (piece.upper_m > kCloseEnough * reached_m_) pieces.push(piece);
       else upper_m = std::max(upper_m, piece.upper_m);
     }
+    // Always cut the piece with the largest bound: only it can lower the result.
     for (std::size_t cuts = 0; cuts < options_.pieces_at_most && !pieces.empty(); ++cuts) {
       const Piece piece = pieces.top();
       if (!(piece.upper_m > kCloseEnough * reached_m_) || (options_.cancelled && options_.cancelled())) break;
@@ -82,7 +84,7 @@ class OneSide {
       }
     }
     if (!pieces.empty()) upper_m = std::max(upper_m, pieces.top().upper_m);
-    // The middles of edges were rounded, each cut by half a unit in the last place of a coordinate.
+    // Middles of edges were rounded, in each cut by half a unit in the last place of a coordinate.
     double largest = 0;
     for (const Vec3& v : from_.mesh.vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
     constexpr double kCoordinateSlack = 0x1p-44;  // covers 2^9 cuts, each half a unit in the last place
@@ -90,7 +92,7 @@ class OneSide {
   }
 
  private:
-  /// Every triangle: as a table under the other surface, and where that says little by its corners.
+  /// Bounds every triangle: first as a table under the other surface, then, where that says little, by its corners.
   void measure_all() {
     const std::size_t count = from_.mesh.triangles.size();
     run_in_parallel((count + kBatch - 1) / kBatch, [&](std::size_t batch) {
@@ -114,7 +116,7 @@ class OneSide {
     measure_what_stands_out();
   }
 
-  /// What the tables leave above the distances seen so far, by its corners.
+  /// Bounds by their corners the triangles whose table bound exceeds the distances seen so far.
   void measure_what_stands_out() {
     std::vector<Piece> doubtful;
     for (const Piece& piece : waiting_) {
@@ -130,8 +132,9 @@ class OneSide {
     open_ = std::move(doubtful);
   }
 
-  /// The distance to one triangle is convex, so no point of the piece is farther from it than the farthest corner; and
-  /// no point is farther from the surface than a corner is, plus the way to that corner. The least of these.
+  /// The smallest of two kinds of bounds: the distance to one triangle is convex, so no point of the piece is farther
+  /// from it than the farthest corner; and no point is farther from the surface than a corner is, plus the longest
+  /// edge.
   double measured(const Triangle& t, std::uint32_t part) {
     const std::array<Vec3, 3> corners{t.a, t.b, t.c};
     const double longest_m = std::sqrt(std::max({(t.b - t.a).squaredNorm(), (t.c - t.b).squaredNorm(), (t.a - t.c).squaredNorm()}));
@@ -150,7 +153,7 @@ class OneSide {
     return upper_m;
   }
 
-  /// Cut at the middle of the longest edge.
+  /// Halves the triangle at the middle of its longest edge.
   static std::array<Triangle, 2> halves(const Triangle& t) {
     const double ab = (t.b - t.a).squaredNorm();
     const double bc = (t.c - t.b).squaredNorm();
@@ -165,9 +168,9 @@ class OneSide {
   const DistanceOptions& options_;
   const TriangleNeighbours neighbours_;
   std::mutex mutex_;
-  double reached_m_ = 0;        // a distance that does occur, but for roundings
-  std::vector<Piece> waiting_;
-  std::vector<Piece> open_;     // what may be worth cutting
+  double reached_m_ = 0;        // a distance that does occur, up to roundings
+  std::vector<Piece> waiting_;  // bounded as tables only
+  std::vector<Piece> open_;     // may be worth cutting
   double upper_of_rest_m_ = 0;
 };
 

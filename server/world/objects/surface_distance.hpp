@@ -10,26 +10,27 @@
 
 namespace collided::engine {
 
-/// A mesh with its index, and a number for each triangle: the part of the surface that it belongs to.
+/// A mesh with its index, and the part of the surface to which each triangle belongs.
 struct PartedSurface {
   const TriangleMesh& mesh;
   const Bvh& tree;
   std::span<const std::uint32_t> part_of;
 };
 
+/// How long surface_distance() may refine its bound.
 struct DistanceOptions {
-  std::size_t pieces_at_most = 200'000;  // triangles may be cut into so many; with fewer the bound holds too, but is wider
-  std::function<bool()> cancelled{};     // true ends it with the bound found so far
+  std::size_t pieces_at_most = 200'000;  // most pieces to cut; with fewer the bound still holds, but is wider
+  std::function<bool()> cancelled{};     // true ends the search with the bound found so far
 };
 
-/// A bound on the distance of any point of either surface to the same part of the other one (Hausdorff distance): no
-/// distance to a part of one can differ from the distance to that part of the other by more. Infinite where a part has
-/// triangles in one of them only.
+/// A bound in metres on the distance of any point of either surface to the same part of the other one (Hausdorff
+/// distance): the distance from any point to a part differs by no more between the two surfaces. Infinite where only
+/// one of them has triangles of a part.
 ///
-/// cost     some microseconds a triangle, on all cores
-/// threads  any; runs its own
-/// source   sheets over tables (surface_cover.hpp) for most triangles; the others are cut until no piece can be farther
-///          than a distance that does occur: Cignoni, Rocchini, Scopigno, "Metro", 1998, with bounds in place of samples
+/// cost     some microseconds per triangle, on all cores
+/// threads  any; runs threads of its own
+/// source   sheets over tables (surface_cover.hpp) for most triangles; cuts the others until no piece can be farther
+/// than a distance that does occur: Cignoni, Rocchini, Scopigno, "Metro", 1998, with bounds in place of samples
 double surface_distance(const PartedSurface& a, const PartedSurface& b, const DistanceOptions& options = {});
 
 }  // namespace collided::engine

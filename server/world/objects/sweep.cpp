@@ -63,21 +63,21 @@ double reach_of(const ObjectInfo& info) {
   double reach_m = info.mesh && !info.mesh->mesh->vertices.empty() ? info.mesh->radius_m : 0;
   const BodyMotion nowhere;
   for (const Primitive& primitive : info.primitives) {
-    // It does not move.
+    // A half-space never moves.
     if (std::holds_alternative<HalfSpace>(primitive)) continue;
     reach_m = std::max(reach_m, PartMotion(part_of(primitive), nowhere).reach_m);
   }
   return reach_m;
 }
 
-/// A turn by an angle t changes the matrix by sqrt(8) sin(t / 2), of which t is at most pi / sqrt(8) times as much.
+/// Rotating by an angle t changes the matrix by sqrt(8) sin(t / 2), and t is at most pi / sqrt(8) times that.
 double most_turn_rad(const Frame& from, const Frame& to) { return 1.1108 * (to.rotation - from.rotation).norm(); }
 
 double longest_displacement_m(const Frame& from, const Frame& to, double reach_m) {
   return (to.position - from.position).norm() + most_turn_rad(from, to) * reach_m;
 }
 
-/// An arc bulges out of its chord by no more than an eighth of reach angle^2.
+/// An arc leaves its chord by at most an eighth of reach * angle^2.
 Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m) {
   Aabb all = bounds_of(info, motion.from);
   all.extend(bounds_of(info, motion.to));

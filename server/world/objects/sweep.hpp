@@ -9,37 +9,43 @@
 
 namespace collided::engine {
 
-/// The sphere that an object is, where it is nothing else: such objects are always swept between their poses.
+/// The sphere that is the whole object, if it is one and nothing else: such objects are always swept between their
+/// poses.
 std::optional<Sphere> lone_sphere(const ObjectInfo& info);
 
-/// A sphere on its way, and the earliest contact found so far.
+/// A moving sphere, and the earliest contact found so far.
 struct SphereSweep {
   MovingSphere mover;
+  // Of the bracket, as a fraction of the motion.
   double width = 0;
   SweptTouch found = {};  // a is the sphere
 };
 
-/// Contains the sphere at every time.
+/// Contains the sphere at every time of its motion.
 Aabb bounds(const MovingSphere& mover);
 
+/// Sweeps the sphere against one triangle, or against all near parts of an object at rest; sweep.found keeps the
+/// earliest.
 void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle);
 void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost);
 
-/// The same contact seen from the other side.
+/// The same contact with a and b exchanged.
 SweptTouch turned_round(SweptTouch touch);
 
-/// No point of the object is farther from its frame's origin, metres.
+/// A distance in metres that no point of the object exceeds from its frame's origin; half-spaces, which never move,
+/// count as 0.
 double reach_of(const ObjectInfo& info);
 
-/// The angle between the two frames, or somewhat more.
+/// An upper bound on the angle between the two frames, radians.
 double most_turn_rad(const Frame& from, const Frame& to);
 
-/// How far a point within reach_m goes at most between the two frames.
+/// An upper bound on how far a point within reach_m of the origin moves between the two frames.
 double longest_displacement_m(const Frame& from, const Frame& to, double reach_m);
 
-/// Contains the object at every time.
+/// Contains the object at every time of the motion.
 Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m);
-/// So does this, of the way between two frames, from its bounds at the last: somewhat wider, without the way's arc cosine.
+/// The same for the motion between two frames, from the object's bounds at the last one: somewhat wider, but without
+/// computing the rotation's arc cosine.
 Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end, double reach_m);
 
 }  // namespace collided::engine

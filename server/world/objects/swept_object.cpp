@@ -14,33 +14,35 @@ namespace collided::engine {
 namespace {
 
 
-/// A piece of the way with no more pairs than this is not cut again; pairs of two meshes cost more to list.
+/// A piece of the motion with no more pairs than this is not cut again; pairs of two meshes cost more to list, so more
+/// are allowed.
 constexpr std::size_t kPairsAPiece = 8;
 constexpr std::size_t kMeshPairsAPiece = 24;
-/// Nor is one in which nothing moves farther than this part of the smaller one's size: cutting it parts nothing more.
+/// A piece is not cut either when nothing moves farther in it than this share of the smaller body: cutting separates
+/// nothing more.
 constexpr double kShortPiece = 0x1p-4;
 constexpr double kShortestPiece = 0x1p-40;  // of the whole motion; bisecting further gains nothing
 
-/// Two bodies' parts that may meet in a piece of the way.
+/// A part of each body that may meet in a piece of the motion; a triangle's number, or 0 for the primitive at hand.
 struct PartPair {
   std::uint32_t a;
   std::uint32_t b;
   auto operator<=>(const PartPair&) const = default;
 };
 
-/// The search for the first contacts of two bodies. Parts of a are its primitives or its triangles; b has triangles, or
-/// is looked at primitive by primitive.
+/// The search for the first contacts of two bodies. Parts of a are its primitives and triangles; b has triangles, or is
+/// tested primitive by primitive.
 class Search {
  public:
   Search(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, TouchOf touch_of)
       : a_(a), b_(b), options_(options), cost_(cost), touch_of_(touch_of) {}
 
-  /// `is_one`: every triangle of b counts to the same.
+  /// Every triangle of b belongs to the same touch.
   bool is_one = false;
 
   bool is_exhausted() const { return looks_ >= options_.most_looks; }
 
-  /// All of a with all of b, b's triangles going to touch_of and its primitives to touch_of(kNoTriangle).
+  /// Tests all of a against all of b; touch_of gets b's triangles, and kNoTriangle for its primitives.
   void run();
 
  private:
@@ -81,8 +83,8 @@ void Search::meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotio
   if (touch->take(found, a_triangle, b_triangle) && options_.contacts) touch->contact = contact_at(a, b, found.high);
 }
 
-/// Pieces of the way in order of time. near(span, found) lists the pairs that may meet in it and says whether it listed
-/// them all; motion_m is how far things go in all.
+/// Tests the pieces of the motion in order of time. near(span, most, found) lists the pairs that may meet in a piece
+/// and returns whether it listed them all; motion_m is how far the parts move in all.
 template <class Near>
 void Search::look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near,
                   const auto& meet_pair) {
@@ -97,8 +99,9 @@ void Search::look(const TimeSpan& span, std::size_t few, double motion_m, double
     look({middle, span.high}, few, motion_m, size_m, near, meet_pair);
     return;
   }
+  // Too many pairs even for the shortest piece: the search counts as exhausted.
   if (!is_all) looks_ = options_.most_looks;
-  // A clipped split holds a triangle in two leaves.
+  // A split that clips triangles has one in two leaves.
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   for (const PartPair& pair : found) {
@@ -107,7 +110,7 @@ void Search::look(const TimeSpan& span, std::size_t few, double motion_m, double
   }
 }
 
-/// What lists candidates until there are too many.
+/// Collects candidates up to a limit.
 struct Listing {
   std::vector<PartPair>& found;
   std::size_t most;
@@ -120,7 +123,8 @@ struct Listing {
   }
 };
 
-/// How far the parts go against each other from the middle of a piece to its ends, along each axis, roundings included.
+/// How far the parts move against each other from the middle of a piece to its ends, along each axis, roundings
+/// included.
 Vec3 half_motion(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double length) {
   const double turn_m = a.turn_rad * a_reach_m + b.turn_rad * b_reach_m;
   const double error_m = 2 * (a.error_m(a_reach_m) + b.error_m(b_reach_m));
@@ -129,7 +133,7 @@ Vec3 half_motion(const BodyMotion& a, double a_reach_m, const BodyMotion& b, dou
 
 double size_of(const Aabb& box) { return (box.high - box.low).maxCoeff(); }
 
-/// Ways so long that their roundings are larger than both bodies: no part of them could be told from another.
+/// The motions are so long that their roundings exceed both bodies: no part can be distinguished from another.
 bool are_blurred(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double size_m) {
   return size_m > 0 && !(a.error_m(a_reach_m) + b.error_m(b_reach_m) <= size_m);
 }
@@ -192,7 +196,7 @@ void Search::meshes() {
   look({0, 1}, kMeshPairsAPiece, motion_m, smaller_m, near, meet_pair);
 }
 
-/// A half-space never moves, so it is looked at by itself. A mesh that comes near one is left open.
+/// A half-space never moves, so it has a test of its own. A mesh that may come near one stays undecided.
 void Search::meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a) {
   SweptTouch* touch = touch_of_(kNoTriangle);
   if (touch == nullptr) return;
@@ -237,7 +241,7 @@ void Search::run() {
 bool SweptTouch::take(const TimeBracket& found, std::uint32_t a, std::uint32_t b) {
   const bool is_first = !yes || found.high < bracket.high ||
                         (found.high == bracket.high && std::pair(a, b) < std::pair(a_triangle, b_triangle));
-  // One with a later end may begin earlier: the bracket holds the first of all.
+  // A contact with a later end may begin earlier: the bracket holds the first of all.
   const double low = yes ? std::min(bracket.low, found.low) : found.low;
   bracket = {low, is_first ? found.high : bracket.high};
   yes = true;

@@ -10,56 +10,59 @@
 
 namespace collided::engine {
 
-/// Something on its way, or resting: the primitives and the mesh of an object, or a scene's triangles.
+/// A moving or resting body: the primitives and the mesh of an object, or a scene's triangles. Refers to its source,
+/// which must outlive it.
 struct SweptBody {
   BodyMotion motion;
   std::span<const Primitive> primitives;
   const TriangleMesh* mesh = nullptr;
   const Bvh* tree = nullptr;
-  double mesh_reach_m = 0;  // no vertex is farther from the frame's origin
+  double mesh_reach_m = 0;  // no vertex is farther from the frame's origin, metres
 
   SweptBody(const ObjectInfo& info, const BodyMotion& on);
-  /// Static triangles, in world coordinates.
+  /// A scene's static triangles, in world coordinates, at rest.
   explicit SweptBody(const StaticScene& scene);
 };
 
-/// The first contact found so far.
+/// The first contact found so far. Times are fractions of the motion, 0 to 1.
 struct SweptTouch {
   bool yes = false;
-  /// Some pair of parts, or all that the search had no room for, is open: another contact may be earlier than this one,
-  /// or there may be one where none was found.
+  /// Some pair of parts, or whatever the search had no room for, is undecided: an earlier contact may exist, or one
+  /// where none was found.
   bool undecided = false;
-  bool is_cut_short = false;  // the search had no room for all of it
+  bool is_cut_short = false;  // the search stopped at most_looks
   std::uint32_t exact_tests = 0;
-  /// No contact in [0, low]; contact at high, by the exact test.
+  /// No contact in [0, low]; contact at high by the exact test.
   TimeBracket bracket;
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;  // at bracket.high, normal from a to b
 
-  /// The earliest contact wins; of equal ones that with the lowest numbers. True: it is this one.
+  /// Takes a contact if it is the earliest so far; among equal times the lowest triangles win. True: it was taken.
   bool take(const TimeBracket& found, std::uint32_t a, std::uint32_t b);
 };
 
+/// How far a search goes.
 struct SweepOptions {
-  double width = 1e-6;  // of the bracket, as a fraction of the way
-  bool contacts = true;
-  /// Pairs of parts, each at one time, that one search may look at; beyond, what is not decided is undecided.
+  double width = 1e-6;  // of the bracket, as a fraction of the motion
+  bool contacts = true;  // compute the contact, not only its time
+  /// Most pairs of parts, each at one time, that one search may test; what is open after them is undecided.
   std::uint32_t most_looks = 100'000;
 };
 
-/// To whom a triangle of b counts: null for nobody. The same for every call with the same triangle.
+/// The SweptTouch that a triangle of b belongs to; null: the triangle is ignored. Must return the same for every call
+/// with a triangle.
 using TouchOf = FunctionRef<SweptTouch*(std::uint32_t triangle)>;
 
-/// The first contact of two bodies on their ways. Never late, never missed: the way is cut into pieces that are short
-/// for how much there is to meet, and every pair of parts whose bounds may meet in one is asked for the first contact
-/// in it (part_motion.hpp).
+/// The first contact of two moving bodies, never late and never missed. Cuts the motion into pieces that are short for
+/// the number of parts near each other; every pair of parts whose bounds may meet in a piece is tested for its first
+/// contact within it (part_motion.hpp).
 ///
 /// threads  any; allocates
 void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptTouch& touch);
 
-/// The same for a scene's triangles that count to several: the first contact with each of them. False: the search ended
-/// early, and those without contact are undecided.
+/// The same against a scene whose triangles belong to several touches: the first contact of each. False: the search
+/// stopped early, and touches without a contact are undecided.
 bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost, TouchOf touch_of);
 
 }  // namespace collided::engine

@@ -21,7 +21,7 @@ namespace {
 
 using PartName = std::pair<ObjectId, std::uint32_t>;
 
-/// A number and how far the truth may be from it.
+/// A range that contains the true number.
 struct Interval {
   double low = 0;
   double high = 0;
@@ -29,7 +29,7 @@ struct Interval {
   Interval(double value, double error) : low(value - error), high(value + error) {}
 };
 
-/// The roundings of the comparison itself, relative: a difference that small is no finding.
+/// The relative roundings of the comparison itself: a smaller difference is no finding.
 constexpr double kComparing = 0x1p-50;
 
 bool may_be_equal(const Interval& a, const Interval& b) {
@@ -37,7 +37,7 @@ bool may_be_equal(const Interval& a, const Interval& b) {
   return a.low <= b.high + slack && b.low <= a.high + slack;
 }
 
-/// Surely farther from the line than the box reaches, with a margin of many roundings. False when in doubt.
+/// The box is surely farther from the line than its own extent, with a margin of many roundings. False when in doubt.
 bool passes_by(const Ray& ray, const Aabb& box) {
   const Vec3 middle = box.low / 2 + box.high / 2;
   const Vec3 direction = ray.direction / ray.direction.lpNorm<Eigen::Infinity>();
@@ -47,13 +47,14 @@ bool passes_by(const Ray& ray, const Aabb& box) {
   return across > radius && std::isfinite(across) && std::isfinite(radius) && radius > 1e-100;
 }
 
-/// The least distance from a point to a box, less a margin of many roundings.
+/// The least distance from a point to a box in metres, less a margin of many roundings.
 double distance_at_least(const Vec3& point, const Aabb& box) {
   const Vec3 outside = (box.low - point).cwiseMax(point - box.high).cwiseMax(Vec3::Zero());
   const double distance = outside.norm() * (1 - 1e-9);
   return std::isfinite(distance) && distance > 1e-100 ? distance : 0;
 }
 
+/// Checks one answer against the parts of the snapshot; run() returns the first difference found.
 class Auditor {
  public:
   Auditor(const Snapshot& snapshot, const Questions& question, const Answers& given)
@@ -87,7 +88,9 @@ class Auditor {
   bool allowed(ObjectId id) const { return may_answer(*(*snapshot_.objects)[slot_of(id)], question_); }
   bool truncated() const { return given_.reasons[0] == UndecidedReason::truncated; }
 
+  /// The given hits must all be met, and none may be missing where the mode claims completeness.
   void check_ray();
+  /// The nearest of the parts met must be the one answered, at its own distance.
   void check_first(const std::map<PartName, Interval>& met);
   template <class Asked>
   void check_overlaps(const Asked& asked);
@@ -145,7 +148,7 @@ void Auditor::check_first(const std::map<PartName, Interval>& met) {
   }
 }
 
-/// In any order of their kinds.
+/// In either order of the two kinds of shape.
 Decision touches(const Primitive& asked, const Triangle& shape) { return exactly::overlaps(asked, shape); }
 Decision touches(const Primitive& asked, const Primitive& shape) { return exactly::overlaps(asked, shape); }
 
@@ -153,7 +156,7 @@ template <class Asked>
 void Auditor::check_overlaps(const Asked& asked) {
   const Aabb near = bounds(asked);
   std::set<ObjectId> touched;
-  std::set<ObjectId> doubtful;  // round parts that nearly touch: rationals alone cannot say
+  std::set<ObjectId> doubtful;  // round parts that nearly touch: rational arithmetic cannot decide these
   visit_parts(snapshot_, [&](ObjectId object, std::uint32_t, const auto& shape) {
     if (!allowed(object) || touched.contains(object) || !overlaps(near, bounds(shape))) return;
     const Decision touching = touches(asked, shape);
@@ -167,7 +170,7 @@ void Auditor::check_overlaps(const Asked& asked) {
       return differs(fmt::format("object {} is not touched", object));
     }
   }
-  if (question_.mode == HitMode::any && !given.empty()) return;  // one is enough
+  if (question_.mode == HitMode::any && !given.empty()) return;  // mode `any` claims one object only
   const bool all_given = std::includes(given.begin(), given.end(), touched.begin(), touched.end());
   if (!all_given && !truncated()) {
     differs(fmt::format("{} objects are touched, {} were answered", touched.size(), given.size()));
@@ -178,7 +181,7 @@ void Auditor::check_near() {
   const Vec3 point = point_of(numbers_);
   const double reach_m = numbers_[3];
   const bool full = given_.hits.size() >= question_.max_hits;
-  // Farther than the last one answered, nothing can contradict.
+  // Nothing beyond the last answered hit can contradict a full answer.
   const double far_m = full ? given_.hits.back().distance_m + given_.hits.back().error_m : reach_m;
   std::map<ObjectId, Interval> distances;
   visit_parts(snapshot_, [&](ObjectId object, std::uint32_t, const auto& shape) {

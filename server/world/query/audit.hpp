@@ -6,14 +6,14 @@
 
 namespace collided::engine {
 
-/// Works one answer out again and compares: every part of every object by rationals alone, without index, filter or
-/// float. Parts that are far off by a plain and generous comparison are passed over.
+/// Decides one answer again and compares: every part of every object in rational arithmetic alone, without index,
+/// filter or floating point. Passes over parts that a plain and generous comparison shows to be far off.
 ///
-/// question  one question, as it was asked
+/// question  one question, as the client sent it
 /// given     its answer: answers, reasons and hits of that question alone
 /// returns   what differs, as a sentence with the question's numbers; empty where nothing does. An `undecided` answer
-///           claims nothing and differs from nothing
-/// cost      some microseconds a part near the question, some nanoseconds each of the others; allocates
+/// claims nothing and differs from nothing
+/// cost      some microseconds per part near the question, some nanoseconds per other part; allocates
 /// threads   any
 std::string audit(const Snapshot& snapshot, const Questions& question, const Answers& given);
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// Where a line enters a box, in units of its direction's length; kNever where it does not. Plain slabs.
+/// Where a line enters a box, in units of its direction's length; kNever where it misses. Plain slab test.
 double entry(const Ray& ray, const Aabb& box) {
   double near = 0;
   double far = kNever;
@@ -29,11 +29,12 @@ double entry(const Ray& ray, const Aabb& box) {
   return near <= far ? near : kNever;
 }
 
+/// The squared distance from a point to a box.
 double distance2(const Vec3& point, const Aabb& box) {
   return (box.low - point).cwiseMax(point - box.high).cwiseMax(Vec3::Zero()).squaredNorm();
 }
 
-/// The least of some measure over the boxes that the walks offer.
+/// The smallest value of `measure` over the boxes that the walks offer, or `limit`.
 template <class Measure, class WalkTree, class WalkGrid>
 double least(const Snapshot& snapshot, double limit, Measure&& measure, WalkTree&& walk_tree, WalkGrid&& walk_grid) {
   double best = limit;
@@ -53,7 +54,7 @@ std::optional<double> ray_distance(const Snapshot& snapshot, const double* n) {
   const double length_m = ray.direction.stableNorm();
   const double limit = n[6] / length_m;
   WalkCost cost;
-  // A little beyond the limit, so that a box at the very end is told from none.
+  // A little beyond the limit, so that a box at the very end differs from none.
   const double s = least(
       snapshot, std::nextafter(limit, kNever), [&](const Aabb& box) { return entry(ray, box); },
       [&](const Bvh& tree, double from, Bvh::RayCandidate call) {

@@ -7,14 +7,14 @@
 
 namespace collided::engine {
 
-/// What the broad phase alone would say, for the price list: bounding boxes stand for what is in them. Never a miss
-/// that is a hit; often the other way round.
+/// What the broad phase alone would answer, to show what exactness costs: bounding boxes stand for their contents.
+/// Never misses an object that is hit; often hits one that is missed.
 struct BoxesAnswer {
-  std::optional<double> distance_m;  // ray and near: to the nearest box
-  std::set<ObjectId> objects;        // sphere and box: whose boxes overlap the asked shape's
+  std::optional<double> distance_m;  // ray and near: to the nearest box, metres; empty: none in reach
+  std::set<ObjectId> objects;        // sphere and box: those whose boxes overlap the queried shape's
 };
 
-/// question  one question, checked
+/// question  one question, already validated
 BoxesAnswer answer_by_boxes(const Snapshot& snapshot, const Questions& question);
 
 }  // namespace collided::engine

@@ -11,15 +11,17 @@
 namespace collided::engine {
 namespace {
 
-/// Every edge has exactly two triangles that run along it in turn, by vertices with equal coordinates.
+/// Every edge has exactly two triangles, which run along it in opposite directions; vertices with equal coordinates
+/// count as one.
 bool is_closed(const TriangleMesh& mesh) {
   std::map<std::array<double, 3>, std::uint32_t> points;
   std::vector<std::uint32_t> of_vertex;
   for (const Vec3& v : mesh.vertices) {
-    // -0 and 0 are one place.
+    // Adding 0 turns -0 into 0: both are one place.
     of_vertex.push_back(points.try_emplace({v.x() + 0.0, v.y() + 0.0, v.z() + 0.0}, static_cast<std::uint32_t>(points.size())).first->second);
   }
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> runs;  // of edges: how many triangles, which way
+  // by edge: number of triangles, and the sum of their directions
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> runs;
   for (const auto& triangle : mesh.triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t from = of_vertex[triangle[i]];
@@ -33,7 +35,7 @@ bool is_closed(const TriangleMesh& mesh) {
   return !runs.empty() && std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.second == std::pair(2, 0); });
 }
 
-/// A ray's crossings of a mesh, or that it came too near an edge to count them.
+/// Counts the crossings of a ray and a mesh; doubtful where the ray passes too near an edge to count them.
 struct Crossings {
   const Placed& object;
   Ray ray;
@@ -64,12 +66,13 @@ struct Crossings {
   }
 };
 
-/// By the parity of a ray's crossings. The surfaces do not meet, so one point says it for all that hangs together.
+/// Decides by the parity of a ray's crossings. The surfaces do not meet, so one point decides for its whole connected
+/// piece.
 bool is_within(const Placed& outer, const Vec3& point) {
   constexpr int kMostRays = 32;
   WalkCost cost;
   for (int i = 0; i < kMostRays; ++i) {
-    // Directions that no edge of a usual mesh is likely to lie along.
+    // A spiral of directions (golden angle): no edge of a usual mesh is likely to lie along one.
     const double turn = 0.7 + 2.39996 * i;
     const double height = -0.97 + 1.94 * (i + 0.5) / kMostRays;
     const double across = std::sqrt(1 - height * height);
@@ -80,8 +83,9 @@ bool is_within(const Placed& outer, const Vec3& point) {
   return false;
 }
 
-/// A corner of each piece of a mesh; triangles hang together by the corners that they share by number. Where a mesh repeats
-/// its corners for each triangle, each is a piece: more points than needed, and none missing.
+/// A corner of each connected piece of a mesh; triangles are connected where they share a corner by its number. In a
+/// mesh that repeats its corners for each triangle, every triangle is a piece: more points than needed, and none
+/// missing.
 /// source  Galler, Fischer, "An improved equivalence algorithm", Communications of the ACM 7, 1964
 std::vector<std::uint32_t> corner_of_each_piece(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> parent(mesh.vertices.size());
@@ -104,7 +108,7 @@ std::vector<std::uint32_t> corner_of_each_piece(const TriangleMesh& mesh) {
   return found;
 }
 
-/// A point of each primitive and of each piece of the mesh.
+/// A point of each primitive and of each connected piece of the mesh.
 std::vector<Vec3> points_of(const Placed& object) {
   std::vector<Vec3> points;
   for (const Primitive& own : object.info->primitives) points.push_back(numbers_of(place(*object.frame, own)).points.front());
@@ -117,6 +121,7 @@ std::vector<Vec3> points_of(const Placed& object) {
   return points;
 }
 
+/// The inner object lies within the outer one's closed mesh; the two surfaces must not touch.
 bool lies_in(const Placed& inner, const Placed& outer) {
   if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds) || !is_closed(*outer.info->mesh->mesh)) return false;
   const std::vector<Vec3> points = points_of(inner);

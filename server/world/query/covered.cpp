@@ -18,29 +18,29 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr double kSlack = 0x1p-40;     // relative; a thousand times the roundings of what it is put on
 constexpr double kRaySlack = 0x1p-49;  // twice the roundings of a length along an axis: one of 6 units, two of one
 
-/// Whether a + b <= limit, of the exact sum. NaN is not.
+/// Whether the exact sum a + b is at most the limit. NaN is not.
 bool sum_is_at_most(double a, double b, double limit) {
   if (limit == kEndless) return !std::isnan(a + b);
   const double sum = a + b;
   if (!std::isfinite(sum)) return sum < limit;
-  // TWO-SUM (Knuth): what the rounding left out.
+  // TWO-SUM (Knuth): recovers what the rounded sum left out.
   const double b_part = sum - a;
   const double rest = (a - (sum - b_part)) + (b - b_part);
   return sum < limit || (sum == limit && rest <= 0);
 }
 
-/// a + b, up to the next double where the sum is none.
+/// a + b, rounded up to the next double where the exact sum is none.
 double sum_rounded_up(double a, double b) {
   const double sum = a + b;
   return sum_is_at_most(a, b, sum) ? sum : std::nextafter(sum, kEndless);
 }
 
-/// Whether from `middle` so far down and up is within the limits.
+/// Whether the range from middle - down to middle + up lies within the limits, exactly.
 bool is_within(double middle, double down, double up, double low, double high) {
   return sum_is_at_most(-middle, down, -low) && sum_is_at_most(middle, up, high);
 }
 
-/// What a question is about: how far it reaches at most from its beginning along each axis.
+/// How far a question reaches from its beginning along each axis, at most.
 struct Extent {
   Vec3 from = Vec3::Zero();
   Vec3 down = Vec3::Zero();
@@ -55,7 +55,7 @@ struct Extent {
   bool is_in_one_of(std::span<const Aabb> covers) const {
     return std::any_of(covers.begin(), covers.end(), [&](const Aabb& box) { return is_within(box); });
   }
-  /// Rounded outward, and only where a sum is no double.
+  /// Rounded outward, but only where a sum is not a double.
   Aabb around() const {
     Aabb box;
     for (int axis = 0; axis < 3; ++axis) {
@@ -70,7 +70,7 @@ bool contains(const Aabb& box, const Vec3& point) {
   return (box.low.array() <= point.array()).all() && (point.array() <= box.high.array()).all();
 }
 
-/// Neither rounded coarsely nor overflowing.
+/// Far enough from underflow and overflow that only the usual roundings apply.
 bool is_plain(double length) { return length > kSmallestPlain && length < kLargestPlain; }
 
 Extent extent_of(const Ray& ray) {
@@ -80,7 +80,7 @@ Extent extent_of(const Ray& ray) {
     const double along = ray.direction[axis];
     if (along == 0 || ray.length_m == 0) continue;
     const bool is_along_axis = ray.direction[(axis + 1) % 3] == 0 && ray.direction[(axis + 2) % 3] == 0;
-    // Where the length itself is not known well, and along an axis, the share is taken to be all of it.
+    // Where the length itself is imprecise, and along an axis, the whole length is taken for the share.
     const bool is_part = is_plain(length) && !is_along_axis;
     const double reach_m = is_part ? std::abs(along) / length * ray.length_m * (1 + kRaySlack) : ray.length_m;
     (along < 0 ? extent.down : extent.up)[axis] = reach_m;
@@ -92,7 +92,7 @@ Extent extent_of(const Vec3& center, double radius_m) {
   return {.from = center, .down = Vec3::Constant(radius_m), .up = Vec3::Constant(radius_m)};
 }
 
-/// Of bounds that were rounded outward: from their point `from`, outward again.
+/// For bounds that were rounded outward: the differences from the point `from` are rounded outward again.
 Extent extent_of(const Vec3& from, const Aabb& bounds) {
   const auto outward = [](double x) { return x == 0 ? 0 : std::nextafter(x, kEndless); };
   return {.from = from, .down = (from - bounds.low).unaryExpr(outward), .up = (bounds.high - from).unaryExpr(outward)};
@@ -104,7 +104,7 @@ Extent extent_of_box(const double* n) {
   return {.from = point_of(n), .down = {n[3], n[4], n[5]}, .up = {n[3], n[4], n[5]}};
 }
 
-/// Up to the contact where there is one.
+/// The sweep up to its contact, where there is one.
 Extent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const AnswerHit> hits) {
   const Vec3 from = point_of(n);
   const Vec3 to = point_of(n + kPoseNumbers);
@@ -116,7 +116,7 @@ Extent extent_of_sweep(const ObjectInfo& mover, const double* n, std::span<const
   return extent_of(from, grown(motion, reach_of(mover) * (1 + kSlack) + (part == 1 ? 0 : roundings_m)));
 }
 
-/// How far from its origin the ray, which is somewhere in the box, stays in it, but for the roundings.
+/// How far a ray that starts in the box stays in it; slightly less, to cover the roundings.
 double length_within(const Ray& ray, const Aabb& box) {
   const double length = stable_length(ray.direction);
   double within_m = ray.length_m;
@@ -129,16 +129,17 @@ double length_within(const Ray& ray, const Aabb& box) {
   return within_m;
 }
 
-/// What is told of a hit is true of whatever may be as near as it is at least: so far and no farther it must be covered.
+/// A hit's answer holds for anything that may be as near as its bound allows: only up to there must space be covered.
 double nearest(const AnswerHit& hit) { return std::max(0.0, hit.distance_m - hit.error_m); }
 
+/// The length of the ray about which the answer claims something.
 double length_claimed(const Questions& asked, const double* n, std::span<const AnswerHit> hits) {
   if (asked.mode == HitMode::all || hits.empty()) return n[6];
   if (asked.mode == HitMode::any) return 0;
   return std::min(n[6], nearest(hits.front()));
 }
 
-/// Beyond the last of as many as were asked for nothing is claimed.
+/// An answer with max_hits hits claims nothing beyond the last one.
 double reach_claimed(const Questions& asked, const double* n, std::span<const AnswerHit> hits) {
   if (hits.empty() || hits.size() < asked.max_hits) return n[3];
   return std::min(n[3], nearest(hits.back()));
@@ -151,7 +152,7 @@ std::optional<Leaving> leaves(const Extent& extent, std::span<const Aabb> covers
   return Leaving{.point = nearest_in(*outside, extent.from), .covered_m = 0};
 }
 
-/// The points of a ray between two lengths, each known but for its roundings.
+/// A box around the ray's points between two lengths, grown by the roundings of both.
 Aabb stretch(const Ray& ray, double from_m, double to_m) {
   const Vec3 unit = ray.direction / stable_length(ray.direction);
   Aabb points;
@@ -166,7 +167,7 @@ Aabb stretch(const Ray& ray, double from_m, double to_m) {
   return points;
 }
 
-/// The farthest that one box holds of a ray that is at `at_m` in it.
+/// How far along the ray the single box reaches farthest that contains the ray's point at at_m.
 double farthest_in_one(const Ray& ray, double at_m, std::span<const Aabb> covers) {
   const Aabb here = at_m == 0 ? Aabb{ray.origin, ray.origin} : stretch(ray, at_m, at_m);
   double farthest_m = at_m;
@@ -176,7 +177,7 @@ double farthest_in_one(const Ray& ray, double at_m, std::span<const Aabb> covers
   return farthest_m;
 }
 
-/// From box to box: across each border goes a stretch, longer than the roundings, that boxes together contain.
+/// Goes from box to box: the stretch across each border, longer than the roundings, must lie in boxes together.
 double length_covered(const Ray& ray, std::span<const Aabb> covers) {
   constexpr int kMostBoxes = 1'000;
   double at_m = 0;

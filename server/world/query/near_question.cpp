@@ -1,3 +1,5 @@
+// The nearest objects to a point: walks scenes and moving objects near to far, and tests each part exactly.
+
 #include <cmath>
 
 #include "server/exact_phase/arithmetic/precision.hpp"
@@ -16,21 +18,24 @@
 namespace collided::engine {
 namespace {
 
-/// The nearest objects so far: at most max_hits of them, one entry an object, ordered.
+/// The nearest objects so far: at most max_hits of them, one entry per object, nearest first.
 struct NearWalk {
   Question& question;
   Vec3 point;
   double within_m;
-  double limit_m2;  // of what is looked for: square_up(wanted_m + off_by_m)
-  std::vector<ObjectId>& doubtful;  // whose simpler form leaves open whether they are within reach
-  double wanted_m = within_m;  // what is farther is not wanted
-  double off_by_m = 0;        // how far what is walked may lie from what it stands for
+  double limit_m2;  // squared search radius: square_up(wanted_m + off_by_m)
+  std::vector<ObjectId>& doubtful;  // objects whose simpler form leaves open whether they are within reach
+  double wanted_m = within_m;  // parts farther than this cannot change the answer
+  double off_by_m = 0;        // how far the walked surface may be from the one it stands for, metres
 
   void set_limit() { limit_m2 = square_up(wanted_m + off_by_m); }
-  /// placing_m(): how far the part may be from where its pose has it, asked of what is kept.
+  /// Tests one part. placing_m() bounds how far the part may be from its exact pose; it is called only for parts that
+  /// are kept.
   template <class Part, class PlacingError>
   void test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m);
+  /// The part is within reach; decided exactly where the bound on its distance leaves it open.
   bool is_within(const Closest& found, ObjectId object, const auto& part);
+  /// Inserts the hit, replacing a farther one of its object or the farthest of all, and shrinks the search.
   void keep(const AnswerHit& hit);
   void walk_scene(const StaticScene& scene);
   void walk_level(const SceneLevel& level, const StaticScene& scene);
@@ -42,19 +47,19 @@ struct NearWalk {
   void walk_movers(const Grid& grid);
 };
 
-/// How far apart the nearest points of two convex sets may be that are off_m from each other everywhere, as in
-/// closest_in_general: of the true set all that is as near as this lies within it.
+/// How far apart the nearest points of two convex sets may be that differ by at most off_m everywhere, as in
+/// closest_in_general: every point of the true set that is as near as its nearest lies within this distance.
 double within_of(double distance_m, double off_m) {
   return off_m > 0 ? (2 * std::sqrt((distance_m + off_m) * off_m) + off_m) * (1 + kBoundSlack) : 0;
 }
 
-/// Scenes are where they are.
+/// A scene's triangles are stored in world coordinates, so placing adds no error.
 constexpr auto kNotPlaced = [] { return 0.0; };
 
 template <class Part, class PlacingError>
 void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m) {
   if constexpr (std::is_same_v<Part, Triangle>) {
-    // Most triangles of a leaf are surely farther than the nearest known, which costs less than how far.
+    // Most triangles of a leaf are surely farther than the limit, and proving that costs less than the distance itself.
     if (kernel::quick_square_distance(point, part).low2_m2 > limit_m2) {
       ++question.exact_tests;
       return;
@@ -63,7 +68,7 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, c
   const Closest found = closest(point, part);
   ++question.exact_tests;
   if (!is_within(found, object, part)) return;
-  // What holds the point is at no distance, wherever its border is.
+  // A part that contains the point is at distance 0 wherever its exact border is.
   const double placed_m = found.distance_m > 0 ? placing_m() : 0;
   const bool is_held = !std::is_same_v<Part, Triangle> && found.distance_m == 0 && found.distance_error_m == 0;
   keep({.object = object,
@@ -72,7 +77,7 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, c
         .distance_m = found.distance_m,
         .error_m = with_underflow(found.distance_m, found.distance_error_m + placed_m + off_by_m),
         .point = found.point,
-        // What is nearest to the simpler form may be near another place of the surface.
+        // The nearest point of the simpler form may be near another place of the true surface.
         .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity() : found.point_error_m + within_of(found.distance_m, placed_m),
         .normal = found.normal});
 }
@@ -85,7 +90,7 @@ bool NearWalk::is_within(const Closest& found, ObjectId object, const auto& part
     if (std::find(doubtful.begin(), doubtful.end(), object) == doubtful.end()) doubtful.push_back(object);
     return false;
   }
-  // The bound leaves it open whether it is within reach: a ball of that radius decides exactly.
+  // The bound leaves open whether the part is within reach: an exact test with a ball of that radius decides.
   const ExactResult verdict = overlaps(Sphere{.center = point, .radius_m = within_m}, part);
   question.count(verdict);
   return verdict.yes();
@@ -130,7 +135,7 @@ void NearWalk::walk_level(const SceneLevel& level, const StaticScene& scene) {
     }
     return limit_m2;
   };
-  // What is within reach may have its simpler form a little outside.
+  // A surface within reach may have its simpler form a little outside, so search farther.
   off_by_m = level.off_by_m;
   set_limit();
   level.tree.walk_near(point, limit_m2, 0, candidate, question.walk);
@@ -138,7 +143,7 @@ void NearWalk::walk_level(const SceneLevel& level, const StaticScene& scene) {
   set_limit();
 }
 
-/// Calls test_one(number) for what an index in an object's frame says that may be near enough.
+/// Calls test_one(number) for each candidate of an index in the object's frame.
 template <class Test>
 void NearWalk::walk_local(const Bvh& tree, double radius_m, const Frame& frame, Test&& test_one) {
   const auto candidate = [&](std::uint32_t number, double) {
@@ -150,8 +155,8 @@ void NearWalk::walk_local(const Bvh& tree, double radius_m, const Frame& frame, 
   tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, question.walk);
 }
 
-/// Of parts the tree knows bounds alone, which only its box walk asks for: cubes that grow until the nearest found lies
-/// within one, or one holds them all.
+/// The tree of primitives knows bounds alone, which only its box walk uses: search cubes that grow until the nearest
+/// hit lies within one, or one holds everything.
 template <class Test>
 void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& test_one) {
   const double all_m = (point - frame.position).lpNorm<1>() + 2 * parts.radius_m;
@@ -200,23 +205,24 @@ void NearWalk::walk_movers(const Grid& grid) {
   grid.walk_near(point, limit_m2, candidate, question.walk);
 }
 
-/// What was not looked for may be nearer by this much.
+/// Candidates were skipped if nearer by less than the allowed slack: the bounds must admit such a one.
 void widen_bounds(Question& question) {
   if (question.found.size() < question.asked.max_hits) return;
   for (AnswerHit& hit : question.found) {
     if (hit.is_at_start() || question.slack_m() == 0) continue;
     hit.error_m += question.slack_m();
-    hit.point_error_m = std::numeric_limits<double>::infinity();  // what is nearer may be on another side
+    hit.point_error_m = std::numeric_limits<double>::infinity();  // a nearer point may be on another side
   }
 }
 
-/// How far what stands for the scenes may be off, and what is asked within that of the numbers: a quarter of the error
-/// asked for goes to the simpler forms and one to the numbers, since half is what may lie nearer and is not looked for.
+/// How far a scene's simpler form may be off, and the error then allowed to the distances: a quarter of the requested
+/// error goes to the simpler form and a quarter to the numbers, because half is for nearer candidates that the search
+/// skips.
 double share_of_levels(const Question& question) { return question.asked.error_m / 4; }
 
-/// False where simpler forms leave open what is within reach.
+/// False: simpler forms leave open which objects are within reach, so the answer needs the full ones.
 bool find_nearest(Question& question, const double* n, bool use_levels) {
-  // Its memory goes from question to question.
+  // Reused from question to question, so that no answer allocates once it has grown.
   thread_local std::vector<ObjectId> doubtful;
   doubtful.clear();
   question.found.clear();

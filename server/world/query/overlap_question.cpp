@@ -1,3 +1,5 @@
+// The objects that a ball or a box touches, with their deepest contacts.
+
 #include "server/exact_phase/distance/nearest_filter.hpp"
 #include "server/world/objects/object_placing.hpp"
 #include "server/world/query/question.hpp"
@@ -8,7 +10,7 @@ namespace {
 
 using kernel::reported_at_most;
 
-/// Every triangle that the box may meet; the first one that it does where any will do.
+/// Offers every triangle that the box may meet; where any will do, stops at the first that it meets.
 template <class Allowed, class Meet>
 void meet_scene(const Box& asked, const StaticScene& scene, bool any, WalkCost& cost, const Allowed& allowed,
                 const Meet& meet) {
@@ -18,8 +20,8 @@ void meet_scene(const Box& asked, const StaticScene& scene, bool any, WalkCost& 
               });
 }
 
-/// A ball's deepest contact is with the nearest triangle, so in a scene of one part what is farther than the deepest
-/// known need not be looked at.
+/// The deepest contact of a ball is with the nearest triangle, so in a scene of one part nothing farther than the
+/// deepest known needs a test.
 template <class Allowed, class Meet>
 void meet_scene(const Sphere& asked, const StaticScene& scene, bool any, WalkCost& cost, const Allowed& allowed,
                 const Meet& meet) {
@@ -36,8 +38,8 @@ void meet_scene(const Sphere& asked, const StaticScene& scene, bool any, WalkCos
                    });
 }
 
-/// The asked shape is A of each contact: normals point from it to what it meets. Asked for any, the first triangle or
-/// primitive that is met ends the search, and no contact is worked out: depth 0 with an infinite bound.
+/// The queried shape is A of each contact: normals point from it to what it meets. In mode `any` the first triangle or
+/// primitive that is met ends the search, without computing a contact: depth 0 with an infinite bound.
 template <class Asked>
 void ask_overlap(Question& question, const Asked& asked) {
   question.found.clear();
@@ -56,7 +58,7 @@ void ask_overlap(Question& question, const Asked& asked) {
                               .point = touch.contact.point,
                               .normal = touch.contact.normal});
   };
-  // Its memory goes from question to question.
+  // Reused from question to question, so that no answer allocates once it has grown.
   thread_local PartTouches touches(true);
   for (const auto& scene : question.snapshot.scenes) {
     touches.clear(!any);

@@ -1,3 +1,5 @@
+// The distance of two separate objects.
+
 #include <limits>
 
 #include "server/exact_phase/distance/closest.hpp"
@@ -9,13 +11,13 @@
 namespace collided::engine {
 namespace {
 
-/// A first bound: from one part of a to b's parts, where b is small; else any pair of parts will do to begin with.
+/// A part to start from; first_bound() improves on it.
 ConvexPart any_part(const Placed& object) {
   if (!object.info->primitives.empty()) return place(*object.frame, object.info->primitives.front());
   return place(*object.frame, object.info->mesh->mesh->triangle(0));
 }
 
-/// A point of b's mesh near the point, from where the search comes nearer by going to and fro.
+/// The triangle of the mesh that is nearest to the point. Alternating between the two objects brings them closer.
 std::uint32_t nearest_triangle(const Placed& object, const Vec3& point, WalkCost& cost) {
   const Vec3 local = object.frame->rotation.transpose() * (point - object.frame->position);
   const IndexedMesh& mesh = *object.info->mesh;
@@ -35,7 +37,7 @@ std::uint32_t nearest_triangle(const Placed& object, const Vec3& point, WalkCost
   return triangle;
 }
 
-/// Two parts whose distance is a good first bound.
+/// Two parts whose distance is a good first bound: alternates between the meshes while that helps.
 Separation first_bound(const Placed& a, const Placed& b, WalkCost& cost) {
   ConvexPart of_a = any_part(a);
   ConvexPart of_b = any_part(b);
@@ -51,7 +53,7 @@ Separation first_bound(const Placed& a, const Placed& b, WalkCost& cost) {
   return best;
 }
 
-/// The nearest pair so far, and what no pair is nearer than.
+/// The nearest pair so far, and a distance below which no tested pair is.
 struct Nearest {
   Separation best;
   double low_m;
@@ -63,12 +65,12 @@ struct Nearest {
   double reach_m() const { return (best.distance_m + best.error_m) * (1 + kBoundSlack); }
 };
 
-/// One triangle of a mesh and those of another one that may be nearer than the nearest so far.
+/// Tests one triangle of a mesh against those of the other that may be nearer than the nearest so far.
 struct TriangleWalk {
   const Placed& other;
   Triangle triangle;
   bool is_of_a;
-  double radius_m;  // about the point that the walk goes out from
+  double radius_m;  // of the triangle, about the point from which the walk starts
   Nearest& nearest;
 
   double operator()(std::uint32_t number, double) const {
@@ -79,8 +81,8 @@ struct TriangleWalk {
   double limit_m2() const { return square_up(nearest.reach_m() + radius_m); }
 };
 
-/// Two meshes: from each triangle of the smaller one through the index of the other. A walk over pairs of boxes would
-/// come by most pairs of two shells, one in the other.
+/// Two meshes: walks the larger one's index from each triangle of the smaller. A walk over pairs of boxes would meet
+/// most pairs where one shell lies in the other.
 void search_meshes(const Placed& a, const Placed& b, Nearest& nearest, WalkCost& cost) {
   const bool from_a = a.info->mesh->mesh->triangles.size() <= b.info->mesh->mesh->triangles.size();
   const Placed& from = from_a ? a : b;
@@ -101,7 +103,8 @@ bool is_bare_mesh(const Placed& object) { return object.info->mesh && object.inf
 
 }  // namespace
 
-/// All pairs within the best known distance are asked; where one is much nearer, the walk begins again with less.
+/// Tests all pairs within the best known distance; where a much nearer pair is found, the walk starts again with that
+/// distance.
 Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost) {
   constexpr double kMuchNearer = 0.75;
   const Separation first = first_bound(a, b, cost);
@@ -119,7 +122,7 @@ Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost) {
     };
     visit_part_pairs(a, b, gap_m, visit, cost);
   }
-  // The nearest may be any whose interval begins below the best one's.
+  // The truly nearest pair may be any whose interval begins below the best one's.
   Separation best = nearest.best;
   best.error_m = std::max(best.error_m, best.distance_m - std::max(nearest.low_m, 0.0));
   // They are apart, so no distance is exactly 0.

@@ -1,3 +1,5 @@
+// Certificates that two objects touch or are separate, for a reader to check without trusting the engine.
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -7,9 +9,10 @@
 namespace collided::engine {
 namespace {
 
-/// A range of one object's parts, which the search sorts as it splits them.
+/// A range of one object's parts; the search sorts them once and then splits ranges by number.
 using Range = std::span<ProofPart>;
 
+/// The middle of a part's bounds.
 Vec3 middle_of(const ConvexPart& part) {
   const Aabb box = bounds_of_part(part);
   return box.low / 2 + box.high / 2;
@@ -21,6 +24,7 @@ Aabb bounds_of_range(const Range& parts) {
   return all;
 }
 
+/// The point of a range that lies farthest along n.
 Vec3 support_of(const Range& parts, const Vec3& n) {
   Vec3 best = Vec3::Zero();
   double most = -std::numeric_limits<double>::infinity();
@@ -33,20 +37,21 @@ Vec3 support_of(const Range& parts, const Vec3& n) {
   return best;
 }
 
-/// Finds planes between ranges of parts, and writes down the steps of the proof.
+/// Finds planes between ranges of parts and records the steps of the proof.
 class ApartSearch {
  public:
-  /// Sorts the parts, so that neighbours stand side by side: steps name them by number, so the order then stays.
+  /// Sorts the parts so that neighbours are adjacent; steps name parts by number, so the order stays fixed from here
+  /// on.
   explicit ApartSearch(Proof& proof) : proof_(proof) {
     arrange(proof.a);
     arrange(proof.b);
   }
-  /// False: some pair has no plane that doubles write down, or there would be too many steps.
+  /// False: some pair has no separating plane in doubles, or the proof would need too many steps.
   bool prove() { return prove(0, proof_.a.size(), 0, proof_.b.size()); }
 
  private:
   static constexpr std::size_t kMostSteps = 100'000;
-  /// Looks at single parts, about 0.2 us each: two surfaces that run closely along each other ask for very many.
+  /// Looks at single parts, about 0.2 us each: two surfaces that run closely along each other need very many.
   static constexpr std::size_t kMostLooks = 20'000'000;
 
   bool prove(std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
@@ -62,12 +67,13 @@ class ApartSearch {
     return prove(a0, a1, b0, at) && prove(a0, a1, at, b1);
   }
 
+  /// The longest side of the bounds, metres.
   static double reach(const Range& parts) {
     const Aabb box = bounds_of_range(parts);
     return (box.high - box.low).maxCoeff();
   }
 
-  /// Each half of a half, and so on: by middles, along the longest side.
+  /// Splits at the median of the middles, along the longest side, and does the same with each half.
   static void arrange(const Range& parts) {
     if (parts.size() < 2) return;
     const Aabb box = bounds_of_range(parts);
@@ -81,9 +87,11 @@ class ApartSearch {
     arrange(parts.subspan(parts.size() / 2));
   }
 
+  /// Records the plane if it separates the ranges exactly; false: it does not.
   bool keep(const Vec3& normal, const Vec3& point, const Range& a, const Range& b) {
     if (normal.isZero(0) || !normal.allFinite() || !point.allFinite()) return false;
-    // Products with a component that is no more than rounding would leave the range of double where the proof is checked.
+    // A component as small as rounding would make products leave the range of double where the proof is checked: set it
+    // to zero.
     constexpr double kNothingBeside = 0x1p-100;
     const double least = kNothingBeside * normal.cwiseAbs().maxCoeff();
     if (((normal.array() != 0) && (normal.array().abs() < least)).any()) {
@@ -97,6 +105,7 @@ class ApartSearch {
     return parts_them;
   }
 
+  /// The bounds of the two ranges are separate along an axis.
   bool plane_along_axes(const Range& a, const Range& b) {
     const Aabb of_a = bounds_of_range(a);
     const Aabb of_b = bounds_of_range(b);
@@ -115,7 +124,8 @@ class ApartSearch {
     return false;
   }
 
-  /// Gilbert's walk to the nearest points of the two hulls, for as long as it is worth; any plane on the way will do.
+  /// Gilbert's iteration towards the nearest points of the two hulls, for a limited number of steps; any separating
+  /// plane on the way is enough.
   bool plane_between_hulls(const Range& a, const Range& b) {
     if (a.size() + b.size() == 2 || half_space_of(a[0].part) != nullptr || half_space_of(b[0].part) != nullptr) return false;
     constexpr int kMostTurns = 48;
@@ -136,11 +146,12 @@ class ApartSearch {
     return false;
   }
 
+  /// Tries planes for two single parts: from their distance, their faces and their corners.
   bool plane_of_pair(const ConvexPart& part_a, const ConvexPart& part_b, const Range& a, const Range& b) {
     if (const HalfSpace* ground = half_space_of(part_a)) return keep(ground->normal, ground->point, a, b);
     const Separation apart = separation(part_a, part_b);
     if (const HalfSpace* ground = half_space_of(part_b)) {
-      // Between what a has lowest and the plane; or where that is on a.
+      // Halfway between the lowest point of a and the plane; or, if rounding spoils that, at a's point.
       const Vec3 normal = -ground->normal;
       return keep(normal, apart.on_a / 2 + apart.on_b / 2, a, b) || keep(normal, apart.on_a, a, b) || beside_corners(normal, a, b);
     }
@@ -151,7 +162,7 @@ class ApartSearch {
     return false;
   }
 
-  /// The plane through the corner of a that lies farthest along the normal.
+  /// Tries the plane through the corner of a that lies farthest along the normal.
   bool beside_corners(const Vec3& normal, const Range& a, const Range& b) {
     const std::vector<Vec3> points = numbers_of(a[0].part).points;
     const auto farthest = std::max_element(points.begin(), points.end(), [&](const Vec3& x, const Vec3& y) { return normal.dot(x - y) < 0; });
@@ -160,7 +171,7 @@ class ApartSearch {
 
   static std::vector<Vec3> normals_for(const Separation& apart, const ConvexPart& a, const ConvexPart& b) {
     std::vector<Vec3> normals{apart.normal};
-    // In aligned scenes the true direction has no small components: they are rounding.
+    // In axis-aligned scenes small components of the direction are rounding: also try without them.
     Vec3 squared_up = apart.normal;
     for (double& x : squared_up) x = std::abs(x) < 1e-7 ? 0 : x;
     normals.push_back(squared_up);
@@ -182,7 +193,7 @@ class ApartSearch {
   std::size_t looks_ = 0;
 };
 
-/// Any pair of parts that has a proof will do; the deepest ones are likeliest to.
+/// Any pair of parts with a proof is enough; tries up to kMostTried touching pairs.
 std::optional<Proof> proof_of_touching(const Placed& a, const Placed& b, WalkCost& cost) {
   constexpr int kMostTried = 64;
   int tried = 0;

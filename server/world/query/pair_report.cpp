@@ -11,13 +11,13 @@
 namespace collided::engine {
 namespace {
 
-/// An object as the walks over pairs want it: a part of a scene gets a mesh of its own, whose index is built here.
+/// An object in the form that walks over pairs need: a part of a scene gets a mesh of its own, indexed here.
 struct PlacedObject {
   ObjectInfo own;
   Frame frame;
   Placed placed;
-  Aabb reach;             // where it may be
-  bool is_stale = false;  // and nobody knows where in it
+  Aabb reach;             // bounds of every pose it may have
+  bool is_stale = false;  // its publisher is lost, and its pose within reach is unknown
 
   PlacedObject(const Snapshot& snapshot, ObjectId id) {
     const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
@@ -60,7 +60,7 @@ Decision decision_of(const ContactSearch& touch) {
   return touch.undecided ? Decision::undecided : Decision::no;
 }
 
-/// Every pair of triangles that share a point; all are counted, the first in order kept.
+/// Finds every pair of triangles that share a point; counts all, keeps the first in order.
 void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairReport& report, WalkCost& cost) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
@@ -70,7 +70,7 @@ void find_crossings(const Placed& a, const Placed& b, std::uint32_t most, PairRe
   };
   visit_part_pairs(a, b, 0, visit, cost);
   std::sort(pairs.begin(), pairs.end());
-  // A clipped split may offer a pair twice.
+  // A split that clips triangles may offer a pair twice.
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   report.crossing_count = pairs.size();
   pairs.resize(std::min<std::size_t>(pairs.size(), most));
@@ -111,6 +111,7 @@ PairReport report_in_order(const PlacedObject& first, const PlacedObject& second
   return report;
 }
 
+/// The same report with the two objects exchanged.
 void turn_round(PairReport& report) {
   report.contact.normal = -report.contact.normal;
   std::swap(report.a_triangle, report.b_triangle);
@@ -127,8 +128,8 @@ void turn_round(PairReport& report) {
 
 }  // namespace
 
-/// Worked out in the order of their names, so that neither the order asked in is to be seen, but for the proof, which keeps
-/// it, nor that in which a server met them.
+/// Decides in the order of the objects' names, so that the answer depends neither on the order of the request nor on
+/// that in which a server met the objects. Only the proof keeps the request's order.
 PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const PairAsk& ask) {
   const OwnFloatEnvironment own_floats;
   const auto order = [&](ObjectId id) { return std::tie((*snapshot.objects)[slot_of(id)]->name, id); };
@@ -148,7 +149,7 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
 }
 
 std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact, WalkCost& cost) {
-  // Parts that push another way are corners and edges of what bears elsewhere: 26 degrees.
+  // Parts whose normals differ by more than 26 degrees are corners and edges of surfaces that bear elsewhere.
   constexpr double kSameWay = 0.9;
   std::vector<ManifoldPoint> points;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {

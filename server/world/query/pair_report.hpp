@@ -13,56 +13,64 @@
 
 namespace collided::engine {
 
+/// What a pair report should contain besides the answer.
 struct PairAsk {
+  // A proof for the answer.
   bool certificate = false;
+  // Every pair of triangles that touch, of two meshes.
   bool triangles = false;
   std::uint32_t most_crossings = 10'000;
 };
 
-/// Two triangles that share a point.
+/// Two triangles that share a point, and what they share.
 struct TriangleCrossing {
   std::uint32_t a = 0;
   std::uint32_t b = 0;
   Crossing crossing;
 };
 
+/// Whether one object lies wholly within the other's closed mesh.
 enum class Contained : std::uint8_t { none, a_in_b, b_in_a };
 
-/// How two objects stand to each other. Told alike whichever is named first, but for the normal, which turns round.
+/// How two objects stand to each other. The order of naming them changes nothing but the direction of the normal.
 struct PairReport {
   Decision touches = Decision::no;
-  // One of the two is where it was heard of last, and moved then. Apart is said only where neither can have come to the other.
+  // One of the two is stale: its publisher is lost and it may have moved on. `touches` is `no` only where neither can
+  // have reached the other.
   bool is_stale = false;
-  // yes: the deepest pair of parts, as the events tell it. A depth of two meshes is that of two of their triangles: the
-  // shortest way that parts these, not the whole.
+  // For yes: the contact of the deepest pair of parts, as in events. The depth of two meshes is that of two of their
+  // triangles: the shortest translation that separates these, not the whole meshes.
   Contact contact;
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   std::vector<ManifoldPoint> manifold;
-  // no
+  // For no:
   Separation separation;
   Contained contained = Contained::none;
-  // asked for
-  std::vector<TriangleCrossing> crossings;  // by (a, b)
-  std::uint64_t crossing_count = 0;         // all there are; more than told where cut
+  // Where requested:
+  std::vector<TriangleCrossing> crossings;  // ordered by (a, b); the first most_crossings
+  std::uint64_t crossing_count = 0;         // of all there are, which may be more than crossings holds
   std::optional<Proof> proof;
+  // Why there is no proof.
   std::string no_proof;
 };
 
-/// cost     that of the collision step's test, and for two that are apart of a search for the nearest parts; the proof and
-///          the triangles what they are large
+/// Reports on two objects of the snapshot; both must exist.
+///
+/// cost     that of the collision step's test, plus for separate objects a search for the nearest parts; proof and
+/// triangles grow with their size
 /// threads  any
 PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const PairAsk& ask);
 
-// Its parts, each in a file of its own.
+// The report's parts, each implemented in a file of its own.
 
-/// The least distance of two objects that do not touch.
+/// The least distance between two objects that do not touch.
 Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost);
-/// Whether one lies within the other's mesh, where that is closed; they do not touch.
+/// Whether one object lies within the other's mesh, if that is closed; the two must not touch.
 Contained containment(const Placed& a, const Placed& b);
-/// At most four points for the contact, from all parts that bear on each other along its normal.
+/// At most four points for the contact, from all parts that touch along its normal.
 std::vector<ManifoldPoint> manifold_of(const Placed& a, const Placed& b, const Contact& contact, WalkCost& cost);
-/// Why they touch, or that they do not; `why_not` says why there is none.
+/// A proof that the two touch, or that they do not; nothing: `why_not` says why there is none.
 std::optional<Proof> proof_of(const Placed& a, const Placed& b, bool touches, std::string& why_not, WalkCost& cost);
 
 }  // namespace collided::engine

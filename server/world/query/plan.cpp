@@ -11,16 +11,17 @@
 namespace collided::engine {
 namespace {
 
+// What the scene consists of, as far as the plan's sentences need it.
 struct Counts {
   std::uint64_t static_triangles = 0;
   std::uint32_t moving = 0;
-  std::uint32_t placed = 0;  // objects with shapes of their own that stay where they are
+  std::uint32_t placed = 0;  // objects with shapes of their own that do not move
   std::uint32_t moving_meshes = 0;
   std::uint32_t lone_spheres = 0;
   std::uint32_t indexed_parts = 0;  // objects whose primitives have an index
-  std::uint64_t parts = 0;          // in those
+  std::uint64_t parts = 0;          // primitives of those objects
   std::uint32_t with_mesh = 0;
-  std::uint32_t meshes = 0;  // different ones among them
+  std::uint32_t meshes = 0;  // distinct ones among them
 };
 
 Counts count(const Snapshot& snapshot) {
@@ -51,6 +52,7 @@ std::string with_digits(double value, int digits) {
   return text.data();
 }
 
+// How far each level of detail is off.
 std::string level_words(const Snapshot& snapshot) {
   std::string words;
   for (const auto& scene : snapshot.scenes) {
@@ -64,7 +66,7 @@ std::string level_words(const Snapshot& snapshot) {
   return words;
 }
 
-/// How one scene's index was chosen and what it costs.
+/// How one scene's index was built and what it costs.
 std::string index_words(const StaticScene& scene) {
   const BvhReport& report = scene.tree.report();
   const auto triangles = static_cast<double>(scene.mesh.triangles.size());
@@ -76,6 +78,7 @@ std::string index_words(const StaticScene& scene) {
   return words + (report.is_loaded ? "loaded and checked in " : "built in ") + with_digits(1e3 * report.build_s, 0) + " ms";
 }
 
+/// The size of all static geometry, then each scene's index.
 std::string tree_words(const Snapshot& snapshot, const Counts& counts) {
   std::uint64_t bytes = 0;
   for (const auto& scene : snapshot.scenes) bytes += scene->bytes();
@@ -160,7 +163,7 @@ std::vector<PairRow> pair_table() {
       return flat ? facets : searched;
     };
     for (std::size_t j = i; j < convex.size(); ++j) rows.push_back({convex[i], convex[j], how(j)});
-    // Triangles are flat, like the first three.
+    // Triangles are flat, like boxes.
     rows.push_back({convex[i], "mesh", "triangle by triangle: " + how(0)});
   }
   rows.push_back({"mesh", "mesh", "triangle by triangle: " + closed});

@@ -7,6 +7,7 @@
 
 namespace collided::engine {
 
+/// One structure of the plan: whether the scene has it, why, and what it saves; sentences for the user.
 struct PlanRow {
   std::string structure;
   bool built = false;
@@ -14,17 +15,18 @@ struct PlanRow {
   std::string saves;
 };
 
-/// How a pair of kinds is decided, or that it is not offered.
+/// How the engine decides a pair of kinds of shapes, or that it does not offer the pair.
 struct PairRow {
   std::string a;
   std::string b;
   std::string how;
 };
 
-/// What this scene built and what it left out, with reasons.
+/// Which structures this scene built and which it left out, with reasons.
 std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted);
-/// The probes' row, which hangs on no snapshot: they are the server's.
+/// The plan's row for probes, which depend on the server rather than on a snapshot.
 PlanRow plan_of_probes(std::size_t count, bool are_read);
+/// One row for every pair of kinds of shapes.
 std::vector<PairRow> pair_table();
 
 }  // namespace collided::engine

@@ -12,7 +12,8 @@
 namespace collided::engine {
 namespace {
 
-/// One object's place may have become another's, whose publisher's time is behind: then there were both.
+/// Two objects may have used one slot at the instant, where the later one's publisher has a time that lags: the second
+/// gets a new slot.
 std::uint32_t add_slot(ObjectTable& objects, Snapshot& state) {
   const auto slot = static_cast<std::uint32_t>(objects.size());
   objects.emplace_back();
@@ -23,6 +24,7 @@ std::uint32_t add_slot(ObjectTable& objects, Snapshot& state) {
   return slot;
 }
 
+/// The same object under an id with another slot.
 std::shared_ptr<const ObjectInfo> named_by_slot(const std::shared_ptr<const ObjectInfo>& info, std::uint32_t slot) {
   if (slot_of(info->id) == slot) return info;
   auto copy = std::make_shared<ObjectInfo>(*info);
@@ -56,7 +58,7 @@ void PoseMemory::note(const Step& step) {
   }
 }
 
-/// Also where there are more poses than there is room for: then the memory is that much shorter.
+/// Moves the start of the reach: by age, and in small steps where the poses exceed the memory limit.
 void PoseMemory::move_floor() {
   from_ns_ = std::max(from_ns_, to_ns_ - options_.reach_ns);
   if (move_count_ * sizeof(Move) > options_.max_bytes) from_ns_ += (to_ns_ - from_ns_) / 64;
@@ -93,7 +95,7 @@ void PoseMemory::add_move(Life& life, const Move& move) {
   ++move_count_;
 }
 
-/// A move that was over before the reach begins is where the object is when it begins.
+/// Forgets moves that ended before the reach: the last of them becomes the object's first pose.
 void PoseMemory::forget(Life& life) {
   std::size_t& first = life.forgotten;
   while (first < life.moves.size() && life.moves[first].to_ns <= from_ns_) life.first = life.moves[first++].pose;
@@ -103,7 +105,7 @@ void PoseMemory::forget(Life& life) {
   first = 0;
 }
 
-/// As far as its publisher had come it was there.
+/// The object existed up to the time that its publisher had reached.
 void PoseMemory::end(Life& life) {
   const bool has_source = life.source != Sources::kResting;
   life.gone_ns = has_source ? std::min(to_ns_, std::max(sources_[life.source].known_ns, life.last_ns()) + 1) : to_ns_;
@@ -171,7 +173,7 @@ void PoseMemory::put(const Life& life, std::uint32_t slot, std::int64_t time_ns,
                                  .posed_ns = known_ns});
 }
 
-/// Of a lost publisher's object nothing is known behind its last pose, of one that is gone everything.
+/// Of a lost publisher's object nothing is known after its last pose; of a removed one, everything.
 std::int64_t PoseMemory::known_of(const Life& life) const {
   if (life.gone_ns != Life::kStillThere) return kForEver;
   for (const StaleObject& stale : stale_objects_) {
@@ -184,7 +186,7 @@ std::int64_t PoseMemory::known_of(const Life& life) const {
 
 Frame PoseMemory::frame_at(const Life& life, std::int64_t time_ns) const {
   const auto begin = life.moves.begin() + static_cast<std::ptrdiff_t>(life.forgotten);
-  // The first that is not over by then; of several at one time the last counts.
+  // The first move that has not ended by then; of several that end at one time the last counts.
   const auto next = std::upper_bound(begin, life.moves.end(), time_ns, [](std::int64_t time, const Move& move) { return time < move.to_ns; });
   const Frame before = frame_of(next == begin ? life.first : std::prev(next)->pose);
   if (next == life.moves.end() || time_ns <= next->from_ns) return before;

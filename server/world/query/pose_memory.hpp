@@ -14,31 +14,34 @@ namespace collided::engine {
 class ObjectRows;
 class Sources;
 
+/// How much the memory of poses may hold.
 struct PoseMemoryOptions {
-  std::int64_t reach_ns = 0;           // how far back; 0: nothing is remembered
-  std::size_t max_bytes = 512 << 20;   // of poses; with more than that the memory reaches less far back
+  std::int64_t reach_ns = 0;           // how far back it reaches; 0: it is off
+  std::size_t max_bytes = 512 << 20;   // of poses; with more, the memory reaches less far back
 };
 
-/// Where objects have been: answers about one instant of the last seconds, at which each object is where its publisher's
-/// poses put it. It reaches back no farther than the last change of static geometry, of which two would take twice the
-/// room. The writer notes each step; any thread may ask, and waits for a note at most.
+/// Where objects were: gives a snapshot of any instant of the last seconds, with each object where its publisher's
+/// poses put it. Reaches back no farther than the last change of static geometry, since keeping two versions would take
+/// twice the memory.
+/// threads  the writer notes each step; any thread may call the rest, and waits at most for one note
 class PoseMemory {
  public:
   explicit PoseMemory(const PoseMemoryOptions& options) : options_(options) {}
 
   bool is_on() const { return options_.reach_ns > 0; }
 
-  /// What a step has changed, before the rows forget it. Writer only.
+  /// What a step has changed, before the rows forget it.
   struct Step {
     const ObjectRows& rows;
     const Sources& sources;
     const std::vector<std::shared_ptr<const StaticScene>>& scenes;
     const std::vector<StaleObject>& stale_objects;
-    const Snapshot& snapshot;  // that the step fills
+    const Snapshot& snapshot;  // the one that this step fills
   };
+  /// Remembers a step. Writer only.
   void note(const Step& step);
 
-  /// The instants that can be asked for, world time.
+  /// The instants for which at() has an answer, world time.
   struct Reach {
     std::int64_t from_ns = 0;
     std::int64_t to_ns = 0;
@@ -47,14 +50,14 @@ class PoseMemory {
   /// Bytes of remembered poses.
   std::size_t bytes() const;
 
-  /// Every object at that instant. Those that were there then and are not known so far are told as stale ones: they are
-  /// somewhere within the largest speed that was seen of them. The poses of ways are rounded to a few units in the last
-  /// place of their coordinates. Null outside of reach().
+  /// The state of every object at that instant; null outside of reach(). Objects that existed then but whose poses are
+  /// not known so far appear as stale: somewhere within the largest speed that they ever had. Poses within a motion are
+  /// rounded to a few units in the last place of their coordinates.
   /// cost  all objects once, and an index over them
   std::shared_ptr<const Snapshot> at(std::int64_t time_ns) const;
 
  private:
-  /// It rested up to from_ns, and went to the pose until to_ns; both equal: it jumped.
+  /// The object rested up to from_ns and moved to the pose until to_ns; both equal: it jumped.
   struct Move {
     std::int64_t from_ns = 0;
     std::int64_t to_ns = 0;
@@ -67,16 +70,17 @@ class PoseMemory {
     std::shared_ptr<const ObjectInfo> info;
     std::int64_t born_ns = 0;
     std::int64_t gone_ns = kStillThere;
-    std::uint32_t source = 0;  // whose time it is known by
-    Pose first;               // before the first of the moves
-    std::vector<Move> moves;  // by to_ns; the first `forgotten` of them are behind the reach
+    std::uint32_t source = 0;  // whose time its poses have
+    Pose first;               // before the first of the moves that count
+    std::vector<Move> moves;  // ordered by to_ns; the first `forgotten` of them lie before the reach
     std::size_t forgotten = 0;
-    double largest_mps = 0;
+    double largest_mps = 0;  // largest speed of any move
 
     const Pose& last() const { return moves.empty() ? first : moves.back().pose; }
     std::int64_t last_ns() const { return moves.empty() ? born_ns : moves.back().to_ns; }
     bool was_there(std::int64_t time_ns) const { return info && born_ns <= time_ns && time_ns < gone_ns; }
   };
+  // A source's time, as in Source.
   struct Known {
     bool is_streamed = false;
     std::int64_t known_ns = 0;
@@ -93,9 +97,9 @@ class PoseMemory {
   void put(const Life& life, std::uint32_t slot, std::int64_t time_ns, Snapshot& state) const;
 
   PoseMemoryOptions options_;
-  mutable std::mutex mutex_;  // of all below
+  mutable std::mutex mutex_;  // guards all members below
   std::vector<Life> lives_;   // by slot
-  std::deque<Life> gone_;     // by gone_ns
+  std::deque<Life> gone_;     // removed objects, by gone_ns
   std::vector<std::shared_ptr<const StaticScene>> scenes_;
   std::shared_ptr<const std::vector<Aabb>> covers_;
   std::vector<Known> sources_;

@@ -16,7 +16,7 @@ namespace {
 
 bool same(const Filter& a, const Filter& b) { return a.layers == b.layers && a.mask == b.mask && a.group == b.group; }
 
-/// The rays of one probe: each with a limit of its own.
+/// Casts the ray of one probe, with a limit that differs from call to call.
 struct ProbeRay {
   const Snapshot& snapshot;
   const std::vector<std::uint8_t>& allowed;
@@ -34,7 +34,8 @@ struct ProbeRay {
     return found.empty() ? nullptr : &found.front();
   }
 
-  /// Of the first hit's distance less that length, exactly: what is met within it, and within the double below it.
+  /// The sign of the first hit's distance less that length, exactly: compares with hits within the length and within
+  /// the next smaller double.
   ProbeState state_about(double length_m) {
     if (first_within(length_m) == nullptr) return ProbeState::gap;
     const bool is_nearer = length_m > 0 && first_within(std::nextafter(length_m, 0.0)) != nullptr;
@@ -42,7 +43,7 @@ struct ProbeRay {
   }
 };
 
-/// The number says no other sign than the state, which is exact.
+/// Gives the rounded number the sign of the state, which is exact.
 void agree_with_sign(ProbeReading& reading) {
   constexpr double kLeast = std::numeric_limits<double>::denorm_min();
   if (reading.state == ProbeState::touching) reading.clearance_m = reading.error_m = 0;
@@ -86,7 +87,7 @@ std::vector<std::string> Probes::remove(std::string_view glob) {
   return names;
 }
 
-/// Names and filters are looked up once a table, not once a step.
+/// Looks names and filters up once per object table, not once per step.
 void Probes::bind(const Snapshot& snapshot, const Find& find) {
   if (is_bound_ && bound_version_ == snapshot.table_version) return;
   audiences_.clear();
@@ -104,7 +105,7 @@ Probes::Audience& Probes::audience_of(const Snapshot& snapshot, const Filter& fi
   const auto known = std::find_if(audiences_.begin(), audiences_.end(),
                                   [&](const Audience& audience) { return same(audience.filter, filter); });
   if (known != audiences_.end()) return *known;
-  // Filters are few as a rule. Where they are not, memory must not grow with them.
+  // Filters are usually few. Where they are not, memory must not grow with them.
   constexpr std::size_t kMost = 64;
   if (audiences_.size() >= kMost) audiences_.clear();
   Audience& audience = audiences_.emplace_back();
@@ -127,7 +128,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
   const Vec3 direction = place(Frame{.rotation = frame.rotation}, probe.direction);
   const ObjectInfo& info = *(*snapshot.objects)[slot];
   Audience& audience = audience_of(snapshot, info.filter);
-  // Of a scene that the object is a part of, not everything may answer.
+  // A scene that contains the object itself is not open: its parts are filtered one by one.
   const bool is_part = info.scene_part != kNoScenePart;
   const std::vector<std::uint8_t> closed_scenes(is_part ? snapshot.scenes.size() : 0, 0);
   std::uint8_t& itself = audience.allowed[slot];
@@ -150,7 +151,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
     else reading.state = ray.state_about(back_m);
     agree_with_sign(reading);
   }
-  // Up to what is met, or as far as it looks, it must be known that nothing is.
+  // The space up to the hit, or as far as the ray looks, must be covered by loaded geometry.
   const double known_m = back_m + (first == nullptr ? probe.definition.reach_m : reading.clearance_m - reading.error_m);
   const bool is_covered = !snapshot.covers || !leaves_covered(Ray{start, direction, std::max(0.0, known_m)}, *snapshot.covers);
   if (ray.undecided || !is_covered) reading.state = ProbeState::undecided;

@@ -24,44 +24,48 @@ enum class ProbeState : std::uint8_t {
   undecided,
 };
 
-/// A ray fixed to an object, under a wheel say, that measures its clearance: it begins back_m behind the origin, and
-/// what it meets first, less back_m, is the signed distance of the origin from that surface. Looking from behind, an
-/// origin that has sunk into the ground is told from one above it, whichever way the ground's triangles are wound.
+/// A ray fixed to an object, for example under a wheel, that measures its clearance. It starts back_m behind the
+/// origin; the distance to the first hit, less back_m, is the signed distance from the origin to that surface. Because
+/// it looks from behind, an origin that sank into the ground differs from one above it, whichever way the ground's
+/// triangles are wound.
 struct ProbeDefinition {
-  std::string name;    // unique, replaces one of that name
-  std::string object;  // bound by name, so that a publisher's return or a definition anew keeps its probes
+  std::string name;    // unique; replaces a probe of that name
+  std::string object;  // bound by name, so that probes survive a publisher's return and a new definition
   Vec3 origin = Vec3::Zero();       // in the object's frame
   Vec3 direction = -Vec3::UnitZ();  // finite and non-zero, any length
-  double reach_m = 10;              // ahead of the origin; may be infinite
-  double back_m = 1;                // behind it; finite
+  double reach_m = 10;              // ahead of the origin, metres; may be infinite
+  double back_m = 1;                // behind it, metres; finite
 };
 
-/// |truth - clearance_m| <= error_m, and the sign is exact, for the ray from the placed and rounded start; touching is
-/// exactly 0. deeper: the start is inside a solid, the clearance at most clearance_m = -back_m.
+/// |truth - clearance_m| <= error_m, with an exact sign, for the ray from the placed and rounded start; touching is
+/// exactly 0. State `deeper`: the start is inside a solid, and the true clearance is at most clearance_m = -back_m.
 struct ProbeReading {
-  ObjectId object = 0;  // 0: not in the world
+  ObjectId object = 0;  // 0: the object is not in the world
   ProbeState state = ProbeState::absent;
   double clearance_m = 0;
   double error_m = 0;
+  // What the ray hits first: object, triangle, point and normal in world coordinates.
   ObjectId met = 0;
   std::uint32_t triangle = kNoTriangle;
   Vec3 point = Vec3::Zero();
   Vec3 normal = Vec3::Zero();
 };
 
-/// The probes of a world. Each meets what its object may meet by layers, masks and groups, and never the object itself.
-/// One thread.
+/// The probes of a world. A probe hits whatever its object may meet by layers, masks and groups, but never the object
+/// itself.
+/// threads  one
 class Probes {
  public:
-  /// Why not, as a sentence, where it is refused.
+  /// Adds or replaces a probe; returns the reason where it is refused.
   std::optional<Refusal> set(const ProbeDefinition& definition);
-  /// Names that match the glob are gone, and told.
+  /// Removes the probes whose names match the glob; returns their names.
   std::vector<std::string> remove(std::string_view glob);
   bool empty() const { return probes_.empty(); }
   std::size_t size() const { return probes_.size(); }
   const ProbeDefinition& definition(std::size_t number) const { return probes_[number].definition; }
 
-  /// One reading a probe, in the order of definition(). A ray each; nothing else where no definition has changed.
+  /// Reads all probes: one reading each, in the order of definition(). Costs one ray per probe, up to three near
+  /// touching; names are looked up only after a change of objects.
   using Find = std::function<std::optional<ObjectId>(std::string_view)>;
   void read(const Snapshot& snapshot, const Find& find, std::vector<ProbeReading>& readings);
 
@@ -72,11 +76,11 @@ class Probes {
     Vec3 direction = Vec3::Zero();
     ObjectId object = 0;
   };
-  /// Who may be met by the members of one filter.
+  /// The objects and scenes that an object with this filter may meet.
   struct Audience {
     Filter filter;
     std::vector<std::uint8_t> allowed;      // by slot
-    std::vector<std::uint8_t> open_scenes;  // by scene
+    std::vector<std::uint8_t> open_scenes;  // by scene: every part of it is allowed
   };
 
   void bind(const Snapshot& snapshot, const Find& find);
@@ -85,7 +89,7 @@ class Probes {
 
   std::vector<Probe> probes_;
   std::vector<Audience> audiences_;
-  std::uint64_t bound_version_ = 0;  // of the table that objects and audiences are of
+  std::uint64_t bound_version_ = 0;  // version of the object table that objects and audiences belong to
   bool is_bound_ = false;
   std::vector<AnswerHit> found_;
 };

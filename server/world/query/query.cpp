@@ -48,8 +48,8 @@ bool is_rotation(const double* n) {
   return std::abs(norm - 1) <= kUnitNormSlack;
 }
 
-/// Whether the numbers make a question: finite (a length may be infinite), a direction, sizes not negative, a unit
-/// quaternion. Written so that NaN fails.
+/// Whether the numbers form a valid question: finite (a length may be infinite), a direction, sizes not negative, a
+/// unit quaternion. Written so that NaN fails.
 bool is_question(QuestionKind kind, const double* n) {
   const auto finite = [&](int from, int to) {
     return std::all_of(n + from, n + to, [](double x) { return std::isfinite(x); });
@@ -70,7 +70,7 @@ bool is_question(QuestionKind kind, const double* n) {
   }
 }
 
-/// Scenes in which nothing needs to be asked whether it may answer.
+/// Marks the scenes in which every part may answer, so that no walk need test single parts.
 void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
   scratch.open_scenes.clear();
   for (const auto& scene : snapshot.scenes) {
@@ -80,7 +80,7 @@ void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
   }
 }
 
-/// Which objects may answer: layers and name patterns, worked out once for a table and a filter, not for each question.
+/// Marks the objects that may answer, by layers and name patterns: once per object table and filter, not per question.
 void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
   const ObjectTable* table = snapshot.objects.get();
   if (scratch.allowed_table == table && scratch.allowed_version == snapshot.table_version &&
@@ -120,7 +120,8 @@ void push_plain(Answers& answers, Verdict answer, UndecidedReason reason) {
   answers.exact_tests.push_back(0);
 }
 
-/// A certain hit is a hit, however many others are in doubt; a miss needs every test to have said no.
+/// A miss needs every test to have said no. In mode `any` one certain hit is enough; in other modes a single undecided
+/// test leaves the whole answer undecided.
 void push_answer(Answers& answers, const Question& question) {
   UndecidedReason reason = UndecidedReason::none;
   Verdict answer = question.found.empty() ? Verdict::miss : Verdict::hit;
@@ -139,7 +140,8 @@ void push_answer(Answers& answers, const Question& question) {
   answers.hits.insert(answers.hits.end(), question.found.begin(), question.found.end());
 }
 
-/// As with lost publishers: what is known stays for who wants it, behind it where it ends.
+/// Turns a miss or a hit into undecided where it claims something about space that is not covered. The hits found stay
+/// in the answer; one more, with the flag kUncovered, marks where the covered space ends.
 void doubt_where_not_covered(Answers& answers, const Question& question, const double* numbers) {
   const bool is_claim = answers.answers.back() == Verdict::miss || answers.answers.back() == Verdict::hit;
   if (!is_claim) return;
@@ -151,6 +153,7 @@ void doubt_where_not_covered(Answers& answers, const Question& question, const d
   ++answers.hit_counts.back();
 }
 
+/// Keeps the oldest pose among the hits.
 void note_age(Answers& answers, const Question& question) {
   for (const AnswerHit& hit : question.found) {
     const std::int64_t posed_ns = question.snapshot.posed_ns[slot_of(hit.object)];
@@ -159,7 +162,7 @@ void note_age(Answers& answers, const Question& question) {
   }
 }
 
-/// What is said at once: this is no question, or it is too late for it.
+/// The answer that needs no search: the numbers are invalid, or the deadline has passed.
 std::optional<Verdict> answer_at_once(const Questions& asked, const double* numbers) {
   if (!is_question(asked.kind, numbers)) return Verdict::invalid;
   if (asked.kind == QuestionKind::sweep && asked.mover == nullptr) return Verdict::invalid;
@@ -171,7 +174,7 @@ void push_at_once(Answers& answers, Verdict answer) {
   push_plain(answers, answer, answer == Verdict::invalid ? UndecidedReason::none : UndecidedReason::deadline);
 }
 
-/// Questions one after the other, or rays in groups.
+/// Answers questions one after the other, or rays in groups.
 struct QuestionBatch {
   const Snapshot& snapshot;
   const Questions& asked;
@@ -198,7 +201,7 @@ void QuestionBatch::answer_rays(const double* numbers, std::size_t count) const 
   std::array<const double*, kRaysAtOnce> of_group;
   scratch.found_by_ray.resize(kRaysAtOnce);
   std::size_t size = 0;
-  // A ray that is answered at once ends a group, so that answers keep the order of the questions.
+  // A ray that needs no search ends its group, so that answers keep the order of the questions.
   const auto ask_group = [&] {
     if (size > 0) ask_rays(std::span(group).first(size), std::span<const double* const>(of_group).first(size));
     for (std::size_t i = 0; i < size; ++i) finish(*group[i], of_group[i]);
@@ -217,9 +220,10 @@ void QuestionBatch::answer_rays(const double* numbers, std::size_t count) const 
   ask_group();
 }
 
-/// Rays of no common direction through more than the caches hold wait for memory most of the time: walked in turn they
-/// wait for each other's. Rays like those of a camera meet the same nodes, and go through them together where nothing
-/// asks for every candidate; else each finds what the last one left, and is faster alone.
+/// Rays in unrelated directions through a tree larger than the caches mostly wait for memory: walked in turn, one uses
+/// the time that another waits. Rays like a camera's visit the same nodes, and gain by visiting them together where no
+/// candidate needs to be filtered; otherwise each profits from what the last one left in the cache, and is faster
+/// alone.
 bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
   constexpr std::size_t kFewest = 16;
   constexpr std::uint64_t kCacheBytes = 4 << 20;

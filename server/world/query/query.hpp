@@ -45,42 +45,48 @@ enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recover
 /// space, its distance (of rays) the length up to there.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kUncovered = 4 };
 
-/// Questions of one kind with what may answer them.
+/// Questions of one kind, and the filter of what may answer them.
 struct Questions {
   QuestionKind kind = QuestionKind::ray;
   HitMode mode = HitMode::closest;
   std::uint32_t mask = 0xffffffff;
   std::uint32_t max_hits = 1000;
+  // Patterns of names: only those that match the first, and none that match the second; empty: no restriction.
   std::string_view only = {};
   std::string_view skip = {};
   std::int64_t deadline_ns = 0;       // steady clock; 0: none
-  double error_m = 0;                 // distances and depths may be off by this much; yes and no are exact anyway
-  Level highest = Level::rational;    // of the ladder; below that, what is not decided is undecided
+  // distances and depths may be off by this much, metres; yes and no are exact regardless
+  double error_m = 0;
+  Level highest = Level::rational;    // of the ladder of arithmetic; what that cannot decide is undecided
   std::span<const double> numbers;    // as Query.numbers in collided.idl
-  const ObjectInfo* mover = nullptr;  // of sweeps: what goes from pose to pose, in its own frame
+  const ObjectInfo* mover = nullptr;  // of sweeps: the shape that moves, in its own frame
 };
 
-/// Layers and name patterns let the object answer.
+/// Whether layers and name patterns let the object answer.
 bool may_answer(const ObjectInfo& info, const Questions& asked);
 
+/// One hit of an answer. Sweeps give times as fractions of the motion in distance_m and exit_m.
 struct AnswerHit {
   ObjectId object = 0;
   std::uint32_t triangle = kNoTriangle;  // within the object (a part's triangles count from 0)
-  std::uint8_t flags = 0;                               // HitFlags
+  std::uint8_t flags = 0;                               // wire_contract::HitFlags
+  // along the ray; depth for overlaps; distance for near; for sweeps the end of the time bracket
   double distance_m = 0;  // along the ray; depth for overlaps; distance for near
   double error_m = 0;
+  // Of rays: where they leave the solid; of sweeps: the beginning of the time bracket.
   double exit_m = 0;
   Vec3 point = Vec3::Zero();
-  /// Of rays and near: how far the point may be from the true one. A contact's point is one of many: infinite.
+  /// Of rays and near, metres: how far the point may be from the true one. A contact's point is one of many: infinite.
   double point_error_m = std::numeric_limits<double>::infinity();
   Vec3 normal = Vec3::Zero();
+  // Of rays on a triangle: barycentric weights of the point.
   Vec3 weights = Vec3::Zero();
 
-  /// Exactly 0: nothing can be nearer.
+  /// Exactly 0: no other hit can be nearer.
   bool is_at_start() const { return distance_m == 0 && error_m == 0; }
 };
 
-/// One answer a question and its hits in question order. Reused between calls so that answering does not allocate.
+/// One answer per question, and all hits in question order. Reused between calls so that answering does not allocate.
 struct Answers {
   std::vector<Verdict> answers;
   std::vector<UndecidedReason> reasons;
@@ -89,26 +95,26 @@ struct Answers {
   std::vector<std::uint32_t> nodes;
   std::vector<std::uint32_t> exact_tests;
   std::vector<AnswerHit> hits;
-  std::int64_t oldest_pose_ns = -1;  // smallest Snapshot::posed_ns among objects that decided; -1: static only
+  std::int64_t oldest_pose_ns = -1;  // oldest Snapshot::posed_ns among the hit objects; -1: only static ones
 
   void clear();
 };
 
-/// Memory that answering needs, one a thread.
+/// Memory that answering needs; one per thread.
 struct QueryScratch {
   std::vector<std::uint8_t> allowed;          // by slot, for the filter below
   std::vector<std::uint8_t> open_scenes;      // by scene: every part of it may answer
   std::vector<AnswerHit> found;
-  std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are answered together
+  std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are walked together
   const ObjectTable* allowed_table = nullptr; // what `allowed` was computed for
   std::uint64_t allowed_version = 0;
   std::string allowed_only, allowed_skip;
   std::uint32_t allowed_mask = 0;
 };
 
-/// A question becomes an answer, on one snapshot. Malformed numbers (non-finite, zero direction, negative size) are
-/// answered `invalid`, each for itself. Same snapshot + same question = same bits, whatever else is asked.
-/// threads  any; one scratch and one Answers a thread
+/// Answers questions on one snapshot. Malformed numbers (non-finite, zero direction, negative size) get `invalid`, each
+/// for itself. The same question on the same snapshot has the same answer to the bit, whatever else is in the batch.
+/// threads  any; one scratch and one Answers per thread
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch);
 
 }  // namespace collided::engine

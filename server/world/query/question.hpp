@@ -13,23 +13,24 @@
 
 namespace collided::engine {
 
-/// One question at work: what it may see, and what it has met so far. The kinds of questions (ray_question,
-/// overlap_question, near_question, sweep_question) fill `found`, ordered, and set the rest.
+/// One question being answered: what it may see, and what it has found so far. The kinds of questions (ray_question,
+/// overlap_question, near_question, sweep_question) fill `found`, in order, and set the rest.
 struct Question {
   const Snapshot& snapshot;
   const Questions& asked;
   const std::vector<std::uint8_t>& allowed;      // by slot
   const std::vector<std::uint8_t>& open_scenes;  // by scene: every part of it may answer
-  std::vector<AnswerHit>& found;             // cleared by the kind
+  std::vector<AnswerHit>& found;             // each kind clears it first
   WalkCost walk = {};
   Level level = Level::filter;
   std::uint32_t exact_tests = 0;
   bool undecided = false;
+  // More hits than max_hits.
   bool truncated = false;
   bool timed_out = false;
 
-  /// Half of the error asked for is spent on numbers that are not sharpened, half on nearer things that are not looked
-  /// for: what lies nearer than the best found by less than this.
+  /// Half of the requested error goes to distances that are not refined, half to candidates that are not tested: those
+  /// nearer than the best hit by less than this, metres.
   double slack_m() const { return asked.error_m / 2; }
   bool allows(ObjectId id) const { return allowed[slot_of(id)] != 0; }
   bool allows_part(const StaticScene& scene, std::uint32_t part) const { return allows(scene.part_objects[part]); }
@@ -57,15 +58,16 @@ struct Question {
   }
 };
 
-/// Numbers as in Query.numbers; they have been checked.
+/// Each answers one question; numbers as in Query.numbers, already validated.
 void ask_ray(Question& question, const double* numbers);
-/// Up to kRaysAtOnce rays, their walks through the static scenes in turn; each answer as from ask_ray.
+/// Answers up to kRaysAtOnce rays, walking them through each static scene together; each answer is that of ask_ray.
 inline constexpr std::size_t kRaysAtOnce = 64;
 void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers);
 void ask_sphere(Question& question, const double* numbers);
 void ask_box(Question& question, const double* numbers);
 void ask_near(Question& question, const double* numbers);
-/// The first contact of asked.mover on its way: one hit, its distance the end of the time bracket, its exit the beginning.
+/// The first contact of asked.mover during its motion: one hit, its distance the end of the time bracket, its exit the
+/// beginning.
 void ask_sweep(Question& question, const double* numbers);
 
 }  // namespace collided::engine

@@ -6,7 +6,7 @@
 
 namespace collided::engine {
 
-// A question's numbers (Query.numbers in collided.idl), checked before, as the set that is asked about.
+// Turns a question's numbers (Query.numbers in collided.idl, already validated) into the shape that they describe.
 
 inline Vec3 point_of(const double* n) { return {n[0], n[1], n[2]}; }
 

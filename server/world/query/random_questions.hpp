@@ -10,16 +10,16 @@
 
 namespace collided::engine {
 
-/// Random questions about a place a tenth larger than a world. The same seed asks the same.
+/// Random questions about a region a tenth larger than the world. The same seed gives the same questions.
 class RandomQuestions {
  public:
   RandomQuestions(const Snapshot& snapshot, std::uint64_t seed);
 
-  /// False: the world is empty, and questions are about the origin.
+  /// False: the world is empty, and all questions are about the origin.
   bool has_world() const { return size_m_ >= 0; }
-  /// The diagonal of the world's bounds.
+  /// The diagonal of the world's bounds, metres; 0 for an empty world.
   double size_m() const { return std::max(size_m_, 0.0); }
-  /// The numbers of one question; endless rays and reaches, sizes up to a fiftieth of the diagonal.
+  /// The numbers of one question: rays and reaches without end, sizes up to a fiftieth of the diagonal.
   std::vector<double> question(QuestionKind kind);
 
  private:

@@ -1,3 +1,5 @@
+// Rays: walks the scenes and the grid for candidates, near to far, and decides each exactly.
+
 #include <array>
 #include <cmath>
 #include <type_traits>
@@ -14,29 +16,32 @@ namespace collided::engine {
 namespace {
 
 
-/// A ray on its way through the world. Scenes and movers share the limit, so that a near hit in one saves work in the
-/// others. Distances along the ray are s * |direction|; the walks want s.
+/// A ray's walk through the world. Scenes and movers share the limit, so that a near hit in one saves work in the
+/// others. Distances along the ray are s * |direction|; the walks use s.
 struct RayWalk {
-  Question& question;
+  Question& question;  // |direction|, from stable_length
   Ray ray;
   double direction_m = 0;  // |direction|, stable_length's
-  double limit = 0;        // in s, never below the best hit less the error asked for; below 0: nothing is sought
+  double limit = 0;        // in s; never below the best hit less half the allowed error; negative: the search is over
   Triangle best_triangle = {};
-  double best_error_m = 0;  // of the placed part alone: what is nearer is decided among placed ones
+  double best_error_m = 0;  // of the best hit before placing: placed parts are compared with each other
   bool best_is_triangle = false;
-  bool is_length_known = true;  // else the limit says nothing of the ray's length
+  bool is_length_known = true;  // else the limit does not bound the ray's length
 
   double rounded_up(double distance_m) const { return distance_m / direction_m * (1 + kFewSlack); }
   bool closest() const { return question.asked.mode == HitMode::closest; }
   bool over() const { return limit < 0; }
 
-  /// placing_m(): how far the part may be from where its pose has it, asked of what is kept.
+  /// Tests one part. placing_m() bounds how far the part may be from its exact pose; it is called only for hits that
+  /// are kept.
   template <class Part, class PlacingError>
   void test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m);
-  /// False: a nearer one is known.
+  /// Takes a hit. False: a nearer one is known.
   bool keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners);
+  // Adds the error of placing to the hit just kept.
   void widen(const RayHit& hit, double placing_m, const Triangle* corners);
   bool is_nearer(const AnswerHit& hit, const Triangle* corners) const;
+  // How a scene's tree may be walked: see Bvh::RayGoal.
   Bvh::RayGoal goal(std::size_t scene) const;
   void walk_scene(std::size_t scene);
   void walk_object(std::uint32_t slot);
@@ -47,7 +52,7 @@ struct RayWalk {
   void walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one);
 };
 
-/// Scenes are where they are.
+/// A scene's triangles are stored in world coordinates, so placing adds no error.
 constexpr auto kNotPlaced = [] { return 0.0; };
 
 template <class Part, class PlacingError>
@@ -71,7 +76,8 @@ void RayWalk::widen(const RayHit& hit, double placing_m, const Triangle* corners
   kept.point_error_m += along_m;
 }
 
-/// Intervals that do not meet decide; else two triangles are compared exactly; ties go by name and triangle.
+/// Intervals that do not overlap decide; else two triangles are compared exactly; ties go to the lower object, then
+/// triangle.
 bool RayWalk::is_nearer(const AnswerHit& hit, const Triangle* corners) const {
   const AnswerHit& best = question.found.front();
   if (hit.distance_m + hit.error_m < best.distance_m - best_error_m) return true;
@@ -112,7 +118,7 @@ bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, c
   return true;
 }
 
-/// Who hears of the candidates of one static scene.
+/// Takes the candidates of one static scene's walk.
 struct SceneWalk {
   RayWalk* walk;
   const StaticScene* scene;
@@ -123,15 +129,15 @@ struct SceneWalk {
     if (walk->question.allows(object)) walk->test(corners, object, triangle - scene->parts[part].first_triangle, kNotPlaced);
     return walk->limit;
   }
-  /// The triangle that meet_ray found: it has been told, or is sure and has not been.
+  /// Takes the triangle that meet_ray found; it may have been offered as a candidate already, or be certain without it.
   void meet(std::uint32_t triangle) const {
     if (triangle == Bvh::kNoTriangle || walk->over()) return;
     (*this)(triangle, scene->mesh.triangle(triangle), walk->limit);
   }
 };
 
-/// The walks that pass over triangles on their own account want to know that each may answer, that the nearest is the
-/// nearest to the last bit, and that what is sure in floats will be so in double.
+/// The walks that skip triangles on their own require that every triangle may answer, that the nearest hit is wanted to
+/// the last bit, and that whatever is certain in floats is certain in doubles.
 Bvh::RayGoal RayWalk::goal(std::size_t scene) const {
   const Questions& asked = question.asked;
   const bool is_plain = question.open_scenes[scene] != 0 && asked.highest == Level::rational && is_length_known;
@@ -152,7 +158,7 @@ void RayWalk::walk_scene(std::size_t index) {
   }
 }
 
-/// Calls test_one(number) for what an index in an object's frame says that the ray may meet.
+/// Calls test_one(number) for each candidate of an index in the object's frame.
 template <class Test>
 void RayWalk::walk_local(const Bvh& tree, double radius_m, std::size_t count, const Frame& frame, Test&& test_one) {
   const auto candidate = [&](std::uint32_t number, double) {
@@ -162,17 +168,17 @@ void RayWalk::walk_local(const Bvh& tree, double radius_m, std::size_t count, co
   const Vec3 away = ray.origin - frame.position;
   const Ray local{.origin = frame.rotation.transpose() * away, .direction = frame.rotation.transpose() * ray.direction};
   const double slack_m = placement_slack(frame, away.lpNorm<1>() + ray.origin.lpNorm<1>(), radius_m);
-  // Only a finite view of the ray can be walked; beyond it everything is a candidate.
+  // A ray that is not finite in this frame cannot be walked: then everything is a candidate.
   if (local.origin.allFinite() && local.direction.allFinite() && std::isfinite(slack_m)) {
-    // The limit is in s, which turning keeps up to the rounding of the matrix.
+    // The limit is in s, which a rotation preserves up to the rounding of its matrix.
     tree.walk_ray(local, limit * (1 + kChainSlack), slack_m, candidate, question.walk);
     return;
   }
   for (std::uint32_t i = 0; i < count && !over(); ++i) candidate(i, limit);
 }
 
-/// Of parts the tree knows bounds alone, which only its box walk asks for: the ray goes through in pieces, near to far,
-/// and what a piece shares with the one before has been tested.
+/// The tree of primitives knows bounds alone, which only its box walk uses: the ray is walked in pieces, near to far,
+/// and candidates shared with the previous piece are skipped.
 template <class Test>
 void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one) {
   constexpr int kPieces = 64;
@@ -181,7 +187,7 @@ void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Fra
   const Vec3 direction = frame.rotation.transpose() * ray.direction;
   const double reach_m = away.lpNorm<1>() + 2 * parts.radius_m;
   const double slack_m = 4 * placement_slack(frame, reach_m + ray.origin.lpNorm<1>(), parts.radius_m);
-  // Where the ray is nearer to the frame's origin than any part is far: about its nearest point.
+  // The stretch on which the ray is within radius_m of the frame's origin: about its nearest point.
   const double middle = -origin.dot(direction) / direction.squaredNorm();
   const double half = (parts.radius_m + slack_m) / direction.stableNorm() * (1 + 1e-9);
   const double first = std::max(0.0, middle - half - 1e-9 * std::abs(middle));
@@ -237,7 +243,7 @@ void RayWalk::walk_object(std::uint32_t slot) {
   });
 }
 
-/// Several hits: ordered, each triangle once (a clipped split may offer it twice), cut at the limit asked for.
+/// Orders several hits, drops duplicates (a split that clips triangles may offer one twice), and cuts at max_hits.
 void finish_all(Question& question) {
   std::vector<AnswerHit>& found = question.found;
   std::sort(found.begin(), found.end(), [&](const AnswerHit& a, const AnswerHit& b) { return question.nearer_first(a, b); });
@@ -257,7 +263,7 @@ RayWalk started(Question& question, const double* n) {
   RayWalk walk{.question = question, .ray = ray_of(n)};
   walk.direction_m = stable_length(walk.ray.direction);
   walk.limit = walk.rounded_up(n[6]);
-  // A length over a denormal direction may overflow: then there is no limit.
+  // A length divided by a denormal direction may overflow: then the walk has no limit.
   if (!std::isfinite(walk.limit)) {
     walk.limit = std::numeric_limits<double>::infinity();
     walk.is_length_known = std::isinf(n[6]);
@@ -290,7 +296,7 @@ void ask_ray(Question& question, const double* n) {
 
 namespace {
 
-/// The rays under way through one scene: in turn, but for the odd one whose goal is its own.
+/// Walks the rays through one scene together, except for those with a goal of their own.
 void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t index) {
   std::array<SceneWalk, kRaysAtOnce> candidates;
   std::array<Bvh::RayTask, kRaysAtOnce> tasks;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-/// Where the object may be by now, roundings included.
+/// The region in which the object may be by now, roundings included.
 Aabb region_of(const StaleObject& object, std::int64_t world_time_ns) {
   const std::int64_t age_ns = std::max<std::int64_t>(0, world_time_ns - object.posed_ns) + kAgeSlackNs;
   const double way_m = object.speed_mps * static_cast<double>(age_ns) * 1e-9;
@@ -24,7 +24,7 @@ Aabb region_of(const StaleObject& object, std::int64_t world_time_ns) {
   return grown(region, object.reach_m + way_m + kBoundSlack * slack_m);
 }
 
-/// How far along the ray the region begins at least; endless where the ray does not meet it.
+/// A lower bound on where along the ray the region begins, metres; infinite where the ray misses it.
 double entry_of(const Ray& ray, const Aabb& region) {
   double first = 0;
   double last = ray.length_m / ray.direction.norm();
@@ -40,7 +40,7 @@ double entry_of(const Ray& ray, const Aabb& region) {
     first = std::max(first, std::min(a, b));
     last = std::min(last, std::max(a, b));
   }
-  // A ray that misses by a rounding is taken to meet it.
+  // A ray that misses by a rounding counts as meeting the region.
   constexpr double kSlack = 0x1p-40;
   return first <= last * (1 + kSlack) ? first * ray.direction.norm() * (1 - kSlack) : kEndless;
 }
@@ -57,12 +57,12 @@ Aabb way_of(const ObjectInfo& mover, const double* n) {
   return grown(motion, reach_of(mover) * (1 + kBoundSlack));
 }
 
-/// Distance of the farthest hit that was told, endless where more would have been.
+/// The distance of the last hit of a full answer; infinite where the answer had room for more.
 double answered_up_to(const Questions& asked, std::span<const AnswerHit> hits) {
   return hits.size() < asked.max_hits ? kEndless : hits.back().distance_m + hits.back().error_m;
 }
 
-/// Whether something within the region could change this answer.
+/// Whether an object somewhere within the region could change this answer.
 bool could_change(const Questions& asked, const double* n, std::span<const AnswerHit> hits, const Aabb& region) {
   switch (asked.kind) {
     case QuestionKind::ray: {

@@ -1,3 +1,5 @@
+// The first contact of a shape that a client moves from pose to pose, against everything at rest.
+
 #include "server/world/objects/sweep.hpp"
 #include "server/world/query/question.hpp"
 #include "server/world/query/question_shapes.hpp"
@@ -5,18 +7,19 @@
 namespace collided::engine {
 namespace {
 
-/// As narrow as a way of a metre at a micrometre's resolution needs.
+/// Resolves a micrometre of a motion of one metre.
 constexpr double kAskedWidth = 1e-6;
 
+/// The frame of a pose's seven numbers: position, then quaternion (w, x, y, z).
 Frame frame_at(const double* n) {
   return frame_of({.position = point_of(n), .rotation = Quat(n[3], n[4], n[5], n[6]).normalized()});
 }
 
-/// What was met first by all that has been looked at.
+/// The earliest contact of all objects tested so far.
 struct First {
   AnswerHit hit;
   bool any = false;
-  double low = 1;  // nothing was met before
+  double low = 1;  // no contact in [0, low]
 
   void take(ObjectId object, std::uint32_t triangle, const SweptTouch& touch, std::uint8_t flags) {
     low = std::min(low, touch.bracket.low);
@@ -29,7 +32,7 @@ struct First {
   }
 };
 
-/// One sweep of all of a scene that may answer: its first contact is that of the scene.
+/// Sweeps against all of a scene that may answer at once: the first contact is the scene's.
 void meet_scene(Question& question, const SweptBody& body, const StaticScene& scene, First& first) {
   SweptTouch touch;
   const auto touch_of = [&](std::uint32_t triangle) {

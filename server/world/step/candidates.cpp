@@ -6,8 +6,9 @@
 namespace collided::engine {
 namespace {
 
-/// With fewer movers than one in so many objects, each asks the grid for its own pairs. All pairs at once are cheaper by
-/// the pair, but a hundred thousand resting objects in one place have five billion that nobody needs.
+/// With fewer query movers than one in this many objects, each queries the grid for its own pairs. Finding all pairs at
+/// once is cheaper per pair, but a hundred thousand resting objects in one place have five billion pairs that no
+/// decision needs.
 constexpr std::size_t kWalksForAllPairs = 16;
 
 }  // namespace
@@ -56,6 +57,7 @@ Candidates::QueryMovers Candidates::find_query_movers() const {
     const auto add = [&](std::uint32_t slot) {
       if (!rows_.has_moved(slot)) query_movers.slots.push_back(slot);
     };
+    // Objects with undecided time look for partners even if they did not move in this step.
     std::for_each(step_.motion.young().begin(), step_.motion.young().end(), add);
     const std::vector<std::uint32_t>& travelling = step_.motion.history().travelling();
     std::for_each(travelling.begin(), travelling.end(), add);
@@ -68,7 +70,8 @@ Candidates::QueryMovers Candidates::find_query_movers() const {
   return query_movers;
 }
 
-/// The pairs of one mover; those of two that both look are left to the lower slot. False: there is no room for more.
+/// Offers the pairs of one mover; a pair of two query movers is left to the lower slot. False: there is no room for
+/// more.
 bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_look) {
   const auto found = [&](std::uint32_t other) {
     const bool looks_too = rows_.info(other)->moving && (all_look || rows_.has_moved(other) || step_.motion.is_open(other));
@@ -78,7 +81,7 @@ bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_loo
   return !cost_.truncated;
 }
 
-/// False: there is no room for more, the search is over.
+/// Queues a pair and prefetches its data. False: there is no room for more, and the search ends.
 bool Candidates::wait_for(std::uint32_t first, std::uint32_t second) {
   for (const std::uint32_t slot : {first, second}) {
     const auto* ball = reinterpret_cast<const char*>(&step_.motion.ball(slot));
@@ -89,6 +92,7 @@ bool Candidates::wait_for(std::uint32_t first, std::uint32_t second) {
   return waiting_.count < Waiting::kSize || consider_waiting();
 }
 
+/// Offers the queued pairs; false as in wait_for().
 bool Candidates::consider_waiting() {
   const std::size_t count = std::exchange(waiting_.count, 0);
   for (std::size_t i = 0; i < count; ++i) {
@@ -97,6 +101,7 @@ bool Candidates::consider_waiting() {
   return true;
 }
 
+/// Decides a pair, unless neither side changed or a filter excludes it; false as in wait_for().
 bool Candidates::consider(std::uint32_t first, std::uint32_t second) {
   const bool on_common_time = step_.sources.need_common_time() && decisions_.are_on_common_time(first, second);
   if (!on_common_time && !rows_.has_moved(first) && !rows_.has_moved(second) && !step_.looks_at_all) return true;

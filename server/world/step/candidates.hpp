@@ -10,25 +10,25 @@
 
 namespace collided::engine {
 
-/// The candidates of one step: everything that may meet by the bounds of its motion is offered to the decisions, once.
+/// The candidates of one step: offers each pair whose motions may meet by their bounds to the decisions, once.
 class Candidates {
  public:
   Candidates(const StepView& step, Decisions& decisions, StepCost& cost)
       : step_(step), rows_(step.rows), decisions_(decisions), cost_(cost) {}
 
-  /// Movers against the scenes.
+  /// Offers movers and static scenes.
   void decide_scenes();
-  /// Objects against each other; the grid is over the motion's bounds.
+  /// Offers pairs of objects; the grid must be built over the motions' bounds.
   void decide_pairs(const Grid& grid);
 
  private:
-  /// Movers such that each pair to be tested has one of them: those that moved, or all of them where something that does
-  /// not move was placed.
+  /// Movers such that every pair to be tested contains one of them: those that moved, or all of them where something
+  /// was placed that does not move.
   struct QueryMovers {
     std::vector<std::uint32_t> slots;
     bool all = false;
   };
-  /// Candidates that wait while what their first test needs comes from memory: neighbours in space are strangers there.
+  /// Candidates whose data is being prefetched: objects that are neighbours in space are far apart in memory.
   struct Waiting {
     static constexpr std::size_t kSize = 32;
     std::array<std::pair<std::uint32_t, std::uint32_t>, kSize> pairs;

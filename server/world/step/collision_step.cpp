@@ -13,13 +13,13 @@ std::int64_t now_ns() {
       .count();
 }
 
-/// Contacts of removed objects end before anything else is looked at: their slots may be used again from now on.
+/// Contacts of removed objects end before anything else, since their slots may be reused from now on.
 void end_removed(std::vector<std::pair<ObjectId, EndReason>>& removed, ContactLedger& ledger) {
   for (const auto& [id, reason] : removed) ledger.end_object(id, reason);
   removed.clear();
 }
 
-/// What is found again is decided at once, moved or not.
+/// A lost object's contacts turn into doubts; one found again is tested in this step, moved or not.
 void note_lost(World::State& s) {
   for (const auto& [id, is_lost] : s.lost) {
     if (is_lost) {
@@ -32,8 +32,8 @@ void note_lost(World::State& s) {
   s.lost.clear();
 }
 
-/// The grid holds each mover's whole way since its last pose, so that pairs that met on the way are candidates. While
-/// nothing moves, the one of the state before serves.
+/// The grid holds each mover's whole motion since its last pose, so that pairs that met on the way are candidates.
+/// While nothing moves, the last snapshot's grid is shared.
 void index_motion(const StepMotion& motion, const Snapshot& current, bool has_open, std::shared_ptr<Grid>& grid) {
   if (!has_open && current.grid) {
     grid = current.grid;
@@ -55,7 +55,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   ++s.step_count;
   s.cost = {.moved = static_cast<std::uint32_t>(s.rows.moved().size())};
 
-  // Ingest: what came since the last step ends contacts and goes to the snapshot.
+  // Ingest: what came since the last step ends contacts and goes into the snapshot.
   s.ledger.begin_step(world_time_ns, step_options.persisted);
   end_removed(s.removed, s.ledger);
   note_lost(s);
@@ -65,13 +65,13 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   s.memory.note({s.rows, s.sources, s.scenes, s.stale_objects, *next});
   const std::int64_t updated = now_ns();
 
-  // Motion, and candidates by its bounds.
+  // Motion, and the index over its bounds.
   s.motion.begin_step(s.sources, s.apart);
   const bool has_open = !s.rows.moved().empty() || s.motion.is_any_open();
   index_motion(s.motion, s.ring.current(), has_open, next->grid);
   const std::int64_t indexed = now_ns();
 
-  // Decisions, into the ledger.
+  // Decisions, written to the ledger.
   if (has_open) {
     s.decide({s.rows, s.motion, s.sources, s.scenes, s.options, step_options, world_time_ns, s.looks_at_all}, *next->grid);
     if (step_options.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
@@ -111,6 +111,7 @@ void World::State::decide(const StepView& step, const Grid& grid) {
   Candidates candidates(step, decisions, cost);
   candidates.decide_scenes();
   if (!cost.truncated) candidates.decide_pairs(grid);
+  // The search was cut short: contacts it did not reach must still be confirmed or ended.
   if (cost.truncated) decisions.decide_open();
   decisions.end_parted(last_step_ns);
 }

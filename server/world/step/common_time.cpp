@@ -1,3 +1,6 @@
+// Pairs whose objects are known up to different times: decided on the time known of both, piece by piece, independent
+// of how that time was spread over steps.
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,21 +12,22 @@ namespace collided::engine {
 namespace {
 
 
-/// Looks at parts that the sweep of one piece may take.
+/// Tests of pairs of parts that the sweep of one piece may take.
 constexpr std::uint32_t kSweepLooks = 10'000;
-/// Of brackets: told times are whole nanoseconds. A contact that is much shorter comes out undecided.
+/// Width of brackets: reported times are whole nanoseconds. A contact that is much shorter comes out undecided.
 constexpr double kSweepWidth_s = 1e-9;
-/// Of where things are between two poses: a few roundings of the coordinates.
+/// Relative error of where objects are between two poses: a few roundings of the coordinates.
 constexpr double kPlaceSlack = 0x1p-49;
 
 bool rests(const BodyMotion& path) { return path.turn_rad == 0 && path.from.position == path.to.position; }
 
+/// The same piece with time reversed.
 PairPiece turned_back(const PairPiece& piece) {
   return {.a = piece.a, .b = piece.b, .from_ns = piece.from_ns, .to_ns = piece.to_ns,
           .a_motion = {piece.a_motion.to, piece.a_motion.from}, .b_motion = {piece.b_motion.to, piece.b_motion.from}};
 }
 
-/// Of the object's point that is there at that time; who is on no way rests.
+/// The velocity of the object's point that is at `point` at that time; an object without a segment rests.
 BodyMotion::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& point, std::int64_t time_ns, double slack_s) {
   if (segment == nullptr) return {};
   const double length_ns = static_cast<double>(segment->to_ns - segment->from_ns);
@@ -39,7 +43,7 @@ bool Decisions::are_on_common_time(std::uint32_t first, std::uint32_t second) co
   if (!sources.need_common_time() || source == Sources::kResting || rows_.source(second) == Sources::kResting) return false;
   if (source != rows_.source(second) || sources[source].is_streamed) return true;
   if (!sources[source].has_spoken) return false;
-  // Of one publisher: what it moved at one instant goes together, and nothing else does.
+  // Two objects of one publisher: what it moved at one instant shares its motion, and only that.
   if (!rows_.is_posed(first) || !rows_.is_posed(second)) return rows_.is_posed(first) || rows_.is_posed(second);
   const auto has_own_motion = [&](std::uint32_t slot) {
     const ObjectRow& row = rows_[slot];
@@ -59,13 +63,14 @@ PairWindow Decisions::window_of(std::uint32_t first, std::uint32_t second) const
     const ObjectRow& row = rows_[slot];
     return step_.sources[rows_.source(slot)].settled_of(rows_.is_posed(slot) ? row.said_before_ns : row.posed_ns);
   };
-  // What one publisher moved at its instants since the last step is all there, wherever the others are.
+  // What one publisher moved since the last step is complete for its own pairs, however far other publishers are.
   const std::uint32_t source = rows_.source(first);
   const bool needs_memory = source != rows_.source(second) || step_.sources[source].is_streamed;
   const std::int64_t floor_ns = needs_memory ? step_.sources.floor_ns() : 0;
   const std::int64_t decided_ns = std::min(settled_ns(first), settled_ns(second));
   const std::int64_t from_ns = std::max({decided_ns, rows_[first].born_ns, rows_[second].born_ns, floor_ns});
-  // Where nothing joins what is decided the pair begins, however many steps ago both came to be.
+  // Where the window does not continue the decided time, the pair begins anew, however many steps ago both objects
+  // came.
   const bool begins = from_ns > decided_ns || rows_.is_new(first) || rows_.is_new(second) || step_.looks_at_all;
   return {.decided_ns = decided_ns,
           .from_ns = from_ns,
@@ -73,8 +78,8 @@ PairWindow Decisions::window_of(std::uint32_t first, std::uint32_t second) const
           .is_closed = begins};
 }
 
-/// Where pieces end: at the poses of both, and at the instants of both publishers, whoever moved then. So they do not hang
-/// on what has come when.
+/// Cuts the window into pieces: at the poses of both objects and at all instants of both publishers, whichever objects
+/// moved then. So the pieces do not depend on when messages arrived.
 void Decisions::cut(std::uint32_t first, std::uint32_t second, const PairWindow& window) {
   std::vector<std::int64_t>& cuts = lists_.cuts;
   cuts.assign(1, window.to_ns);
@@ -107,7 +112,7 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   const bool are_balls = rows_[first].lone_sphere && rows_[second].lone_sphere;
   bool is_open = ledger_.is_open(rows_.info(first)->id, rows_.info(second)->id);
   for (const std::int64_t to_ns : lists_.cuts) {
-    // Most pieces of most candidates, told from what two centres do.
+    // Two spheres: their centres alone rule out most pieces of most candidates.
     if (is_open || !are_balls || !balls_stay_apart(first, second, from_ns, to_ns)) {
       is_open = decide_piece({.a = first, .b = second, .from_ns = from_ns, .to_ns = to_ns,
                               .a_motion = history.motion(first, from_ns, to_ns, rows_[first].frame),
@@ -121,8 +126,8 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   }
 }
 
-/// What held goes on, parts or is in doubt, which is no parting; else it begins on the way or does not. True: it holds or is
-/// in doubt.
+/// A contact that holds continues, ends, or is in doubt, which does not end it; otherwise one begins within the piece
+/// or does not. True: the pair holds or is in doubt.
 bool Decisions::decide_piece(const PairPiece& piece) {
   const ObjectId a = rows_.info(piece.a)->id;
   const ObjectId b = rows_.info(piece.b)->id;
@@ -151,7 +156,7 @@ bool Decisions::decide_piece(const PairPiece& piece) {
   return ledger_.is_open(a, b);
 }
 
-/// Neither found to touch nor to be apart: at the piece's end, or on the way there; or a doubt is over.
+/// The pair was found neither to touch nor to be apart, at the piece's end or within it; or an earlier doubt is over.
 void Decisions::doubt_piece(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep) {
   FoundContact found{.a = rows_.info(piece.a)->id,
                      .b = rows_.info(piece.b)->id,
@@ -169,11 +174,12 @@ void Decisions::doubt_piece(const PairPiece& piece, const ContactSearch& touch, 
   }
 }
 
+/// A contact begins within the piece; if it is apart at the end, it also ends there.
 void Decisions::begin_on_way(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep) {
   ++cost_.contacts;
   const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact.normal);
   if (touch.yes || touch.undecided) {
-    // What has touched holds until it is known to be apart.
+    // Once touching, a pair holds until it is known to be apart.
     FoundContact found = touch.yes ? found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1)
                                    : found_at(piece, sweep.a_triangle, sweep.b_triangle, sweep.contact, sweep.bracket.high);
     found.bracket_low_s = first.low_s;
@@ -190,7 +196,7 @@ void Decisions::begin_on_way(const PairPiece& piece, const ContactSearch& touch,
   ledger_.touched_and_parted(found);
 }
 
-/// The last contact of the piece is the first one of the way back.
+/// When the pair parted: the piece's last contact is the first one of the reversed motion.
 ContactEnd Decisions::parting(const PairPiece& piece) {
   const SweptTouch back = sweep_piece(turned_back(piece));
   const TimeBracket bracket = back.yes ? TimeBracket{1 - back.bracket.high, 1 - back.bracket.low} : TimeBracket{0, 1};
@@ -198,7 +204,8 @@ ContactEnd Decisions::parting(const PairPiece& piece) {
   return {.reason = EndReason::separated, .bracket_low_s = found.low_s, .bracket_high_s = found.high_s};
 }
 
-/// In whole nanoseconds, outwards, and wider by what the roundings of both places come to along the normal.
+/// In whole nanoseconds, rounded outward, and widened by how long the rounding of both positions takes along the
+/// normal.
 Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const {
   const double length_ns = static_cast<double>(piece.to_ns - piece.from_ns);
   double place_m = 0;
@@ -214,12 +221,12 @@ Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const Time
           .high_s = seconds_ago(piece.from_ns + static_cast<std::int64_t>(std::ceil(high)) + error_ns)};
 }
 
-/// Objects of one publisher have one clock.
+/// Objects of one publisher share one clock.
 std::int64_t Decisions::clock_error_ns(std::uint32_t a, std::uint32_t b) const {
   return rows_.source(a) == rows_.source(b) ? 0 : step_.options.clock_error_ns;
 }
 
-/// What held when the memory ended, and does not where it goes on, parted in between.
+/// A contact that held when the known time ended, and does not hold where it continues, parted in between.
 void Decisions::begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window) {
   const ContactEnd parted{.reason = EndReason::separated,
                           .bracket_low_s = seconds_ago(window.decided_ns),
@@ -227,7 +234,7 @@ void Decisions::begin_window(std::uint32_t first, std::uint32_t second, const Pa
   decide_instant(first, second, window.from_ns, parted);
 }
 
-/// At the newest instant of both, whether or not they have moved since it was decided.
+/// Decides at the newest instant known of both, even if neither moved since the last decision.
 void Decisions::decide_where_known(std::uint32_t first, std::uint32_t second) {
   if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
   const std::int64_t time_ns = window_of(first, second).to_ns;
@@ -235,7 +242,8 @@ void Decisions::decide_where_known(std::uint32_t first, std::uint32_t second) {
   decide_instant(first, second, time_ns, {EndReason::separated, at_s, at_s});
 }
 
-/// parted: how a contact is over that held until then.
+/// Decides whether the two touch at one instant. parted: how a contact ends that held until then. True: the pair holds
+/// or is in doubt.
 bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted) {
   const MotionHistory& history = step_.motion.history();
   const PairPiece instant{.a = a, .b = b, .from_ns = time_ns, .to_ns = time_ns,
@@ -258,6 +266,7 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
   return ledger_.is_open(rows_.info(a)->id, rows_.info(b)->id);
 }
 
+/// Tests the two objects at the end of the piece.
 ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
@@ -271,7 +280,8 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece) {
   return touch;
 }
 
-/// A sphere against what does not turn is swept along the one's way as seen from the other, exactly.
+/// The first contact within a piece. A sphere against an object that does not rotate is swept exactly along its motion
+/// relative to the other; all else by the general sweep.
 SweptTouch Decisions::sweep_piece(const PairPiece& piece) {
   if (piece.b_motion.turn_rad == 0) {
     if (const std::optional<SweptTouch> found = sweep_sphere_piece(piece, true)) return *found;
@@ -289,6 +299,7 @@ SweptTouch Decisions::sweep_piece(const PairPiece& piece) {
   return touch;
 }
 
+/// The exact sweep of one object's sphere against the other; nothing where that object is no lone sphere.
 std::optional<SweptTouch> Decisions::sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere) {
   const std::uint32_t other = a_is_sphere ? piece.b : piece.a;
   const BodyMotion& path = a_is_sphere ? piece.a_motion : piece.b_motion;
@@ -305,6 +316,7 @@ std::optional<SweptTouch> Decisions::sweep_sphere_piece(const PairPiece& piece, 
   return sweep.found;
 }
 
+/// Two lone spheres certainly do not meet in this time, judged from their centres alone.
 bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const {
   const MotionHistory& history = step_.motion.history();
   const Sphere& ball = *rows_[a].lone_sphere;
@@ -315,12 +327,13 @@ bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t 
                               {.center = others.to, .radius_m = other.radius_m});
 }
 
+/// The bounds of the two motions do not overlap.
 bool Decisions::surely_stay_apart(const PairPiece& piece) const {
   return !overlaps(bounds(*rows_.info(piece.a), piece.a_motion, rows_[piece.a].reach_m),
                    bounds(*rows_.info(piece.b), piece.b_motion, rows_[piece.b].reach_m));
 }
 
-/// Between two places an object is placed no worse than at the farther one, but for what its motion is off.
+/// The error of placing both anywhere in the piece: at most that of the worse end, plus the motion's own error.
 double Decisions::placing_error_on(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle) const {
   const auto at = [&](const Frame& frame_a, const Frame& frame_b) {
     Placed a = placed(piece.a);
@@ -333,7 +346,7 @@ double Decisions::placing_error_on(const PairPiece& piece, std::uint32_t a_trian
   return std::max(at(piece.a_motion.from, piece.b_motion.from), at(piece.a_motion.to, piece.b_motion.to)) + motion_m;
 }
 
-/// Whole brackets of an instant; those of a piece are set by who knows them.
+/// The contact at a fraction of the piece, bracketed by the whole piece; callers who know a narrower bracket set it.
 FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
                                  const Contact& contact, double time) const {
   const std::int64_t time_ns = piece.from_ns + std::llround(time * static_cast<double>(piece.to_ns - piece.from_ns));
@@ -354,7 +367,7 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
   return found;
 }
 
-/// There is room for one contact more; else the search is cut short.
+/// There is room for one more contact; else the search is marked as cut short.
 bool Decisions::may_begin() {
   cost_.truncated = cost_.truncated || ledger_.open().size() >= step_.options.max_contacts;
   return !cost_.truncated;

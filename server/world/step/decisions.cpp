@@ -11,7 +11,7 @@ namespace collided::engine {
 namespace {
 
 
-/// A step tests so many candidates for each contact that it may find: shapes that are apart cost time, never memory.
+/// Candidates that a step may test per contact that it may find: pairs that are apart cost time, but never memory.
 constexpr std::uint64_t kCandidatesAContact = 16;
 
 }  // namespace
@@ -61,7 +61,7 @@ void Decisions::end_parted(std::int64_t last_step_ns) {
   ledger_.end_unfound(end_of);
 }
 
-/// Contacts on common time whose objects' bounds no longer meet.
+/// Decides the contacts on common time whose objects' bounds no longer meet.
 void Decisions::decide_unfound() {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound;
   for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
@@ -85,7 +85,8 @@ bool Decisions::is_timed(std::uint32_t slot) const {
   return source != Sources::kResting && step_.sources[source].is_timed;
 }
 
-/// For contacts first, for the time between: began now, began and parted on the way, or nothing new.
+/// Sends one pair's finding to the ledger: a contact that begins or continues, one that began and ended within the
+/// step, or nothing new.
 void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover) {
   if (sweep != nullptr) {
     ++cost_.swept;
@@ -94,11 +95,11 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   }
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   const bool is_held = ledger_.holds(std::min(a, b), std::max(a, b));
-  // What has touched holds until it is known to be apart.
+  // Once touching, a pair holds until it is known to be apart.
   const bool passed = sweep != nullptr && sweep->yes && !touch.yes && !(touch.undecided && !is_held);
   const bool holds_on = sweep != nullptr && sweep->yes && !touch.yes && !passed;
   if (!touch.yes && !passed && !holds_on) return report_doubt(a, b, touch, sweep, mover);
-  // Those that hold take their room, whether this search has come to them yet or not.
+  // Contacts that hold take their room, whether this search has reached them yet or not.
   if (!is_held && !passed && ledger_.open().size() >= step_.options.max_contacts) cost_.truncated = true;
   if (cost_.truncated && !is_held) return;
   ++cost_.contacts;
@@ -131,7 +132,7 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   }
 }
 
-/// Neither found to touch nor to be apart: at the step's end, or on the way there.
+/// The pair was found neither to touch nor to be apart, at the step's end or on the way there.
 void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover) {
   FoundContact found{.a = std::min(a, b), .b = std::max(a, b), .contact = {}};
   const bool is_on_way = sweep != nullptr && sweep->undecided && !ledger_.is_open(found.a, found.b);
@@ -143,8 +144,8 @@ void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch,
   else if (may_begin()) ledger_.doubted_and_parted(found, sweep->is_cut_short ? Doubt::cost_limit : Doubt::numeric);
 }
 
-/// In nanoseconds where the publisher's instants are known: the same whatever step they come in. From the way of the swept mover
-/// where its contact is timed, else from all that the two did in this step.
+/// Sets when a contact began: from the swept mover's motion where the sweep found a time, else from all that the two
+/// did in this step. Exact to the nanosecond where the publisher gives instants, so it does not depend on the steps.
 void Decisions::set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const {
   const ObjectRow& row = rows_[mover];
   const std::int64_t motion_ns = rows_.motion(mover) == Motion::moved ? row.posed_ns - row.posed_before_ns : 0;
@@ -161,10 +162,11 @@ void Decisions::set_bracket(FoundContact& found, const SweptTouch* sweep, std::u
     found.bracket_high_s = std::max(0.0, end_s + motion_s * (1 - sweep->bracket.high));
   }
   if (is_timed(mover)) found.parted_high_s = seconds_ago(row.posed_ns);
-  // It parted some time between the first contact and the end.
+  // The two parted some time between the first contact and the end.
   found.parted_low_s = found.bracket_high_s;
 }
 
+/// Brackets the contact by the motions of both objects in this step.
 void Decisions::set_bracket_of_moves(FoundContact& found) const {
   std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();
   std::int64_t placed_ns = std::numeric_limits<std::int64_t>::min();
@@ -174,12 +176,12 @@ void Decisions::set_bracket_of_moves(FoundContact& found) const {
     const Motion motion = rows_.motion(slot);
     if (motion == Motion::none) continue;
     const ObjectRow& row = rows_[slot];
-    // What is new, or static and so without a time, is there from this step on and touches from then on.
+    // An object without a time, new or static, exists from this step on and touches from then on.
     if (row.posed_ns == 0) return;
     if (motion == Motion::moved) {
       first_ns = std::min(first_ns, row.posed_before_ns);
     } else {
-      placed_ns = std::max(placed_ns, row.posed_ns);  // nothing touched it before it was there
+      placed_ns = std::max(placed_ns, row.posed_ns);  // nothing touched the object before it was there
     }
     last_ns = std::max(last_ns, row.posed_ns);
     all_timed = all_timed && is_timed(slot);
@@ -191,13 +193,13 @@ void Decisions::set_bracket_of_moves(FoundContact& found) const {
   found.bracket_high_s = std::clamp(found.bracket_high_s, 0.0, found.bracket_low_s);
 }
 
-/// Of the object's point that is there at that time of its last way, m/s.
+/// The velocity of the object's point that is at `point` at a fraction of its last motion, m/s.
 BodyMotion::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_t slot, double time, double slack_s) const {
   const ObjectRow& row = rows_[slot];
   const std::int64_t motion_ns = row.posed_ns - row.posed_before_ns;
   if (!row.has_motion || motion_ns <= 0 || row.posed_before_ns == kPosedAtStep) return {};
-  // Who is left out of its publisher's instant rests. Who comes without instants is still under way for as long again as
-  // its last way took.
+  // An object that its publisher's instant does not name rests. One without instants counts as moving on for as long
+  // again as its last motion took.
   if (!rows_.has_moved(slot) && is_timed(slot)) return {};
   if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > motion_ns) return {};
   const BodyMotion path(row.frame_before, row.frame);

@@ -16,7 +16,7 @@
 
 namespace collided::engine {
 
-/// What a step goes by when it decides; nothing of it changes meanwhile.
+/// What a step reads while it decides; none of it changes meanwhile.
 struct StepView {
   const ObjectRows& rows;
   const StepMotion& motion;
@@ -25,25 +25,26 @@ struct StepView {
   const WorldOptions& options;
   StepOptions step_options;
   std::int64_t world_time_ns;
-  bool looks_at_all;  // pairs that rest are looked at as well: the last search was cut short
+  bool looks_at_all;  // test pairs at rest as well, since the last search was cut short
 };
 
-/// The first contact of a mover with a part of a static scene on its way.
+/// The first contact of a mover with one part of a static scene during its motion.
 struct PartSweep {
   std::uint32_t part = 0;
   SweptTouch touch;
 };
 
-/// Lists whose memory goes from step to step.
+/// Lists reused from step to step, so that deciding does not allocate.
 struct DecisionLists {
   PartTouches part_touches{true};
   std::vector<PartSweep> part_sweeps;
   std::vector<std::int64_t> cuts;
 };
 
-/// The time in which a pair is decided: after from_ns, up to to_ns; the instant from_ns as well where it is closed.
+/// The time in which a pair is decided: (from_ns, to_ns], and from_ns itself where is_closed. World time.
 struct PairWindow {
-  std::int64_t decided_ns = 0;  // what the steps before have decided ends here; before from_ns: the rest never is
+  // end of the time that earlier steps decided; the time between it and from_ns stays undecided
+  std::int64_t decided_ns = 0;
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
   bool is_closed = false;
@@ -51,7 +52,7 @@ struct PairWindow {
   bool is_empty() const { return is_closed ? to_ns < from_ns : to_ns <= from_ns; }
 };
 
-/// Two objects in a piece of time in which both go straight and turn evenly.
+/// Two objects in a piece of time in which both move straight and rotate evenly.
 struct PairPiece {
   std::uint32_t a = 0;  // lower id
   std::uint32_t b = 0;
@@ -61,32 +62,34 @@ struct PairPiece {
   BodyMotion b_motion;
 };
 
-/// The decisions of one step: each candidate's contact at the end of the step, and on the way there, goes to the ledger.
+/// The decisions of one step: sends each candidate's contact, at the end of the step and on the way there, to the
+/// ledger.
 class Decisions {
  public:
   Decisions(const StepView& step, ContactLedger& ledger, SeparationCache& apart, DecisionLists& lists, StepCost& cost)
       : step_(step), rows_(step.rows), motion_(step.motion), ledger_(ledger), apart_(apart), lists_(lists), cost_(cost) {}
 
-  /// A mover against a scene (by number), all parts of it.
+  /// Decides a mover against all parts of a scene.
   void decide_scene(std::uint32_t mover, std::size_t scene_number);
-  /// Two objects, of which one moves at least, of layers that meet.
+  /// Decides two objects, of which at least one moves and whose filters let them meet.
   void decide_pair(std::uint32_t first, std::uint32_t second);
-  /// A search that was cut short says nothing about contacts that it did not come to: each is decided by itself.
+  /// After a search that was cut short: decides each open contact that the search did not reach.
   void decide_open();
-  /// A contact that was not found again although one of the two moved is over.
+  /// Ends each contact that was not found again although one of its objects moved.
   void end_parted(std::int64_t last_step_ns);
-  /// Whether the two are known up to different times, or moved at different ones; else they are decided at the step's end.
+  /// Whether the two are known up to different times, or moved at different ones; else they are decided at the step's
+  /// end.
   bool are_on_common_time(std::uint32_t first, std::uint32_t second) const;
-  /// Two such objects, on all time that is newly known of both, in pieces that end at the poses of both: the same for
-  /// whatever steps it comes in.
+  /// Decides two such objects on all time newly known of both, in pieces that end at the poses of both: the same result
+  /// whatever steps deliver that time.
   void decide_on_common_time(std::uint32_t first, std::uint32_t second);
-  /// Two balls that certainly do not meet on their ways: most candidates, told from what lies in one place.
+  /// Two lone spheres certainly do not meet during their motions. Filters most candidates from one compact array.
   bool stay_apart(std::uint32_t first, std::uint32_t second) const;
-  /// Another pair may be tested, and found.
+  /// One more pair may be tested, and found.
   bool has_room() const;
 
  private:
-  // decisions.cpp: from what is found to the ledger
+  // decisions.cpp: turns findings into calls of the ledger
   void report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover);
   void report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptTouch* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const SweptTouch* sweep, std::uint32_t mover) const;
@@ -129,7 +132,7 @@ class Decisions {
   FoundContact found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
                         const Contact& contact, double time) const;
   struct PieceBracket {
-    double low_s = 0;  // before the step's world time
+    double low_s = 0;  // seconds before the step's world time
     double high_s = 0;
   };
   PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
@@ -137,7 +140,7 @@ class Decisions {
   bool may_begin();
   void doubt_piece(const PairPiece& piece, const ContactSearch& touch, const SweptTouch& sweep);
 
-  // kept_apart.cpp: meshes that need no test for a while
+  // kept_apart.cpp: pairs of meshes that need no test for a while
   double gap_wanted_m(std::uint32_t slot) const;
   void look_for_gap(std::uint32_t first, std::uint32_t second);
   void look_for_gap(std::uint32_t mover, const StaticScene& scene, std::uint32_t partner);
@@ -147,7 +150,7 @@ class Decisions {
   Placed placed(std::uint32_t slot) const {
     return {.info = rows_.info(slot), .frame = &rows_[slot].frame, .bounds = rows_[slot].bounds};
   }
-  /// A scene's number where SeparationCache wants a slot.
+  /// A number for the scene where SeparationCache takes a slot; counts down from the highest.
   static std::uint32_t partner_of(std::size_t scene) {
     return kNoTriangle - static_cast<std::uint32_t>(scene);
   }

@@ -16,7 +16,7 @@ using kernel::Convex;
 
 constexpr std::size_t kMostPrimitives = 16;
 constexpr std::size_t kMostContacts = 64;
-/// Of unit normals: nearer than that they are one, and up to that beyond a right angle they do not oppose each other.
+/// For unit normals: closer than this they are the same; up to this beyond a right angle they do not oppose each other.
 constexpr double kSameNormal = 1e-12;
 
 bool has_faces(const Primitive& primitive) {
@@ -30,13 +30,14 @@ bool has_faces(const ObjectInfo& info) {
          std::any_of(info.primitives.begin(), info.primitives.end(), [](const Primitive& p) { return has_faces(p); });
 }
 
-/// A contact as one of its two bodies, the mover, has it.
+/// A contact seen from one of its two bodies, the mover.
 struct Side {
   ObjectId mover = 0;
-  std::size_t number = 0;  // of the open contact
+  std::size_t number = 0;  // index of the open contact
   ObjectId body = 0;       // the other one
   std::uint32_t triangle = kNoTriangle;
-  Vec3 normal = Vec3::Zero();  // from the mover
+  Vec3 normal = Vec3::Zero();  // from the mover to the body
+  // Another contact's normal separates the mover from this body too.
   bool is_covered = false;
 };
 
@@ -66,7 +67,7 @@ class Correction {
     for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
       const OpenContact& open = ledger_.open()[i];
       if (open.doubt != Doubt::none) continue;  // it has no normal
-      // Most contacts of a large world are of two balls, and that is told from what the step has just read.
+      // Most contacts of a large world are between two balls, which is visible in rows that the step has just read.
       if (rows_[slot_of(open.a)].lone_sphere && rows_[slot_of(open.b)].lone_sphere) continue;
       const ObjectInfo& a = info(open.a);
       const ObjectInfo& b = info(open.b);
@@ -91,7 +92,8 @@ class Correction {
     }
   }
 
-  /// Of the contacts that stand for themselves, the one whose normal is nearest; null where one has the same.
+  /// The uncovered contact whose normal is closest and covers this one; null where an uncovered one has the same
+  /// normal.
   const Side* face_for(const Side& side, std::size_t first, std::size_t end) const {
     const Side* best = nullptr;
     for (std::size_t k = first; k < end; ++k) {
@@ -106,7 +108,7 @@ class Correction {
 
   static bool is_same(const Side& a, const Side& b) { return a.normal.dot(b.normal) >= 1 - kSameNormal; }
 
-  /// Along the one's normal the other body comes no nearer to the mover.
+  /// Along the first contact's normal, the other body comes no nearer to the mover.
   bool covers(const Side& one, const Side& other) const {
     if (one.normal.dot(other.normal) < -kSameNormal) return false;
     const Vec3 towards = -one.normal;
@@ -126,7 +128,7 @@ class Correction {
     return std::isfinite(slack_m) ? slack_m : 0;
   }
 
-  /// How far the touched part of the side's body reaches.
+  /// How far the touched part of the side's body reaches along a direction, from the origin.
   Bounded reach_of(const Side& side, const Vec3& along, const Vec3& origin) const {
     if (const std::optional<Triangle> triangle = touched_triangle(side)) {
       return kernel::reach_value(Convex(*triangle), along, +1, origin);
@@ -143,7 +145,7 @@ class Correction {
   static Bounded reach_of(const Shape& shape, const Vec3& along, const Vec3& origin) {
     return kernel::reach_value(Convex(shape), along, +1, origin);
   }
-  /// Endless but along its own normal.
+  /// A half-space is infinite in every direction but its own normal.
   static Bounded reach_of(const HalfSpace& half_space, const Vec3& along, const Vec3& origin) {
     if (kernel::unit(half_space.normal) != along) return Bounded(std::numeric_limits<double>::infinity());
     return kernel::reach_value(Convex(Sphere{half_space.point, 0}), along, +1, origin);
@@ -164,7 +166,7 @@ class Correction {
     const OpenContact& open = ledger_.open()[side.number];
     const Contact& face = ledger_.open()[from.number].contact;
     const Vec3 towards = -from.normal;
-    // The mover reaches as far along the normal in both contacts.
+    // The mover's extent along the normal is the same in both contacts, so the depths differ by the bodies' extents.
     const Bounded depth = Bounded(face.depth_m, face.depth_error_m) +
                           (reach_of(side, towards, face.point) - reach_of(from, towards, face.point));
     Contact surface = open.contact;
@@ -177,7 +179,7 @@ class Correction {
   const ObjectRows& rows_;
   const std::vector<std::shared_ptr<const StaticScene>>& scenes_;
   ContactLedger& ledger_;
-  // Their memory goes from step to step.
+  // Reused from step to step.
   static thread_local std::vector<Side> sides_;
   static thread_local std::vector<std::pair<std::size_t, Contact>> corrected_;
 };

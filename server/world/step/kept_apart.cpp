@@ -4,12 +4,12 @@
 namespace collided::engine {
 namespace {
 
-/// A gap is looked for that is used up after so many steps like this one, so that looking for it pays.
+/// Searches for a gap that lasts for this many steps like the present one: a smaller one would not repay the search.
 constexpr double kGapInSteps = 16;
 
 }  // namespace
 
-/// Of both together; not where one of them does not go on as it went.
+/// Of one object: 0 where it has no motion to extrapolate.
 double Decisions::gap_wanted_m(std::uint32_t slot) const {
   return kGapInSteps * motion_.longest_displacement_m(slot, rows_.info(slot)->mesh->radius_m);
 }

@@ -1,3 +1,5 @@
+// Pairs of objects at the step's end: their contact there, and the first one on the way.
+
 #include <algorithm>
 #include <utility>
 
@@ -7,7 +9,7 @@
 namespace collided::engine {
 namespace {
 
-/// Looks at parts that the sweep of one pair may take: some 20 ms, that the others wait for.
+/// Tests of pairs of parts that the sweep of one pair may take: some 20 ms, during which all other pairs wait.
 constexpr std::uint32_t kSweepLooks = 10'000;
 
 }  // namespace
@@ -41,8 +43,7 @@ SweepOptions Decisions::sweep_options(std::uint32_t mover) const {
           .most_looks = kSweepLooks};
 }
 
-/// Two balls that certainly do not meet on their ways: most candidates, told from what lies in one place. The same path
-/// as in sweep_between, which is exact for the rest.
+/// Uses the same relative motion as sweep_between, which is exact for the remaining pairs.
 bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
   if (motion_.ball(first).radius_m < 0 || motion_.ball(second).radius_m < 0) return false;
   if (rows_.has_lower_id(second, first)) std::swap(first, second);
@@ -56,7 +57,8 @@ bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
   return kernel::surely_apart(path, {.center = b.end, .radius_m = b.radius_m});
 }
 
-/// A lone sphere is swept exactly past anything that does not turn.
+/// The first contact of the two motions. A lone sphere is swept exactly against anything that does not rotate; `mover`
+/// becomes the object whose motion the time refers to.
 std::optional<SweptTouch> Decisions::sweep_between(std::uint32_t first, std::uint32_t second, std::uint32_t& mover) {
   if (rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed) return std::nullopt;
   if (!motion_.turns(first) && !motion_.turns(second)) {
@@ -77,7 +79,8 @@ SweptTouch Decisions::sweep_bodies(std::uint32_t first, std::uint32_t second) {
   return touch;
 }
 
-/// The mover's path as seen from the other object, which keeps its last orientation: its displacement is taken off.
+/// Sweeps the mover's sphere relative to the other object in its last orientation: the other's displacement is
+/// subtracted.
 std::optional<SweptTouch> Decisions::sweep_sphere(std::uint32_t mover, std::uint32_t other) {
   const std::optional<Sphere>& sphere = rows_[mover].lone_sphere;
   if (!sphere) return std::nullopt;

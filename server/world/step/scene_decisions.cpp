@@ -1,3 +1,5 @@
+// Pairs of a mover and a static scene: decides all parts of the scene that the mover touches, in one walk.
+
 #include <algorithm>
 
 #include "server/world/objects/scene_touch.hpp"
@@ -28,7 +30,7 @@ void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
   if (lists_.part_touches.list().empty() && is_bare_mesh(mover)) look_for_gap(mover, scene, partner_of(scene_number));
 }
 
-/// Into part_touches: the parts that it touches where it is.
+/// Collects in part_touches the parts that the mover touches at its pose.
 void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
   const auto allowed = [&](std::uint32_t part) { return may_meet(a.info->filter, scene.parts[part].filter); };
   lists_.part_touches.clear(step_.step_options.contacts);
@@ -45,7 +47,8 @@ void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
   if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) touch_scene_with_mesh(a, scene);
 }
 
-/// Into part_sweeps: the parts that it meets on its way. Those that are not met at its end need a place in part_touches too.
+/// Collects in part_sweeps the parts that the mover meets during its motion. Parts not touched at its end need an entry
+/// in part_touches too, since decide_scene() reports from there.
 void Decisions::sweep_through(std::uint32_t mover, const StaticScene& scene) {
   lists_.part_sweeps.clear();
   if (const std::optional<MovingSphere> motion = motion_.sphere_motion(mover)) {
@@ -56,12 +59,13 @@ void Decisions::sweep_through(std::uint32_t mover, const StaticScene& scene) {
   for (const PartSweep& sweep : lists_.part_sweeps) lists_.part_touches.of(sweep.part);
 }
 
-/// Contacts that hold need no time.
+/// Only pairs without a contact need a first time.
 bool Decisions::is_sweepable(const ObjectInfo& mover, const StaticScene& scene, std::uint32_t part) const {
   const ObjectId id = scene.part_objects[part];
   return may_meet(mover.filter, scene.parts[part].filter) && !ledger_.holds(std::min(mover.id, id), std::max(mover.id, id));
 }
 
+/// The sweep of a part, begun if there is none; the reference is valid until the next call.
 SweptTouch& Decisions::part_sweep(std::uint32_t part) {
   if (lists_.part_sweeps.empty() || lists_.part_sweeps.back().part != part) {
     const auto found = std::find_if(lists_.part_sweeps.begin(), lists_.part_sweeps.end(),
@@ -91,6 +95,7 @@ void Decisions::sweep_parts(std::uint32_t mover, const StaticScene& scene) {
   };
   const SweptBody body(info, motion_.body_motion(mover));
   if (!sweep_scene(body, SweptBody(scene), sweep_options(mover), walk_, touch_of)) ++cost_.sweeps_skipped;
+  // The search numbers triangles within the scene; contacts number them within the part.
   for (PartSweep& sweep : lists_.part_sweeps) sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
 }
 

@@ -7,7 +7,7 @@
 namespace collided::engine {
 namespace {
 
-/// Of one sum of two numbers that are not negative.
+/// Covers the rounding of one sum of two non-negative numbers.
 constexpr double kRoundedUp = 1 + 0x1p-52;
 constexpr std::uint64_t kStepsBetweenLooks = 8;
 constexpr std::uint64_t kStepsKept = 256;
@@ -60,7 +60,7 @@ bool SeparationCache::holds(std::uint32_t slot, std::uint32_t partner) const {
     if (now[i].placements != pair->placements[i]) return false;
     gone_m += now[i].gone_m - pair->gone_m[i];
   }
-  // Two differences and their sum, each off by one rounding. False with anything infinite.
+  // Covers two differences and their sum, one rounding each. False where anything is infinite.
   return gone_m * (1 + kFewSlack) < pair->gap_m;
 }
 

@@ -6,43 +6,47 @@
 
 namespace collided::engine {
 
-/// Pairs that were found a gap apart, and how far their objects have gone since: until the gap is used up they cannot
-/// have met, and are not tested again. For pairs whose test is dear: meshes.
-/// A partner is an object's slot, or a number of the caller's for what does not move.
-/// One thread.
+/// Pairs found a gap apart, with how far their objects have moved since: until the gap is used up they cannot have met,
+/// and are not tested again. For pairs with expensive tests: meshes.
+/// A partner is an object's slot, or a number chosen by the caller for something that does not move.
+/// threads  one
 class SeparationCache {
  public:
-  static constexpr std::size_t kMost = 100'000;  // pairs; more are tested as if nothing were known
+  static constexpr std::size_t kMost = 100'000;  // pairs; further ones are tested every time
 
-  /// Every point of the object went at most so far in this step, metres.
+  /// Every point of the object moved by at most this in the step, metres.
   void moved(std::uint32_t slot, double at_most_m);
-  /// The object is somewhere else, or another one.
+  /// The object jumped, or the slot holds another one: nothing is known of its pairs.
   void placed(std::uint32_t slot);
-  /// Nothing is known any more.
+  /// Forgets all pairs.
   void clear();
 
-  /// Whether the two cannot have met since they were remembered, at any moment.
+  /// Whether the two cannot have met at any moment since they were remembered.
   bool holds(std::uint32_t slot, std::uint32_t partner) const;
-  /// The two are more than gap_m apart as they are now.
+  /// Remembers that the two, as they are now, are more than gap_m apart.
   void remember(std::uint32_t slot, std::uint32_t partner, double gap_m);
-  /// Whether it is worth looking for a gap: not where it was in vain a moment ago.
+  /// Whether a search for a gap is worth its cost: not soon after one in vain.
   bool is_worth_looking(std::uint32_t slot, std::uint32_t partner) const;
+  /// Records that a search found no gap; is_worth_looking() is false for the next few steps.
   void looked_in_vain(std::uint32_t slot, std::uint32_t partner);
 
-  /// Once a step; forgets pairs that nobody asked for in a while.
+  /// Once per step; forgets pairs that were not looked up in a while.
   void end_step();
   std::size_t size() const { return pairs_.size(); }
 
  private:
+  /// How far an object has moved in all; differences of two readings bound its motion between them.
   struct Odometer {
-    double gone_m = 0;             // since placed; rounded up
+    double gone_m = 0;             // metres since it was last placed; rounded up
     std::uint32_t placements = 0;
   };
+  /// What is remembered of a pair; arrays hold the lower slot first.
   struct Pair {
     double gap_m = 0;
     double gone_m[2] = {0, 0};
     std::uint32_t placements[2] = {0, 0};
-    std::uint64_t look_again = 0;  // step
+    std::uint64_t look_again = 0;  // first step in which a search is worth it again
+    // Step of the last lookup.
     mutable std::uint64_t asked = 0;
   };
 

@@ -57,7 +57,7 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
   }
 }
 
-/// Who was passed by the floor is looked at with everybody once more.
+/// Objects whose source fell behind the floor are tested against all sources again.
 void StepMotion::begin_anew(const Sources& sources) {
   for (std::uint32_t slot = 0; slot < rows_.size(); ++slot) {
     const std::uint32_t source = rows_.source(slot);
@@ -129,7 +129,7 @@ void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>&
   ball.displacement = row.frame.position - row.frame_before.position;
 }
 
-/// What is remembered of meshes hangs on how far they go; that of a placed triangle is off by a rounding at either end.
+/// The separation cache depends on how far meshes move; a placed triangle is off by a rounding at either end.
 void StepMotion::count_way(std::uint32_t slot, SeparationCache& apart) const {
   const ObjectInfo* info = rows_.info(slot);
   if (info == nullptr || !is_bare_mesh(*info)) return;

@@ -12,52 +12,56 @@
 
 namespace collided::engine {
 
-/// An object that is one sphere, between its last two poses.
+/// An object that is one sphere, between its last two poses, in world coordinates.
 struct BallMotion {
-  Vec3 start = Vec3::Zero();  // where it moved in this step
+  Vec3 start = Vec3::Zero();  // of its centre, where it moved in this step
   Vec3 end = Vec3::Zero();
-  Vec3 displacement = Vec3::Zero();  // of its frame, where it moved in this step
-  double radius_m = -1;              // negative: not one sphere
+  Vec3 displacement = Vec3::Zero();  // of its frame's origin, where it moved in this step
+  double radius_m = -1;              // negative: the object is not one sphere
 };
 
-/// When an object went to its pose; both equal: it jumped there.
+/// When an object moved to its pose, world time; both equal: it jumped there.
 struct MotionTimes {
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
 };
-/// A way begins where its object's last pose was, at the earliest where it is decided already that it rested.
-/// source  whose time the object is known by; null: the server's own
+/// A motion begins at the time of the object's last pose, but no earlier than the time up to which its rest is decided.
+///
+/// source  whose time the object has; null: the server's own
 MotionTimes motion_times(const ObjectRow& row, bool is_new, const Source* source);
-/// The way of any object; a lone sphere's is that of its centre.
+/// The motion of any object between two frames; for a lone sphere, the translation of its centre.
 BodyMotion motion_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now);
 
-/// The motion phase of a step: how each object goes from its pose before to its pose now. Writer's thread only.
-/// Always: bounds()[slot] contains the object's whole way where a sweep may be asked for it, and its end otherwise.
+/// The motion phase of a step: how each object moves from its previous pose to its new one.
+/// threads  the writer's only
+/// Always: bounds()[slot] contains the object's whole motion where it may be swept, and else its pose at the end.
 class StepMotion {
  public:
   explicit StepMotion(const ObjectRows& rows) : rows_(rows) {}
 
-  /// Of what moved; counts how far meshes went.
+  /// Takes the motions of the rows that moved; tells `apart` how far meshes moved.
   void begin_step(const Sources& sources, SeparationCache& apart);
-  /// What moved rests. floor_ns: nobody asks for what was up to then.
+  /// What moved rests again. floor_ns: no source needs an earlier time.
   void end_step(std::int64_t floor_ns);
 
   std::span<const Aabb> bounds() const { return bounds_; }
-  /// On common time; empty where every pair is decided at the step's end.
+  /// Motions on common time; empty where every pair is decided at the step's end.
   const MotionHistory& history() const { return history_; }
-  /// Something of its motion or of its beginning is not decided with everybody yet.
+  /// Its motion or its beginning is not yet decided against every source.
   bool is_open(std::uint32_t slot) const { return open_[slot] != 0; }
+  /// Objects that began after the floor; may contain one twice.
   const std::vector<std::uint32_t>& young() const { return young_; }
   bool is_any_open() const { return !young_.empty() || !history_.travelling().empty(); }
   const BallMotion& ball(std::uint32_t slot) const { return balls_[slot]; }
-  /// It went to another pose in this step, and is not a lone sphere: those are swept by themselves.
+  /// It moved to another pose in this step and is not a lone sphere; spheres have a sweep of their own.
   bool is_swept(std::uint32_t slot) const { return swept_[slot] != 0; }
+  /// It is swept and its rotation changes.
   bool turns(std::uint32_t slot) const;
-  /// The way of a lone sphere; nothing for other objects, new ones and teleported ones.
+  /// The motion of a lone sphere; nothing for other objects, new ones and teleported ones.
   std::optional<MovingSphere> sphere_motion(std::uint32_t slot) const;
-  /// The way of any object; a lone sphere's is that of its centre.
+  /// The motion of any object; for a lone sphere, the translation of its centre.
   BodyMotion body_motion(std::uint32_t slot) const;
-  /// At most how far a point within reach_m goes; 0 where there is no way.
+  /// An upper bound on how far a point within reach_m moves; 0 where the object did not move.
   double longest_displacement_m(std::uint32_t slot, double reach_m) const;
 
  private:
@@ -69,11 +73,12 @@ class StepMotion {
 
   const ObjectRows& rows_;
   std::vector<Aabb> bounds_;
-  std::vector<BallMotion> balls_;  // pairs of balls are looked at before anything else of them is
+  // a compact copy, since pairs of spheres are filtered before anything else of them is read
+  std::vector<BallMotion> balls_;
   std::vector<std::uint8_t> swept_;
   std::vector<std::uint8_t> open_;
-  std::vector<std::uint32_t> widened_;  // whose bounds hold more than where they are
-  std::vector<std::uint32_t> young_;  // began to be after what is decided with everybody; may be twice in it
+  std::vector<std::uint32_t> widened_;  // slots whose bounds hold more than their present pose
+  std::vector<std::uint32_t> young_;  // objects that began after the floor; may contain one twice
   MotionHistory history_;
 };
 
