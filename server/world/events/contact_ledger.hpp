@@ -82,7 +82,7 @@ class ContactLedger {
       }
     }
   }
-  /// Replaces the contact of one found in this step; retell_corrected() writes it into the events.
+  /// Replaces the surface of a contact found in this step; retell_corrected() writes it into the events.
   void correct(std::size_t index, const Contact& surface) { open_[index].surface = surface; }
   void retell_corrected();
   /// Orders and numbers this step's events.

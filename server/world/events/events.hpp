@@ -41,12 +41,12 @@ struct OpenContact {
   std::uint32_t b_triangle = kNoTriangle;
   std::uint64_t episode = 0;  // sequence of its `began`
   std::int64_t began_ns = 0;  // world time
-  Contact contact;            // as last computed; normal from a to b
+  Contact contact;            // as last computed: the shortest way out of the two parts named; normal from a to b
   /// The same with what several bodies form taken for one surface: at an inner edge of a tiled floor the normal is the
   /// floor's, and the depth that along it. Else the same as `contact`.
   Contact surface;
   // else whether they touch is unknown, and `contact` is empty
-  Doubt doubt = Doubt::none;  // else it is not known whether they touch, and no contact is
+  Doubt doubt = Doubt::none;
 };
 
 /// A change of one contact, or its persistence, as subscribers receive it.
